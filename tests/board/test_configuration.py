@@ -6,6 +6,7 @@ import zlib
 from dataclasses import replace
 
 import pytest
+from tests.support.link_bench import HZ, description
 
 from passo import _core
 from passo.board.configuration import checksum, commands, full_scale, queries, uart_bit_ticks
@@ -14,8 +15,6 @@ from passo.board.dictionary import Dictionary
 from passo.board.trinamic import DriverSettings
 from passo.board.words import check_words
 from passo.simulator.dictionary import compressed_dictionary
-
-from .bench import HZ, description
 
 BOARD = description()
 DICTIONARY = Dictionary.parse(compressed_dictionary(BOARD))

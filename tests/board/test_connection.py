@@ -8,6 +8,18 @@ import threading
 from dataclasses import replace
 
 import pytest
+from tests.support.link_bench import (
+    HZ,
+    MS,
+    PLANT,
+    START,
+    Bench,
+    Kind,
+    LateLink,
+    Planner,
+    description,
+    executed,
+)
 
 from passo import _core
 from passo.board.connection import Connection
@@ -17,8 +29,6 @@ from passo.board.ports import InProcess, LinkLostError, LivePort
 from passo.errors import MachineError
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
-
-from .bench import HZ, MS, PLANT, START, Bench, Kind, LateLink, Planner, description, executed
 
 
 def test_connect_identifies_configures_and_follows_the_clock():

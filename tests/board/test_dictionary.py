@@ -6,12 +6,11 @@ import zlib
 
 import pytest
 from tests.oracles import wire
+from tests.support.link_bench import description
 
 from passo import _core
 from passo.board.dictionary import Dictionary, DictionaryError, decode
 from passo.simulator.dictionary import compressed_dictionary
-
-from .bench import description
 
 DICTIONARY = Dictionary.parse(compressed_dictionary(description()))
 

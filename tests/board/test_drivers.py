@@ -7,7 +7,7 @@ from collections.abc import Container
 from dataclasses import replace
 
 import pytest
-from tests.board.bench import HZ, Bench, Kind, LateLink, description
+from tests.support.link_bench import HZ, Bench, Kind, LateLink, description
 
 from passo.board.description import Driver, SpiPins, UartPins
 from passo.board.drivers import Drivers

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from tests.support.link_bench import HZ, Bench, description
 
 from passo import _core
 from passo.board.faults import FaultKind
 from passo.errors import MachineError
-
-from .bench import HZ, Bench, description
 
 
 @pytest.mark.parametrize("pwm", [False, True])

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from tests.support.link_bench import HZ, MS, Bench, Planner, description
+
 from passo._core import LATE_S, Cause, Slack
 
-from .bench import HZ, MS, Bench, Planner, description
 from .test_link import Wire, start
 
 LATE = round(LATE_S * HZ)

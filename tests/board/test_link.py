@@ -9,12 +9,11 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.support.link_bench import HZ, MS, PLANT, Bench, Planner, description, executed
 
 from passo import _core
 from passo.board.dictionary import decode
 from passo.simulator import SimulatedBoard
-
-from .bench import HZ, MS, PLANT, Bench, Planner, description, executed
 
 Noise = Callable[[bytes, random.Random], bytes]
 

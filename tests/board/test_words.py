@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.hosts.klipper_board import dictionary
-from tests.printer.klipper_printer import machine
+from tests.support.klipper_board import dictionary
+from tests.support.klipper_printer import machine
 
 from passo.board.description import BoardDescription
 from passo.board.dictionary import Dictionary, DictionaryError

@@ -4,10 +4,9 @@ from collections.abc import Callable, Generator
 from pathlib import Path
 
 import pytest
+from tests.support.card_images import Image, Write, run
 
 from passo.card.device import Device
-
-from .images import Image, Write, run
 
 
 @pytest.fixture

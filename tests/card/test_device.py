@@ -7,13 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.support.card_devices import BlockDevice
+from tests.support.card_images import Image, code, partitioned
 
 from passo.card import FatCard, open_card
 from passo.card.device import Device
 from passo.errors import CardError
-
-from .devices import BlockDevice
-from .images import Image, code, partitioned
 
 CONTENT = random.Random(8).randbytes(1_000_003)
 HOLDS = os.O_RDWR | os.O_CLOEXEC | os.O_EXCL

@@ -5,11 +5,10 @@ import struct
 from collections.abc import Callable
 
 import pytest
+from tests.support.card_images import Image, code
 
 from passo.card import FatCard
 from passo.errors import CardError
-
-from .images import Image, code
 
 TABLE = 32 * 512
 END = 0x0FFFFFFF

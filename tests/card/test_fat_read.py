@@ -7,12 +7,11 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
+from tests.support.card_images import Image, code, partitioned, run
 
 from passo.card import FatCard, FolderCard, open_card
 from passo.card.directory import checksum
 from passo.errors import CardError
-
-from .images import Image, code, partitioned, run
 
 CONTENT = random.Random(3).randbytes(300_001)
 

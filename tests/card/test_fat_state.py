@@ -11,13 +11,12 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
+from tests.support.card_images import HARMLESS, Image, code
 
 from passo.card import FatCard
 from passo.card.boot import find_volume
 from passo.card.device import Device
 from passo.errors import CardError
-
-from .images import HARMLESS, Image, code
 
 CLEAN = 1 << 27
 FSINFO_FREE, FSINFO_NEXT = 512 + 488, 512 + 492

@@ -4,8 +4,7 @@ import random
 from collections.abc import Callable
 
 import pytest
-
-from .images import Image
+from tests.support.card_images import Image
 
 
 def test_mtools_reads_what_was_written(image: Image):

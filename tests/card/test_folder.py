@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.support.card_images import code
 
 from passo.card import FolderCard
 from passo.errors import CardError
-
-from .images import code
 
 
 @pytest.fixture

@@ -7,12 +7,11 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.support.card_images import NOON, Image
 
 from passo.card import Card, FatCard, FolderCard
 from passo.card.names import fold
 from passo.errors import CardError
-
-from .images import NOON, Image
 
 NAMES = st.sampled_from(
     ["A.G", "a.gcode", "Long name one.gcode", "long NAME two.gcode", "n" * 180 + ".g", "größe"]

@@ -1,12 +1,11 @@
 """Names, paths and 8.3 forms."""
 
 import pytest
+from tests.support.card_images import code
 
 from passo.card import names
 from passo.card.directory import checksum
 from passo.errors import CardError
-
-from .images import code
 
 
 @pytest.mark.parametrize(

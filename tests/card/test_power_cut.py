@@ -10,10 +10,9 @@ from copy import deepcopy
 from pathlib import Path
 
 import pytest
+from tests.support.card_images import HARMLESS, Image, Write
 
 from passo.card import FatCard
-
-from .images import HARMLESS, Image, Write
 
 LONGEST, OLD_LONGEST = "new" * 80, "old" * 80
 OLD, NEW = b"old " * 1500, b"new " * 2100

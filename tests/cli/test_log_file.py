@@ -11,7 +11,7 @@ import sys
 from datetime import datetime
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 import passo
 from passo.cli import log_file

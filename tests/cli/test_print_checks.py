@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 import passo
 from passo.cli.main import main

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.printer.driver_machine import DRIVERS, machine, machine_text
+from tests.support.driver_machine import DRIVERS, machine, machine_text
 
 from passo import config
 from passo.board.description import UartPins

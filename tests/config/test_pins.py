@@ -5,7 +5,7 @@ import zlib
 from pathlib import Path
 
 import pytest
-from tests.hosts.klipper_board import dictionary, on_its_pins
+from tests.support.klipper_board import dictionary, on_its_pins
 
 from passo import config
 from passo.config.board_defaults import bindings

@@ -1,7 +1,7 @@
 """M602 ends what waits for a person, M876 S what was asked; no heating, homing or dwell."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 ANSWERS = ["M602", "M876 S0", "M24"]
 

@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 COMMANDS = [
     "G28",

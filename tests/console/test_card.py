@@ -6,8 +6,8 @@ import os
 import re
 
 import pytest
-from tests.card.images import run
-from tests.console.scenario import Host, Scenario
+from tests.support.card_images import run
+from tests.support.scenario import Host, Scenario
 
 from passo.errors import CardError
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo.gcode.dialect import BY_CODE, TABLE, Kind, When
 

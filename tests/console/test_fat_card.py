@@ -5,9 +5,9 @@ import os
 import subprocess
 
 import pytest
-from tests.card.devices import BlockDevice
-from tests.card.images import ENVIRONMENT, run
-from tests.console.scenario import Scenario
+from tests.support.card_devices import BlockDevice
+from tests.support.card_images import ENVIRONMENT, run
+from tests.support.scenario import Scenario
 
 from passo.errors import CardError
 

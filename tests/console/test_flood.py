@@ -6,7 +6,7 @@ import socket
 import weakref
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.app import assembled

@@ -1,7 +1,7 @@
 """A host that goes away in the middle of something."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 
 @pytest.fixture

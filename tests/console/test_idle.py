@@ -1,6 +1,6 @@
 """What a console says of itself while its host is silent."""
 
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 
 def test_it_waits_a_second_after_the_last_ok():

@@ -4,7 +4,7 @@ or for something else."""
 import re
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.cli.main import main

@@ -5,9 +5,9 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Host, Scenario
-from tests.printer.driver_machine import machine as drivers_machine
-from tests.printer.driver_machine import machine_text
+from tests.support.driver_machine import machine as drivers_machine
+from tests.support.driver_machine import machine_text
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.console.aprinter_option_table import options

@@ -1,7 +1,7 @@
 """M999 is a wait: its `ok` comes when the printer is ready again, or has not become so."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 

@@ -1,7 +1,7 @@
 """M92 and what depends on a motor's steps for a mm: its highest speed, and corners by steps."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import config
 

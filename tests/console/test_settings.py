@@ -8,7 +8,7 @@ import zlib
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.config.load import shipped_text

@@ -2,7 +2,7 @@
 
 import re
 
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 
 def test_a_trace_is_switched_on_for_one_console():

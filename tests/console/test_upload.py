@@ -3,8 +3,8 @@
 import shutil
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.console.test_card import numbered
+from tests.support.scenario import Host, Scenario
 
 from passo.errors import CardError
 

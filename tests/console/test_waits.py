@@ -3,7 +3,7 @@
 from math import pi
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text

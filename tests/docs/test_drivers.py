@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.printer.driver_machine import DRIVERS, machine_text
+from tests.support.driver_machine import DRIVERS, machine_text
 
 from passo import config
 

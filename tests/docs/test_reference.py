@@ -158,7 +158,7 @@ def test_the_code_of_the_readme_runs(tmp_path, monkeypatch, capsys):
 
 
 def test_what_the_firmware_lacks_of_klippers_words_is_named():
-    told = json.loads((ROOT / "tests/hosts/klipper.json").read_text(encoding="utf-8"))
+    told = json.loads((ROOT / "tests/support/klipper.json").read_text(encoding="utf-8"))
     ours = {message_name(c.format) for c in gather(firmware_folder().glob("core/*.c")).commands}
     lacking = {message_name(text) for text in told["commands"]} - ours
     named = set(re.findall(r"\w+", " ".join(protocol_words.LACKING)))

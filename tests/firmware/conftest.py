@@ -1,7 +1,7 @@
 """The boards of these tests run the firmware."""
 
 import pytest
-from tests.board.bench import Kind
+from tests.support.link_bench import Kind
 
 
 @pytest.fixture(scope="module", autouse=True)

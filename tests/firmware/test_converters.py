@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 PINS = {"select": "PB4", "miso": "PE5", "mosi": "PH5", "clock": "PH6"}
 

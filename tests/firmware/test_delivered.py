@@ -4,9 +4,9 @@ acknowledgement of a commit behind which the machine stands; and what it waits f
 from __future__ import annotations
 
 import pytest
-from tests.board.bench import HZ, MS, Bench, Kind, Planner
 from tests.board.test_link import Wire
 from tests.oracles import wire as oracle
+from tests.support.link_bench import HZ, MS, Bench, Kind, Planner
 
 from passo import _core
 

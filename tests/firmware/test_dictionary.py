@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 from passo import _core
 from passo.toolchain.declarations import DeclarationError, gather

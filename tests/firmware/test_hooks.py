@@ -2,7 +2,7 @@
 
 import pytest
 from tests.firmware.library import library_with
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 from passo.simulator import dictionary
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 STATUS = ["SUCCESS", "NACK", "BUS_TIMEOUT", "START_NACK", "START_READ_NACK"]
 SCL, SDA = "PH6", "PE5"  # SDA is the bench's switch: pressed it is high

@@ -6,9 +6,9 @@ import random
 
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.board.bench import HZ
 from tests.oracles import wire
-from tests.simulator.raw import RawBoard
+from tests.support.link_bench import HZ
+from tests.support.raw_board import RawBoard
 
 from passo import _core
 

@@ -7,8 +7,8 @@ import random
 from collections import Counter
 
 import pytest
-from tests.board.bench import HZ, MS, PLANT, START, Planner, description
-from tests.board.bench import executed as steps_of
+from tests.support.link_bench import HZ, MS, PLANT, START, Planner, description
+from tests.support.link_bench import executed as steps_of
 
 from passo import _core
 from passo.board.connection import Connection

@@ -1,10 +1,10 @@
 """Passo's host on a board whose firmware speaks of analog inputs and converters in older words."""
 
 import pytest
-from tests.board.bench import Bench
-from tests.console.scenario import Scenario
 from tests.firmware.library import library_for_older_hosts
 from tests.printer.test_thermocouples import text
+from tests.support.link_bench import Bench
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.simulator import dictionary

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 CYCLE = 1000
 LONGEST = 2000  # of oid 7 in RawBoard.configure()

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 PINS = {"select": "PB4", "miso": "PE5", "mosi": "PH5", "clock": "PH6"}
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.oracles.wire import step_clocks
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 PULSE = 32  # step_pulse_ticks of RawBoard.configure()
 

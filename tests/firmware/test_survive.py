@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.oracles.wire import step_clocks
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 GUARD = 16_000_000 // 200
 STATES = ("off", "homing", "resting", "moving", "braking", "held", "lost")

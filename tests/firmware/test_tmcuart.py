@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.oracles import trinamic
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 from passo import _core
 

@@ -1,6 +1,6 @@
 """A group of motors that stop together, started anew while it waits."""
 
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 
 def states(said: list) -> list[tuple[int, int, int]]:

@@ -1,7 +1,7 @@
 """When who waits for a temperature goes on: not before it has stayed there."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.errors import ConfigError

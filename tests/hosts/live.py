@@ -10,9 +10,9 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from tests.console.scenario import Host, Scenario
 from tests.hosts.cable import Cable
 from tests.hosts.served import free_port
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.config.machine import MachineConfig

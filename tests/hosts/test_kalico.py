@@ -21,7 +21,7 @@ from tests.firmware.simavr.host import Hotend
 from tests.hosts.boards import AvrOnPty, Moved, ProcessBoard, PtyBoard
 from tests.hosts.kalico import Kalico
 from tests.hosts.shared_clock import SharedClock, SharedLine
-from tests.printer.driver_machine import machine_text
+from tests.support.driver_machine import machine_text
 
 from passo import config
 from passo.board.trinamic import registers as r

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 from tests.config.test_pins import KLIPPER
-from tests.console.scenario import Scenario
-from tests.hosts.klipper_board import KlipperBoard, dictionary, on_its_pins
+from tests.support.klipper_board import KlipperBoard, dictionary, on_its_pins
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.config.machine import MachineConfig

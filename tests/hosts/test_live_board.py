@@ -8,7 +8,6 @@ import socket
 from collections.abc import Iterator
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.hosts.cable import Cable, TcpCable
 from tests.hosts.live import (
     MACHINE,
@@ -20,6 +19,7 @@ from tests.hosts.live import (
     stall,
     zigzag,
 )
+from tests.support.scenario import Host, Scenario
 
 from passo._core import Cause, make_frame
 from passo.board.connection import Connection

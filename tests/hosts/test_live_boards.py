@@ -8,10 +8,10 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.hosts.cable import Cable
 from tests.hosts.live import ZIGZAG_STEPS, ends, net_steps, stall, zigzag
-from tests.job.two_boards import two_boards
+from tests.support.scenario import Scenario
+from tests.support.two_boards import two_boards
 
 from passo.config.machine import MachineConfig
 

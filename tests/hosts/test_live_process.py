@@ -8,9 +8,9 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.hosts.cable import Cable
 from tests.hosts.live import RUNS_FIRMWARE, Program, machine_file, net_steps, on, wait_for
+from tests.support.scenario import Scenario
 
 from passo.cli.main import main
 

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.printer.waits import NEAR_C, WAITS, Waits, machine
+from tests.support.scenario import Scenario
+from tests.support.waits import NEAR_C, WAITS, Waits, machine
 
 from passo.app import assembled
 from passo.clock import ScaledLoop

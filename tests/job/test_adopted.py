@@ -6,9 +6,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_journal import journal_of
-from tests.job.two_boards import one_board
+from tests.support.scenario import Scenario
+from tests.support.two_boards import one_board
 
 from passo.board.ports import InProcess
 from passo.printer.setup import boards as wiring

@@ -4,8 +4,8 @@ anything."""
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_lost_link import FIRMWARE, break_link
+from tests.support.scenario import Scenario
 
 from passo.board.boards import Boards
 from passo.board.connection import Connection

@@ -1,7 +1,7 @@
 """A file that was stopped by one of its lines goes on behind it: no line is left out."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo.job.live.journal import Journal
 

@@ -1,7 +1,7 @@
 """A motor that homing has stopped gets its clock anew, even if a cut came before its first step."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 PROGRAM = "G28\nG1 Z30 F300\nG1 X50 F6000\nG1 X60\nM400\n"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 TINY = "G1 X97.767 Y171.872 F6000\nG2 X97.766 Y171.871 I-0 J-0 E0.00007\nG1 X100 Y171.871 E0.1\n"
 

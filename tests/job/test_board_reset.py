@@ -2,11 +2,11 @@
 struck."""
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job import test_place_lost
-from tests.job.disturbed import reset
 from tests.job.test_lost_link import FIRMWARE
-from tests.job.two_boards import two_boards
+from tests.support.disturbed_prints import reset
+from tests.support.scenario import Scenario
+from tests.support.two_boards import two_boards
 
 from passo.config.pin_names import MAIN
 

@@ -6,7 +6,7 @@ import re
 from importlib.resources import files
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.cli.main import main

@@ -1,8 +1,8 @@
 """M600 and M601 of a console in the pause of a file, which stays paused until M24."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.job.test_host_pause import PLACE, actions, at, parking, way
+from tests.support.scenario import Host, Scenario
 
 TURNS = [f"G1 X{50 + 20 * (i % 2)} Y{40 + i} E0.1 F1500" for i in range(30)]
 PROGRAM = "\n".join(["G92 X20 Y20 Z20", "M83", "M302 P1", "G1 X50 Y40 F6000", *TURNS, "G1 X33 Y44"])

@@ -7,8 +7,8 @@ import shutil
 from bisect import bisect_right
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_journal import journal_of
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.job.live.journal_keeper import EVERY_S

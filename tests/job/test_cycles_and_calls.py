@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 HOLES = [(10 * i, 10 * j) for j in (1, 2) for i in (1, 2, 3)]
 CYCLE = (

@@ -3,8 +3,8 @@
 import random
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import disturb, shift_by_babysteps, steps, undisturbed
+from tests.support.disturbed_prints import disturb, shift_by_babysteps, steps, undisturbed
+from tests.support.scenario import Scenario
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ import random
 from functools import partial
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import disturb, shift_by_babysteps, steps, undisturbed
-from tests.job.two_boards import two_boards
+from tests.support.disturbed_prints import disturb, shift_by_babysteps, steps, undisturbed
+from tests.support.scenario import Scenario
+from tests.support.two_boards import two_boards
 
 from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.config.machine import MachineConfig

@@ -1,7 +1,7 @@
 """What people do to a print at the worst moment, and where the printer is afterwards."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 HEAD = "M302 P1\nG28\nG92 E0\n"
 WAYS = "".join(f"G1 X{20 + i % 2 * 60} Y{20 + i} Z1 E{i / 5} F3000\n" for i in range(40))

@@ -1,7 +1,7 @@
 """Each transition of a print's state, by the commands of a host, and no other one."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo.job.live.job_state import TRANSITIONS, JobState
 

@@ -7,7 +7,7 @@ import stat
 from dataclasses import replace
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo.job.live.journal import Journal, Moment, Program
 

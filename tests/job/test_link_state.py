@@ -1,10 +1,10 @@
 """Each transition of the links' state, by what happens to the boards, and no other one."""
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import reset
 from tests.job.test_lost_link import FIRMWARE, break_link
 from tests.job.test_place_lost import turned_by_hand
+from tests.support.disturbed_prints import reset
+from tests.support.scenario import Scenario
 
 from passo.errors import MachineError
 from passo.printer.recovery.link_state import TRANSITIONS, LinkState

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 

@@ -6,11 +6,11 @@ from array import array
 from functools import partial
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import disturb, steps
-from tests.job.disturbed import undisturbed as printed_whole
 from tests.job.test_lost_link import FIRMWARE
-from tests.job.two_boards import two_boards
+from tests.support.disturbed_prints import disturb, steps
+from tests.support.disturbed_prints import undisturbed as printed_whole
+from tests.support.scenario import Scenario
+from tests.support.two_boards import two_boards
 
 from passo import _core
 from passo.board.connection import Connection

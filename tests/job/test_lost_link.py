@@ -3,8 +3,8 @@
 import random
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import disturb, spiral, steps, undisturbed
+from tests.support.disturbed_prints import disturb, spiral, steps, undisturbed
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.errors import MachineError

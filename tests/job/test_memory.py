@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import Machine, config
 from passo.errors import PassoError

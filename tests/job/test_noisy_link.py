@@ -4,9 +4,9 @@ import random
 from functools import partial
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import spiral, steps, undisturbed
 from tests.job.test_lost_link import FIRMWARE
+from tests.support.disturbed_prints import spiral, steps, undisturbed
+from tests.support.scenario import Scenario
 
 from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable

@@ -1,7 +1,7 @@
 """Where limits and the feed rate override act: in their place in a program, at once from beside."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 SLOWLY = "G92 X20 Y20 Z20\nG1 X120 F3000\nM220 S50\nG1 X20\nM220 S100\n"
 

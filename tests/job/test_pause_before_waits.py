@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 HOME = ["G28", "G1 X10 Y100 Z20 F6000", "M400"]
 MOVES = "G1 X60 F600\nG1 X100\n"

@@ -4,9 +4,9 @@ so, and the print goes on once its axes are home."""
 from contextlib import contextmanager
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import reset, spiral
 from tests.job.test_lost_link import FIRMWARE, break_link
+from tests.support.disturbed_prints import reset, spiral
+from tests.support.scenario import Scenario
 
 from passo.errors import MachineError
 

@@ -4,8 +4,8 @@ import math
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_journal import WALL, journal_of
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.job.live.journal import Journal, Moment, Program

@@ -4,8 +4,8 @@ import errno
 import os
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.job.test_journal import WALL
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.errors import CardError

@@ -1,7 +1,7 @@
 """The scales of motors stay as they are while moves of a paused print are counted in them."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 TURNS = "".join(f"G1 X{50 + i % 2 * 5} Y{50 + i * 0.05:g} E0.1 F1500\n" for i in range(100))
 PROGRAM = f"G92 X20 Y20 Z20\nM83\nM302 P1\nG1 X50 Y50 F6000\n{TURNS}G1 X33 Y44 F6000\n"

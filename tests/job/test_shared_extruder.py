@@ -4,8 +4,8 @@ however far the file was read ahead."""
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import steps
+from tests.support.disturbed_prints import steps
+from tests.support.scenario import Scenario
 
 from passo import _core, config
 from passo.config.machine import MachineConfig

@@ -4,8 +4,8 @@ import random
 from functools import partial
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_journal import WALL, journal_of
+from tests.support.scenario import Scenario
 
 from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable

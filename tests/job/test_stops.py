@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Host, Scenario
-from tests.job.disturbed import steps
+from tests.support.disturbed_prints import steps
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 

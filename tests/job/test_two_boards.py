@@ -4,7 +4,7 @@ import math
 import random
 
 import pytest
-from tests.job.two_boards import demo, one_board, printed, two_boards
+from tests.support.two_boards import demo, one_board, printed, two_boards
 
 from passo.printer.setup.boards import board_description
 from passo.simulator import Cable

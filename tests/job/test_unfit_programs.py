@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo.printer.unfit_commands import Skips
 

@@ -1,7 +1,7 @@
 """The end of a pause: the way back, or the print stays paused and says why there is none."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 

@@ -7,11 +7,11 @@ from math import comb
 from random import Random
 
 import pytest
-from tests.board.bench import Bench, Planner, executed
 from tests.geometry.test_kernels import CASES
 from tests.geometry.test_kernels import machine as kernel
 from tests.oracles import motion as oracle
 from tests.oracles import pieces
+from tests.support.link_bench import Bench, Planner, executed
 
 from passo import _core
 from passo._core import Motion

@@ -3,8 +3,8 @@
 from functools import partial
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.two_boards import two_boards
+from tests.support.scenario import Scenario
+from tests.support.two_boards import two_boards
 
 from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable

@@ -4,7 +4,7 @@ import random
 import re
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo.motion.motion_queue import BUFFER_S, GATHER_S, HORIZON_S, LEAD_S
 

@@ -6,11 +6,11 @@ import random
 from functools import partial
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import spiral
 from tests.job.test_lost_link import FIRMWARE, break_link
 from tests.job.test_noisy_link import CABLE, noisy
-from tests.printer.driver_machine import DRIVERS, machine, machine_text
+from tests.support.disturbed_prints import spiral
+from tests.support.driver_machine import DRIVERS, machine, machine_text
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.board.ports import in_process

@@ -4,7 +4,7 @@ import re
 from array import array
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 
 @pytest.fixture

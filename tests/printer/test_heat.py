@@ -1,7 +1,7 @@
 """Temperatures on a console: set-points, waits, faults and what they stop."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.config.load import shipped_text

@@ -1,7 +1,7 @@
 """H of M301 to M307 and T of reports: hotends are numbered as the tools that they serve."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.config.heater_numbers import number_of

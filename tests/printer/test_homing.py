@@ -1,7 +1,7 @@
 """Axes find their switches on the simulated mechanics, or say why they did not."""
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text

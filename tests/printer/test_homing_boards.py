@@ -3,7 +3,7 @@
 from functools import partial
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo.config.load import load_text, shipped_text
 from passo.printer.setup.boards import connect_simulated

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_lost_link import break_link
-from tests.job.two_boards import printed as printed_on
-from tests.job.two_boards import two_boards
+from tests.support.scenario import Scenario
+from tests.support.two_boards import printed as printed_on
+from tests.support.two_boards import two_boards
 
 from passo import config
 from passo.config.load import shipped_text

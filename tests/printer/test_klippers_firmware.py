@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.hosts.klipper_board import dictionary
-from tests.printer.klipper_printer import STEPS_PER_MM, Board, Port, connected, machine
+from tests.support.klipper_board import dictionary
+from tests.support.klipper_printer import STEPS_PER_MM, Board, Port, connected, machine
+from tests.support.scenario import Scenario
 
 from passo import _core
 from passo.board.trinamic import registers as r

@@ -6,7 +6,7 @@ import itertools
 import random
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 FULL_S = 1000.0
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.printer.test_laser import Beam, energy_s, finish
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.config.load import shipped_text

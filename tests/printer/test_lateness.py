@@ -6,8 +6,8 @@ import re
 from random import Random
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.disturbed import steps
+from tests.support.disturbed_prints import steps
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo._core import Link, Stop

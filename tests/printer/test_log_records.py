@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_lost_link import FIRMWARE, break_link
+from tests.support.scenario import Scenario
 
 from passo.board.fault_injection import FaultOrder
 

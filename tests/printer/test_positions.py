@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 
 def numbers(line):

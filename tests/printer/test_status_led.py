@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.two_boards import two_boards
+from tests.support.scenario import Scenario
+from tests.support.two_boards import two_boards
 
 from passo import config
 from passo.config.load import shipped_text

@@ -5,9 +5,9 @@ import json
 import re
 
 import pytest
-from tests.console.scenario import Scenario
 from tests.job.test_lost_boards import scenario
 from tests.job.test_lost_link import FIRMWARE, break_link
+from tests.support.scenario import Scenario
 
 from passo.config.pin_names import MAIN
 from passo.errors import MachineError

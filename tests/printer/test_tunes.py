@@ -4,7 +4,7 @@ import re
 import tomllib
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text

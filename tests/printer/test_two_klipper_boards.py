@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 from tests.config.test_pins import KLIPPER
-from tests.console.scenario import Scenario
-from tests.hosts.klipper_board import dictionary
-from tests.printer.klipper_printer import STEPS_PER_MM, Board, Port, connected
+from tests.support.klipper_board import dictionary
+from tests.support.klipper_printer import STEPS_PER_MM, Board, Port, connected
+from tests.support.scenario import Scenario
 
 from passo import config
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Host, Scenario
-from tests.printer.waits import NEAR_C, WAITS, machine
+from tests.support.scenario import Host, Scenario
+from tests.support.waits import NEAR_C, WAITS, machine
 
 from passo.job.live import journal_keeper
 from passo.job.live.journal import Journal

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 
 @pytest.fixture(params=["i3", "delta"])

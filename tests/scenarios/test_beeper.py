@@ -4,8 +4,8 @@ from array import array
 from itertools import pairwise
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.job.test_adopted import killed
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.board.ports import InProcess

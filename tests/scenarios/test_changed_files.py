@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.support.scenario import Host, Scenario
 
 MOVES = 3000
 WAY = "".join(f"G1 X{20 + i % 100} F6000 ; move {i:30}\n" for i in range(MOVES))

@@ -4,8 +4,8 @@ import json
 import re
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.printer.test_homing import dual_scara
+from tests.support.scenario import Host, Scenario
 
 import passo
 from passo import config

@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.job.test_journal import journal_of
+from tests.support.scenario import Host, Scenario
 
 HEAD = "M302 P1\nG28\nG92 E0\nM83\nG1 X20 Y20 Z5 F6000\n"
 LEG_MM, LEGS = 2.0, 6

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 import pytest
-from tests.console.scenario import Host, Scenario
 from tests.console.test_protocol import checked
+from tests.support.scenario import Host, Scenario
 
 MINUTE_S = 60.0
 OPEN = 1.0

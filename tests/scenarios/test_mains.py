@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.printer.driver_machine import machine_text
+from tests.support.driver_machine import machine_text
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.errors import ConfigError

@@ -1,7 +1,7 @@
 """Programs on the card that are not as they should be."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 
 def printing(tmp_path, text):

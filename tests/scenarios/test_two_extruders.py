@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 
 import pytest
-from tests.console.scenario import Host, Scenario
-from tests.job.disturbed import steps
 from tests.scenarios.test_extruder_axes import text as extruder_axes
+from tests.support.disturbed_prints import steps
+from tests.support.scenario import Host, Scenario
 
 from passo import config
 from passo.config.machine import MachineConfig

@@ -1,7 +1,7 @@
 """Every test of the simulated board runs on both of its kinds: the model and the firmware."""
 
 import pytest
-from tests.board.bench import Kind
+from tests.support.link_bench import Kind
 
 
 @pytest.fixture(scope="module", params=["virtual", "passo"], autouse=True)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.board.bench import HZ, START, Bench
 from tests.oracles import wire
+from tests.support.link_bench import HZ, START, Bench
+from tests.support.raw_board import RawBoard
 
 from passo import _core
-
-from .raw import RawBoard
 
 
 def acknowledgement(sequence: int) -> bytes:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from tests.console.scenario import Scenario
-from tests.job.two_boards import two_boards
+from tests.support.scenario import Scenario
+from tests.support.two_boards import two_boards
 
 import passo
 from passo import config

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.oracles.wire import step_clocks
-
-from .raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 command = st.tuples(
     st.booleans(), st.integers(2000, 70_000), st.integers(1, 60), st.integers(-30, 30)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import pytest
-
-from .raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 FIRST = "queue_step oid=0 interval=1000 count=10 add=0"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 from passo import _core
 

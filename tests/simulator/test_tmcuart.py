@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from tests.oracles import trinamic
-from tests.simulator.raw import RawBoard
+from tests.support.raw_board import RawBoard
 
 from passo import _core
 

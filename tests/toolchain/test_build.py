@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.hosts.klipper_board import DICTIONARY
+from tests.support.klipper_board import DICTIONARY
 
 from passo import config
 from passo.cli.main import main

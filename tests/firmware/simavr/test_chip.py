@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from tests.board.bench import TABLE
+from tests.support.link_bench import TABLE
 
 from passo import _core, config
 from passo.board.boards import Boards

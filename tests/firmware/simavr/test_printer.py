@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.board.bench import TABLE, Planner
+from tests.support.link_bench import TABLE, Planner
 
 from passo import _core
 from passo.board.boards import Boards

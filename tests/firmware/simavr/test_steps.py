@@ -7,7 +7,7 @@ from itertools import pairwise
 from random import Random
 
 import pytest
-from tests.board.bench import Planner
+from tests.support.link_bench import Planner
 
 from passo.board.boards import Boards
 from passo.board.description import BoardDescription, Endstop, Stepper

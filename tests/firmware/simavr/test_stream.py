@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.board.bench import PID, TABLE, Planner
+from tests.support.link_bench import PID, TABLE, Planner
 
 from passo import config
 from passo.board.description import BoardDescription, Heater, Output, Sensor, Stepper

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 import pytest
-from tests.board.bench import Planner
 from tests.oracles import trinamic
+from tests.support.link_bench import Planner
 
 from passo.board.configuration import Oids, uart_bit_ticks
 from passo.board.description import BoardDescription, Driver, Stepper, UartPins

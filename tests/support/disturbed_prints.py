@@ -3,7 +3,7 @@
 import math
 import random
 
-from tests.console.scenario import Scenario
+from tests.support.scenario import Scenario
 
 from passo import _core
 from passo.config.pin_names import MAIN

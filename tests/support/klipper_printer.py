@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from tests.config.test_pins import KLIPPER
-from tests.hosts.klipper_board import on_its_pins
 from tests.oracles.klipper_mcu import KlipperMcu
 from tests.oracles.trinamic_chip import Chip
+from tests.support.klipper_board import on_its_pins
 
 from passo import _core, config
 from passo.config.machine import MachineConfig

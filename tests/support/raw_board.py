@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tests.board.bench import PLANT, START, Kind, description
 from tests.oracles import wire
+from tests.support.link_bench import PLANT, START, Kind, description
 
 from passo import _core
 from passo.board.dictionary import Dictionary
