@@ -62,7 +62,7 @@ def test_virtual_time_stands_while_there_is_something_to_do(virtual):
     assert virtual.run_until_complete(busy()) == 0.0
 
 
-def test_what_can_be_read_comes_before_time_in_virtual_time(virtual):
+def test_readable_data_comes_before_virtual_time(virtual):
     near, far = socket.socketpair()
 
     async def read():

@@ -30,7 +30,7 @@ DICTIONARY = Dictionary.parse(compressed_dictionary(BOARD))
         ({"outputs": (Output("hotend", "PB4"),)}, "needs a maximum duration"),
     ],
 )
-def test_what_no_board_could_be_wired_like_is_refused(change, says):
+def test_impossible_wiring_is_refused(change, says):
     with pytest.raises(ValueError, match=says):
         replace(BOARD, **change)
 

@@ -43,7 +43,7 @@ def test_connect_identifies_configures_and_follows_the_clock():
     assert (state["is_config"], state["is_shutdown"]) == (1, 0)
 
 
-def test_a_board_that_cannot_stop_by_itself_is_refused_where_the_plan_counts_on_it():
+def test_firmware_without_survive_is_refused_if_expected():
     with pytest.raises(MachineError) as error:
         Bench(replace(description(), survives=True))
     assert str(error.value) == (
@@ -54,7 +54,7 @@ def test_a_board_that_cannot_stop_by_itself_is_refused_where_the_plan_counts_on_
     assert error.value.status == 5
 
 
-def test_a_board_that_can_is_refused_where_the_plan_does_not_count_on_it(monkeypatch):
+def test_firmware_with_survive_is_refused_if_not_expected(monkeypatch):
     monkeypatch.setattr(Kind, "firmware", "passo")
     with pytest.raises(MachineError, match="it runs Passo's firmware, and is taken to run Klipper"):
         Bench(replace(description(), survives=False))
@@ -129,7 +129,7 @@ def test_a_board_that_is_configured_otherwise_is_reset():
     assert second.ask("get_config", "config")["is_config"] == 1
 
 
-def test_a_board_that_has_shut_down_says_why_in_place_of_an_answer():
+def test_shut_down_board_answers_with_its_reason():
     bench = Bench()
     bench.connection.command("emergency_stop")
     with pytest.raises(MachineError, match="shut down: Command request"):
@@ -146,7 +146,7 @@ def test_a_board_that_is_shut_down_is_reset():
 
 
 @pytest.mark.parametrize("ms", [0, 5, 18, 30])
-def test_what_another_link_has_sent_and_is_still_on_its_way_does_not_mislead(ms):
+def test_late_bytes_of_another_link_do_not_mislead(ms):
     bench = Bench()
     late = _core.Distant(bench.device, 0, 0.0, 10 * MS, 2 * MS, 1)
     port = InProcess(late, START)
@@ -168,7 +168,7 @@ def test_a_board_without_a_dictionary_is_refused():
         connection.connect()
 
 
-def test_a_board_that_counts_otherwise_than_its_file_says_is_refused():
+def test_board_with_another_clock_frequency_is_refused():
     bench = Bench()
     other = replace(description(), clock_hz=HZ * 5 // 4)
     connection = Connection(other, InProcess(bench.device))

@@ -83,7 +83,7 @@ def test_values_follow_the_declaration():
         ("get_clock now", "'now'"),
     ],
 )
-def test_what_the_board_does_not_know_is_refused(text, says):
+def test_unknown_messages_and_names_are_refused(text, says):
     with pytest.raises(DictionaryError, match=says):
         DICTIONARY.values(text)
 

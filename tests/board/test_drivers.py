@@ -150,7 +150,7 @@ def test_nobody_answers(chip: ChipName):
     assert ("PG0" if chip in ("TMC2208", "TMC2209") else "PG2") in str(drivers.states["x"].failure)
 
 
-def test_who_needs_them_all_hears_of_each_that_fails():
+def test_require_reports_each_driver_that_fails():
     made, drivers = bench("TMC2209", "TMC2209")
     drivers.require()
     for chip in made.simulated.drivers.values():
@@ -211,7 +211,7 @@ def test_status_is_asked_while_time_passes(chip: ChipName):
 
 
 @pytest.mark.parametrize("chip", ["TMC2208", "TMC2209"])
-def test_patience_is_of_the_time_that_passes_on_a_slow_board_beside_a_fast_one_too(chip: ChipName):
+def test_timeout_counts_time_of_slow_board_with_fast_one(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
     # Time is told by the main board's clock, here eleven times as fast.
@@ -225,7 +225,7 @@ def test_patience_is_of_the_time_that_passes_on_a_slow_board_beside_a_fast_one_t
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_a_driver_that_is_pulled_out_is_noticed_and_set_up_when_it_is_back(chip: ChipName):
+def test_unplugged_driver_is_set_up_when_it_is_back(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
     simulated = made.simulated.drivers["x"]

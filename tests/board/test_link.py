@@ -286,7 +286,7 @@ class Asleep(Wire):
 
 
 @pytest.mark.parametrize("slept_s", [10, 130, 150, 260, 280, 5000])
-def test_behind_a_hosts_sleep_its_idea_of_the_boards_clock_goes_on_forward(slept_s):
+def test_board_clock_does_not_run_back_after_host_sleep(slept_s):
     """By as much as 32 bits tell."""
     bench = Bench()
     wire = Asleep(bench, MS // 3, slept_s)
@@ -306,7 +306,7 @@ def test_behind_a_hosts_sleep_its_idea_of_the_boards_clock_goes_on_forward(slept
     ("wire_of", "rate", "seconds"),
     [(Warming, 33e-9 / HZ, 300), (Stopped, 1.0, 33)],  # 10 ppm in five minutes
 )
-def test_what_was_once_true_of_a_clock_is_forgotten(wire_of, rate, seconds):
+def test_old_clock_samples_are_forgotten(wire_of, rate, seconds):
     bench = Bench()
     wire = wire_of(bench, MS // 3, rate)
     d = bench.connection.dictionary
@@ -333,7 +333,7 @@ def test_an_answer_on_a_slow_line_is_longer_than_the_question(known, least_us, m
     assert least_us <= abs(off_us) <= most_us
 
 
-def test_a_silent_board_is_reported_and_asked_with_growing_patience():
+def test_silent_board_is_reported_and_asked_less_often():
     bench = Bench()
     wire = Wire(bench)
     wire.spoil = lambda data: b""
@@ -377,7 +377,7 @@ def test_a_frame_lost_so_often_in_a_row_still_comes_in_time(times, loss, byte):
     assert_executed(bench, plan, base)
 
 
-def test_what_waits_for_a_slow_line_is_not_repeated():
+def test_frames_that_wait_for_slow_line_are_not_repeated():
     bench = Bench()
     bench.link.set_byte_ticks(16_000)  # 1 ms a byte: a full frame takes 64 ms
     wire = Wire(bench, byte=16_000)
@@ -421,7 +421,7 @@ def test_answers_that_are_lost_are_not_taken_for_a_long_trip():
 
 @pytest.mark.parametrize("lost", ("orders", "answers"))
 @pytest.mark.parametrize("share", (0.0, 0.5, 0.9, 1.0))
-def test_an_emergency_stop_takes_the_place_of_all_that_waits_to_be_acknowledged(lost, share):
+def test_emergency_stop_replaces_unacknowledged_frames(lost, share):
     """Whether the board has had that or not: it had all that came, and some answers were lost."""
     bench, rng = Bench(), random.Random(1)
     wire = Wire(bench, delay=MS // 4)
@@ -457,7 +457,7 @@ def test_an_emergency_stop_comes_through_noise_at_once(seed):
     assert wire.now - begin < 1000 * MS
 
 
-def test_an_emergency_stop_is_the_first_that_a_board_hears_after_a_lost_link():
+def test_emergency_stop_is_first_after_lost_link():
     """It counts from elsewhere; what it may be told by then is not known to be the stop."""
     bench = Bench()
     wire = Wire(bench, delay=MS // 4)
@@ -491,7 +491,7 @@ def test_messages_not_yet_sent_can_be_revoked():
     assert bench.simulated.net_steps("x") == 501
 
 
-def test_words_for_a_pin_keep_their_order_where_the_end_of_a_kick_is_late():
+def test_pin_commands_keep_order_when_kickstart_ends_late():
     bench = Bench()
     (fan, *_) = bench.board.output_targets
     bench.link.set_kick(fan, 3 * HZ // 10, HZ // 100, HZ)

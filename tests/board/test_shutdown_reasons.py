@@ -35,7 +35,7 @@ def test_late_commands_are_explained_by_a_slow_computer(reason):
         ("anything else", "Remove the cause, then start again or send M999."),
     ],
 )
-def test_other_reasons_say_what_to_do(reason, says):
+def test_unknown_reasons_have_an_action(reason, says):
     text = str(shutdown_error(reason, reason, 1.0))
     assert text.startswith(f"the board shut down: {reason}. {says}")
     assert text.endswith("send M999.")

@@ -105,9 +105,7 @@ def test_a_report_may_tell_more_and_a_command_must_not_ask_more(
         check_words(board, parsed(told, commands, reports))
 
 
-def test_what_the_board_has_no_part_for_it_need_not_know(
-    told: dict, board: BoardDescription
-) -> None:
+def test_messages_for_missing_parts_are_not_required(told: dict, board: BoardDescription) -> None:
     bare = replace(
         board, steppers=(), sensors=(), outputs=(), endstops=(), heaters=(), drivers=(), settings=()
     )

@@ -25,7 +25,7 @@ def refused(path: Path) -> CardError:
 
 
 @pytest.mark.parametrize("entries", [[], [(0x0C, 2048, 68_000)]], ids=["whole", "partition"])
-def test_mtools_and_a_block_device_read_what_the_other_has_written(
+def test_block_device_and_mtools_read_each_other(
     make_image: Callable[..., Image],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -77,9 +77,7 @@ def test_mtools_and_a_block_device_read_what_the_other_has_written(
     image.check()
 
 
-def test_a_block_device_is_not_used_while_it_is_mounted_or_a_card(
-    small: Image, monkeypatch: pytest.MonkeyPatch
-):
+def test_block_device_in_use_is_refused(small: Image, monkeypatch: pytest.MonkeyPatch):
     shown = BlockDevice(small.path, monkeypatch)
     mounted = os.open(small.path, os.O_RDONLY | os.O_EXCL)
     for _ in range(2):

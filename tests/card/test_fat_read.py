@@ -167,7 +167,7 @@ def test_exfat_is_named(small: Image):
     assert refused(small.path)["value"] == "exFAT"
 
 
-def test_what_a_path_is(tmp_path: Path, small: Image):
+def test_path_forms(tmp_path: Path, small: Image):
     assert isinstance(open_card(tmp_path), FolderCard)
     assert isinstance(open_card(small.path), FatCard)
     for path in ("/dev/null", tmp_path / "nothing"):

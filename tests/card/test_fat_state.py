@@ -157,7 +157,7 @@ def test_a_file_that_is_open_stays(small: Image):
     small.check()
 
 
-def test_what_is_refused(small: Image):
+def test_unfit_images_are_refused(small: Image):
     card = small.card()
     card.make_directory("dir")
     write(card, "file.g", b"")

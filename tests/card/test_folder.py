@@ -20,7 +20,7 @@ def card(tmp_path: Path) -> FolderCard:
     return FolderCard(folder)
 
 
-def test_what_is_written_is_there_after_close_and_not_before(card: FolderCard, tmp_path: Path):
+def test_written_file_appears_at_close(card: FolderCard, tmp_path: Path):
     writer = card.create("/Benchy.gcode")
     assert writer.write(b"G28\n") == 4
     assert card.list() == []
@@ -84,7 +84,7 @@ def test_a_power_cut_leaves_the_old_file(card: FolderCard, tmp_path: Path):
     assert [path.name for path in (tmp_path / "card").iterdir()] == ["a.g"]
 
 
-def test_what_a_power_cut_left_is_overwritten(card: FolderCard, tmp_path: Path):
+def test_leftover_of_power_cut_is_overwritten(card: FolderCard, tmp_path: Path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "unlink", lambda *_, **__: None)
         writer = card.create("a.g")
@@ -150,7 +150,7 @@ def test_a_host_that_fails(
     assert (tmp_path / "card/a.g").read_bytes() == b"old"
 
 
-def test_what_is_refused(card: FolderCard, tmp_path: Path):
+def test_unfit_paths_are_refused(card: FolderCard, tmp_path: Path):
     card.make_directory("dir")
     with card.create("file.g") as writer:
         writer.write(b"G28")

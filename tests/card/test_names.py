@@ -61,7 +61,7 @@ def test_letters_and_their_accents_compare_as_one():
     assert names.stable_short_name(apart, ()) == names.stable_short_name("Größe é.gcode", ())
 
 
-def test_names_without_a_letter_of_ascii_have_short_names_of_their_own():
+def test_names_without_ascii_get_distinct_short_names():
     short = [
         names.stable_short_name(f"{name}.gcode", ()) for name in ("日本語", "中国語", "한국어")
     ]

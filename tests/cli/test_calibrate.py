@@ -84,7 +84,7 @@ def test_the_guide_says_how_each_heater_is_heated(
         (["--points", "200:169", "180:177"], 4, "169 °C where 200 °C is shown is no more than the"),
     ],
 )
-def test_what_is_refused(capsys, words, status, says):
+def test_wrong_options_are_refused(capsys, words, status, says):
     assert main(["calibrate", "thermistor", *words]) == status
     assert says in capsys.readouterr().err
 
@@ -121,7 +121,7 @@ def test_a_wrong_answer_can_be_taken_back(capsys, monkeypatch):
     assert out.count("M104 S160,") == 5
 
 
-def test_who_is_cut_off_goes_on_where_it_was(capsys, monkeypatch, tmp_path):
+def test_interrupted_calibration_continues(capsys, monkeypatch, tmp_path):
     whole = "150\n168\nb\n169\n\n204\n222\n" + 9 * "\n" + "155\n"
     assert guide(monkeypatch, whole) == 0
     wanted = capsys.readouterr().out
@@ -174,7 +174,7 @@ def test_all_is_forgotten_at_the_end(capsys, monkeypatch, tmp_path):
     assert capsys.readouterr().out.count("To use the fit") == 2
 
 
-def test_other_answers_are_not_taken(capsys, monkeypatch, tmp_path):
+def test_stored_answers_of_another_run_are_refused(capsys, monkeypatch, tmp_path):
     assert guide(monkeypatch, "150\n") == 0
     assert guide(monkeypatch, "150\n", "--beta", "4000") == 4
     told = capsys.readouterr().err

@@ -152,7 +152,7 @@ def test_a_log_that_cannot_be_opened_is_one_sentence(capsys, words, sentence):
     assert capsys.readouterr().err == f"passo serve: error: {sentence}\n"
 
 
-def test_levels_and_handlers_are_as_before_when_the_log_is_closed(tmp_path):
+def test_closed_log_restores_levels_and_handlers(tmp_path):
     loggers = [logging.getLogger(name) for name in ("passo", "asyncio")]
     before = [(logger.level, list(logger.handlers)) for logger in loggers]
     with LogFile(str(tmp_path / "log"), "text", "debug"):

@@ -62,7 +62,7 @@ def test_steps_tells_what_print_warns_of(capsys, tmp_path):
 
 
 @pytest.mark.parametrize("time", ["-1", "nan", "inf", "1e9", "", "5s", "-0.001"])
-def test_what_is_no_time_is_named(capsys, short, tmp_path, time):
+def test_wrong_times_are_named(capsys, short, tmp_path, time):
     output = tmp_path / "a.npz"
     assert main(["steps", short, "--output", str(output), f"--from={time}"]) == 2
     assert f"argument --from: {time!r} is not a time in seconds" in capsys.readouterr().err
@@ -489,7 +489,7 @@ PLAIN = {"ascii": {"PYTHONIOENCODING": "ascii"}, "C": {"LC_ALL": "C", "PYTHONUTF
 
 
 @pytest.mark.parametrize("plain", PLAIN)
-def test_what_the_terminal_cannot_show_is_told_otherwise(short, plain):
+def test_characters_unknown_to_terminal_are_replaced(short, plain):
     environment = os.environ | {"PYTHONCOERCECLOCALE": "0"} | PLAIN[plain]
     command = [sys.executable, "-m", "passo", "explain", f"{short}:3"]
     run = subprocess.run(command, capture_output=True, env=environment)

@@ -377,7 +377,7 @@ def test_policies(capsys, tmp_path):
         assert main(["estimate", str(path), *lacking]) == 4
 
 
-def test_what_clamp_changes_is_told_once_for_each_axis(capsys, tmp_path):
+def test_clamp_is_reported_once_for_each_axis(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G1 X9 F3000\nG1 X260\nG1 Y-5 X270\nG1 Y-1 X280\nG1 X300 E1\n")
     assert printed(capsys, str(path), "--out-of-range", "clamp")["warnings"] == [
@@ -388,7 +388,7 @@ def test_what_clamp_changes_is_told_once_for_each_axis(capsys, tmp_path):
     ]
 
 
-def test_what_cannot_be_reached_is_told_with_its_measure(capsys, tmp_path):
+def test_unreachable_target_is_reported_with_its_value(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G28\nG1 Z100 F3000\nG1 X70 Y40\nG1 X0 Y80\nG1 X-54 Y-54 E1\n")
     words = [str(path), "--machine", "delta"]
@@ -404,7 +404,7 @@ def test_what_cannot_be_reached_is_told_with_its_measure(capsys, tmp_path):
     ]
 
 
-def test_filament_alone_goes_nowhere_after_a_move_that_was_left_out(capsys, tmp_path):
+def test_retraction_after_skipped_move_stays_in_place(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G92 X0 Y0 Z50\nM83\nG1 X20 F3000\nG1 X74 Y74 Z160\nG1 E2 F300\n")
     result = printed(capsys, str(path), "--machine", "delta", "--out-of-range", "clamp")
@@ -414,9 +414,7 @@ def test_filament_alone_goes_nowhere_after_a_move_that_was_left_out(capsys, tmp_
 
 
 @pytest.mark.parametrize("lines", ["G4 P10", "M83\nG1 Y-74 E-1\nG4 P10\nG1 E1"])
-def test_a_dwell_after_a_move_that_was_left_out_leaves_the_machine_where_it_is(
-    capsys, tmp_path, lines
-):
+def test_dwell_after_skipped_move_stays_in_place(capsys, tmp_path, lines):
     path = tmp_path / "p.gcode"
     path.write_text(f"G1 X20 F3000\nG1 X68 Y89\n{lines}\nG90\nG1 X13 Y-36\n")
     result = printed(capsys, str(path), "--machine", "delta", "--out-of-range", "clamp")
@@ -463,7 +461,7 @@ def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 °C is outside")
 
 
-def test_what_is_written_for_others_is_one_warning_each(capsys, tmp_path):
+def test_foreign_commands_get_one_warning_each(capsys, tmp_path):
     """A file with a byte order mark, and without any line feed."""
     foreign = ["O1000", "D5", "H1", "Q5", "T?", "Tx", "Tc", "/G1 X5", "$H", "@pause", "T-1"]
     plain, path = tmp_path / "plain.gcode", tmp_path / "p.gcode"
@@ -717,7 +715,7 @@ def test_a_reader_that_has_gone_hides_no_error(words, status, unbuffered):
     assert "Traceback" not in run.stderr
 
 
-def test_a_full_disk_is_told_of_only_where_something_was_to_be_written():
+def test_full_disk_is_reported_only_if_output_was_lost():
     with Path("/dev/full").open("w") as full:
         command = [sys.executable, "-m", "passo", "check", "missing.toml"]
         run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
@@ -733,7 +731,7 @@ def test_a_closed_standard_output_is_no_error():
 
 @pytest.mark.parametrize(("text", "status"), [("G1 X1 F600\nM9999\n", 0), ("G1 X-9\n", 4)])
 @pytest.mark.parametrize("form", ["", "--json"])
-def test_a_closed_standard_error_takes_words_along_and_nothing_else(tmp_path, text, status, form):
+def test_closed_standard_error_loses_only_messages(tmp_path, text, status, form):
     """Nor do they come out elsewhere: with --json there is one object and nothing else."""
     path = tmp_path / "a.gcode"
     path.write_text(text)
@@ -823,7 +821,7 @@ def test_an_empty_name_is_named(capsys):
     assert capsys.readouterr().err.startswith("'': cannot be read: the name is empty.")
 
 
-def test_what_only_a_served_printer_can_do_is_told(capsys, tmp_path):
+def test_commands_that_need_passo_serve_are_named(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("M302 S0\nG28\nM92 E415\nM206 X1\nG1 X5 F600\nM92 E95.5\nM81\n")
     assert printed(capsys, str(path))["warnings"] == [
@@ -833,7 +831,7 @@ def test_what_only_a_served_printer_can_do_is_told(capsys, tmp_path):
     ]
 
 
-def test_a_fan_that_is_set_again_and_again_at_one_place_fills_no_board(capsys, tmp_path):
+def test_fan_set_repeatedly_in_place_fills_no_board(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G28\nG1 X5 F600\n" + "M106 S50\nM106 S60\n" * 1000 + "G1 X10\n")
     assert printed(capsys, str(path))["errors"] == []

@@ -124,7 +124,7 @@ UNKNOWN = [
 
 
 @pytest.mark.parametrize("line", UNKNOWN)
-def test_what_may_move_and_is_unknown_stops_first(capsys, program, line):
+def test_unknown_command_that_may_move_stops_first(capsys, program, line):
     path = program(f"{START}G1 X10 F600\n{line} ; here\nG1 X20\n{line}\n")
     status, (error,), result = outcome(capsys, path)
     assert status == 4
@@ -146,7 +146,7 @@ HARMLESS = [
 
 
 @pytest.mark.parametrize("line", HARMLESS)
-def test_what_moves_nothing_stops_no_print(capsys, program, line):
+def test_commands_without_motion_stop_no_print(capsys, program, line):
     path = program(f"{START}G1 X10 F600\n{line}\nG1 X20\n")
     status, errors, result = outcome(capsys, path)
     assert (status, errors, result["final_position_mm"]["x"]) == (0, [], 20)
@@ -181,7 +181,7 @@ def test_a_pipe_stops_at_its_unknown_command(program):
 
 
 @pytest.mark.parametrize("command", ["estimate", "steps", "report", "explain"])
-def test_other_commands_take_pieces_as_they_are(capsys, program, tmp_path, command):
+def test_estimate_and_steps_accept_partial_files(capsys, program, tmp_path, command):
     path = program("PRINT_START\nG29\nG1 X10 E5 F600\n")
     words = ["--output", str(tmp_path / "out.npz")] if command in ("steps", "report") else []
     file = f"{path}:3" if command == "explain" else str(path)

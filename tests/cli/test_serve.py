@@ -31,7 +31,7 @@ def test_an_interrupt_ends_it_in_order(tmp_path, number):
     assert not link.is_symlink()
 
 
-def test_what_was_started_to_outlive_its_terminal_does():
+def test_serve_survives_its_terminal_with_nohup():
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         assert endings() == [signal.SIGTERM]

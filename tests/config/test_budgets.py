@@ -125,7 +125,7 @@ def test_the_clock_of_a_dictionary_counts(tmp_path: Path) -> None:
     assert spec["steps_s"] == pytest.approx(0.65 * 72e6 / 300)
 
 
-def test_it_counts_before_the_clock_of_a_shipped_board(tmp_path: Path, i3_text: str) -> None:
+def test_own_clock_counts_before_that_of_shipped_board(tmp_path: Path, i3_text: str) -> None:
     pins = {f"P{port}{i}": 8 * n + i for n, port in enumerate("ABCDEFGHJKL") for i in range(8)}
     content = {"config": {"CLOCK_FREQ": 20_000_000}, "enumerations": {"pin": pins}}
     (tmp_path / "board.dict").write_text(json.dumps(content))

@@ -32,7 +32,7 @@ def test_sizes(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SIZES)
-def test_what_pins_can_do_belongs_to_pins_that_exist(name: str) -> None:
+def test_pin_functions_name_existing_pins(name: str) -> None:
     it = chip(name)
     assert not set(it.adc) - set(it.pins)
     assert not set(it.pwm) - set(it.pins)

@@ -288,7 +288,7 @@ def test_a_byte_order_mark_before_a_machine_file_means_nothing(tmp_path: Path) -
         ("max_mm = 250,5 # mm", "250,5 has a decimal comma, write a point"),
     ],
 )
-def test_what_a_word_processor_writes_is_named(line: str, sentence: str) -> None:
+def test_typographic_characters_are_named(line: str, sentence: str) -> None:
     with pytest.raises(ConfigError) as caught:
         config.load_text(f"uuid = 'x'\n{line}\n")
     (problem,) = caught.value.problems
@@ -309,7 +309,7 @@ def test_what_a_word_processor_writes_is_named(line: str, sentence: str) -> None
         ),
     ],
 )
-def test_what_no_parser_holds_is_one_sentence(text: str, sentence: str) -> None:
+def test_text_beyond_parser_limits_is_one_sentence(text: str, sentence: str) -> None:
     (problem,) = problems_of(text)
     assert str(problem).startswith(f"{sentence}. ")
     assert problem.entry.status == 3

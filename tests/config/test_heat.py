@@ -64,7 +64,7 @@ def test_defaults(i3_text):
         ("sensor = { kind = 'table', file = 'no.csv' }", "a table that can be read (No such file"),
     ],
 )
-def test_what_is_refused(i3_text, line, says):
+def test_wrong_heater_values_are_refused(i3_text, line, says):
     with pytest.raises(ConfigError) as error:
         loaded(i3_text, line + "\n")
     (problem,) = error.value.problems
@@ -243,7 +243,7 @@ def test_names_in_all_their_spellings(i3_text, written, same):
     assert one.sensor == other.sensor
 
 
-def test_the_pull_up_of_a_name_is_the_boards_unless_the_name_has_one(i3_text):
+def test_sensor_name_takes_pull_up_of_board(i3_text):
     for word, ohm in (
         ("5", 1000.0),
         ("99", 10_000.0),

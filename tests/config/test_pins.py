@@ -95,7 +95,7 @@ def test_drivers_on_spi_and_the_card_share_no_select(
     assert f"{pin} belongs to board.card.{key} ({board_place('ramps', 'card', key)})" in problem
 
 
-def test_what_is_fitted_is_named_once(i3_text: str) -> None:
+def test_fitted_lists_each_part_once(i3_text: str) -> None:
     (problem,) = problems_of(i3_text + 'fitted = ["card", "card"]\n')
     assert "board.fitted[1] is 'card': expected each thing once" in problem
 
@@ -140,7 +140,7 @@ def test_the_console_keeps_its_pins(i3_text: str) -> None:
     assert f"board.console ({owner})" in problem
 
 
-def test_what_the_board_needs_itself_is_named() -> None:
+def test_reserved_pin_conflict_names_its_purpose() -> None:
     text = config.shipped_text("i3") + 'reserved = { "a fan for the drivers" = ["D9"] }\n'
     (problem,) = problems_of(text)
     assert "PH6 belongs to board.reserved.a fan for the drivers (my.toml:" in problem
@@ -256,7 +256,7 @@ def test_motors_in_other_sockets_and_with_pins_of_their_own(i3_text: str) -> Non
     } | {"e.step_pin": ("D23", "E0_STEP"), "e.enable_pin": ("!D27", "E0_ENABLE")}
 
 
-def test_the_sockets_of_a_second_motor_and_of_crossed_belts_are_their_own() -> None:
+def test_sockets_of_second_motor_and_crossed_belts() -> None:
     for name, keys in (("big-fish-i3", ["z", "z1"]), ("corexy", ["a", "b"])):
         machine = config.load(name)
         found = {b.key: b.original_name for b in bindings(machine)}
@@ -417,7 +417,7 @@ KLIPPER = _with(
     ("written", "is_taken"),
     [("HE0", True), ("!PC8", True), ("!HE0", True), ("PC8", False)],
 )
-def test_what_is_on_when_low_must_say_so(written: str, is_taken: bool) -> None:
+def test_heater_pin_that_is_active_low_must_be_inverted(written: str, is_taken: bool) -> None:
     """A Duet switches its heaters on with a low level; `!HE0` is for a relay that inverts."""
     text = config.shipped_text("delta").replace('"HE0"', f'"{written}"')
     if is_taken:
@@ -441,7 +441,7 @@ def test_klippers_firmware_uses_its_chip_in_its_own_way(i3_text: str) -> None:
     config.load_text(text.replace("[board]", '[board]\nfirmware = "klipper"'))
 
 
-def test_a_board_with_klippers_moves_more_motors_than_it_has_compare_units() -> None:
+def test_klipper_board_may_exceed_its_compare_units() -> None:
     motor = '[steppers.x1]\nsteps_per_mm = 80.0\nstep_pin = "PA1"\ndirection_pin = "PA2"\n'
     sockets = {'"E0"': '"E"', '"D10"': '"HE0"', '"D8"': '"BED"', '"D9"': '"FAN"'}
     sockets |= {f"{axis}_MIN": f"{axis}_STOP" for axis in "XYZ"}

@@ -67,7 +67,7 @@ def test_one_pin_of_each_board_has_an_owner_of_its_own() -> None:
         ),
     ],
 )
-def test_what_is_wrong_is_said(changes: list[tuple[str, str]], says: str) -> None:
+def test_wrong_board_tables_are_named(changes: list[tuple[str, str]], says: str) -> None:
     assert any(says in text for text in problems(machine_text(*changes))), problems(
         machine_text(*changes)
     )

@@ -67,7 +67,7 @@ def test_the_cubic_term_follows_the_full_equation():
     st.floats(-20, 400), st.floats(1e3, 1e6), st.floats(2500, 5500), st.floats(0, 4e-7),
     st.floats(-8, 8), st.floats(-8, 8),
 )  # fmt: skip
-def test_there_and_back(celsius, r25, beta_k, c, low, high):
+def test_resistance_and_temperature_are_inverse(celsius, r25, beta_k, c, low, high):
     ntc, divider = Ntc(r25, beta_k, c), Divider(4700.0, low, high)
     ohm = ntc.ohm(celsius)
     assert ntc.celsius(ohm) == pytest.approx(celsius, abs=1e-6)

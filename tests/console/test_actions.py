@@ -55,7 +55,7 @@ def test_m115_announces_what_there_is(s):
 
 
 @pytest.mark.parametrize("wait", ["M109 S60", "M190 S40", "M116"])
-def test_who_waits_for_a_heater_hears_it_warm_every_second(s, wait):
+def test_heater_wait_reports_temperature_every_second(s, wait):
     beside = Host(s)
     if wait == "M116":
         s.host.ok("M140 S40")

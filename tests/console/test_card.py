@@ -270,7 +270,7 @@ def test_a_host_cancels_with_pause_and_rewind(s):
     assert s.host.ok("G1 X1 F6000") == ["ok"]
 
 
-def test_a_file_stops_at_its_first_failed_command_and_goes_on_after_it(s, folder):
+def test_file_stops_at_failed_command_and_continues_after_it(s, folder):
     (folder / "wrong.g").write_text("G28\nG1 X5 F6000\nG1 X900\nG1 X9\nM104 S200\n")
     s.host.ok("M32 wrong.g")
     s.host.expect("Print of wrong.g stopped: wrong.g:3: .*X.*900", 30)
@@ -321,7 +321,7 @@ def numbered(*lines):
     return out
 
 
-def test_a_numbered_upload_keeps_its_numbers_out_and_lets_questions_through(s, folder):
+def test_numbered_upload_drops_numbers_and_answers_queries(s, folder):
     lines = numbered((-1, "M110 N-1"), (0, "G28"), (1, "G1 X10"), (2, "M110 N2"), (3, "G1 X20"))
     s.host.ok("M28 n.gcode")
     for line in lines[:3]:
@@ -513,7 +513,7 @@ def test_a_file_that_is_not_there_is_named_as_it_was_asked_for(s, name):
     )
 
 
-def test_progress_from_the_midst_of_a_file_counts_what_lies_before(s, folder):
+def test_progress_from_mid_file_counts_bytes_before(s, folder):
     way = "".join(f"G1 X{10 + i % 2 * 50} F600\n" for i in range(40))
     (folder / "a.g").write_text(f"G28 X\n{way}")
     s.host.ok("G28 X", 100)
@@ -539,7 +539,7 @@ def test_a_file_takes_back_the_speed_that_it_has_kept(s, folder):
     assert s.host.ok("M220") == ["Speed factor override: 150", "ok"]
 
 
-def test_where_no_time_is_known_the_slicer_s_progress_counts_before_bytes(s, folder):
+def test_progress_of_slicer_counts_before_bytes(s, folder):
     (folder / "a.g").write_text("G92 X0 Y0 Z0\n" + "G1 X100 F600\nG1 X0\n" * 9 + "G2 X10\n")
     s.host.ok("M32 a.g")
     s.passes(2)
@@ -573,7 +573,7 @@ def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):
         assert [line for line in s.host.heard if line.startswith("X:")] == said
 
 
-def test_a_pause_in_mid_line_leaves_the_rest_of_the_line_out_of_the_print(folder):
+def test_pause_in_mid_line_drops_rest_of_line(folder):
     lines = "G28\n" + "".join(f"G1 X{10 + 50 * (i % 2)} F3000\n" for i in range(20))
     (folder / "line.g").write_text(lines)
     undisturbed = None
@@ -627,7 +627,7 @@ def test_a_card_that_fails_at_the_start_ends_the_print_at_once(folder, tmp_path,
         assert s.positions()["x"] == 60.0
 
 
-def test_what_is_selected_after_a_cancel_does_not_start_by_itself(s, folder):
+def test_selection_after_cancel_does_not_start(s, folder):
     (folder / "hot.g").write_text("M109 S200\n")
     (folder / "b.g").write_text("M118 B\nG4 S5\n")
     for last in ("M23 b.g", "M22", "M25"):
@@ -671,7 +671,7 @@ def test_an_upload_has_the_name_that_was_given(s, folder):
 
 
 @pytest.mark.parametrize("strict", [True, False])
-def test_an_upload_to_an_absolute_path_does_not_depend_on_the_directory(s, folder, strict):
+def test_upload_to_absolute_path_ignores_directory(s, folder, strict):
     s.host.ok("M932" if strict else "M933")
     s.host.ok("M23 Dparts")
     names = ("F/top.g", "Fhere.g") if strict else ("/top.g", "here.g")

@@ -27,7 +27,7 @@ def clean(image):
     return found.returncode == 0
 
 
-def test_what_is_uploaded_is_printed_and_survives(image):
+def test_uploaded_file_prints_and_survives(image):
     with Scenario("i3", card=str(image)) as s:
         assert s.host.ok("M28 a long name.gcode")[0] == "Writing to file: a long name.gcode"
         for line in ("G28 X", "G1 X12 F6000", "M29"):

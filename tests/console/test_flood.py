@@ -15,7 +15,7 @@ from passo.console.session import Session
 from passo.console.transports.streams import open_tcp
 
 
-def test_a_flood_is_read_in_pieces_so_that_others_have_their_turn(monkeypatch):
+def test_flood_is_read_in_pieces(monkeypatch):
     sizes = []
     monkeypatch.setattr(Session, "receive", lambda _, data: sizes.append(len(data)))
 

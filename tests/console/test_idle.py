@@ -3,7 +3,7 @@
 from tests.support.scenario import Scenario
 
 
-def test_it_waits_a_second_after_the_last_ok():
+def test_wait_is_sent_a_second_after_last_ok():
     with Scenario() as s:
         s.passes(0.5)
         s.host.ok("M105")
@@ -13,7 +13,7 @@ def test_it_waits_a_second_after_the_last_ok():
         s.host.expect("^wait$", within=0.1)
 
 
-def test_it_does_not_wait_while_a_line_is_carried_out():
+def test_wait_is_not_sent_while_a_line_runs():
     with Scenario() as s:
         s.host.ok("G4 S5")
         s.host.send("M400")

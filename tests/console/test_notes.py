@@ -36,7 +36,7 @@ NOTES = {
 
 
 @pytest.mark.parametrize("line", NOTES)
-def test_what_does_nothing_says_why_once_a_console(s, line):
+def test_command_without_effect_is_noted_once_a_console(s, line):
     note, ok = s.host.ok(line)
     assert (note.startswith(f"echo:{NOTES[line]}"), ok) == (True, "ok")
     assert s.host.ok(line) == ["ok"]
@@ -156,7 +156,7 @@ BEYOND = {
 
 
 @pytest.mark.parametrize("line", BEYOND)
-def test_a_value_beyond_its_range_is_answered_with_what_is_applied(s, line):
+def test_value_out_of_range_is_answered_with_applied_value(s, line):
     says, holds = BEYOND[line]
     assert s.host.ok(line) == [f"echo:{says}", "ok"]
     if holds is not None:

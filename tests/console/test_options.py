@@ -90,7 +90,7 @@ TOLD = {
 
 
 @pytest.mark.parametrize("machine", TOLD)
-def test_what_the_machine_file_says_is_told_by_aprinters_names(machine):
+def test_machine_file_values_have_aprinter_names(machine):
     with Scenario(machine) as s:
         for name, value in TOLD[machine].items():
             assert s.host.ok(f"M925 I{name}") == [f"{value:g}", "ok"], name
@@ -168,7 +168,7 @@ def test_m408_tells_what_is_pending(s):
     assert pending() == {}
 
 
-def test_what_cannot_be_set_says_so(s):
+def test_read_only_options_are_refused(s):
     assert "fixed while the printer runs" in s.host.ok("M926 IXMaxPos V300")[0]
     assert "V is abc: expected a number" in s.host.ok("M926 IXMaxSpeed Vabc")[0]
     assert "V is nan: expected a number" in s.host.ok("M926 IXMaxSpeed Vnan")[0]

@@ -216,7 +216,7 @@ def test_a_host_that_counts_anew_without_saying_so_is_told(protocol):
         ("G1\tX1", "G1\tX1"),
     ],
 )
-def test_what_a_bare_line_says(protocol, sent, text):
+def test_line_without_number_is_taken_as_is(protocol, sent, text):
     assert fed(protocol, sent) == [Line(text)]
 
 
@@ -229,7 +229,7 @@ def test_blank_lines_and_comments_are_not_lines(protocol):
     assert fed(protocol, "", "  ", "; a comment", "\t;") == []
 
 
-def test_other_bytes_do_no_harm(protocol):
+def test_arbitrary_bytes_do_no_harm(protocol):
     found = protocol.feed(b"\x00G1 X\x001\xff\xfe\n" + bytes(range(14, 127)) + b"\nM105\n")
     assert found[-1] == Line("M105")
     assert found[0] == Line("G1 X1\udcff\udcfe")
@@ -275,7 +275,7 @@ WILD = st.lists(
 
 @settings(deadline=None)
 @given(WILD, st.randoms(use_true_random=False))
-def test_it_does_not_matter_how_the_bytes_are_cut(pieces, chance):
+def test_lines_do_not_depend_on_how_bytes_are_cut(pieces, chance):
     data = b"".join(pieces)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(line_protocol, "LONGEST", SHORT)

@@ -19,7 +19,7 @@ def report(s):
     return [line for line in s.host.ok("M503 S0") if line != "ok"]
 
 
-def test_a_motor_is_never_asked_for_more_steps_a_second_than_it_can_make():
+def test_step_rate_stays_within_motor_limit():
     with Scenario(machine(*SLOW)) as s:
         s.host.ok("G28", 60)
         s.host.ok("M92 X200")
@@ -44,7 +44,7 @@ def test_speeds_as_high_as_a_scale_allows_come_back_with_it():
             assert s.host.ok("M203")[0].startswith(f"M203 X{speed} Y300 "), line
 
 
-def test_the_report_of_fine_scales_sent_back_gives_the_same_state():
+def test_reported_fine_scales_restore_same_state():
     with Scenario("i3") as s:
         s.host.ok("M92 X3000 Y1700.3 E9000")
         changed = report(s)

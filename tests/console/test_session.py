@@ -96,7 +96,7 @@ def test_blank_lines_and_comments_have_none(s):
     assert s.host.heard[start:] == []
 
 
-def test_what_is_repeated_of_a_line_is_harmless_text(s):
+def test_echo_of_a_line_is_harmless_text(s):
     s.host.send_bytes(b"\xff\xfb\x01\x1b[2JM105\nM118 \x07a\n")
     s.host.expect("^[?]a$")
     assert all(line.isprintable() for line in s.host.heard)

@@ -320,7 +320,7 @@ def test_without_a_place_nothing_is_acknowledged_as_stored(tmp_path):
 
 
 @pytest.mark.parametrize("failing", ["fsync", "replace"])
-def test_what_could_not_be_stored_leaves_the_old_alone(s, tmp_path, monkeypatch, failing):
+def test_failed_store_keeps_old_settings(s, tmp_path, monkeypatch, failing):
     s.host.ok("M500")
     old = (tmp_path / "settings.json").read_bytes()
     before = sorted(path.name for path in tmp_path.iterdir())
@@ -426,7 +426,7 @@ def test_m0_waits_for_a_person_or_a_time(s):
     s.host.expect("^ok", 1)
 
 
-def test_the_machine_stands_off_by_what_the_nozzle_is_beside_the_first_one(tmp_path):
+def test_second_nozzle_is_offset_from_first(tmp_path):
     """Both nozzles print in the same place: one that is 10 mm to the right of the first gets there
     10 mm further to the left."""
     with Scenario("dual-extruder") as s:

@@ -34,7 +34,7 @@ def test_the_first_console_is_told_why_settings_are_not_used(tmp_path):
         assert welcomed(s, Host(s)) == ["start", "echo:Passo, i3"]
 
 
-def test_it_is_told_that_nothing_can_be_kept(tmp_path):
+def test_missing_state_folder_is_reported(tmp_path):
     (tmp_path / "state").write_text("a file, not a directory")
     with Scenario(state=str(tmp_path / "state")) as s:
         told = welcomed(s, s.host)
@@ -122,7 +122,7 @@ def broken(monkeypatch):
 
 @pytest.mark.parametrize("sensor", ["hotend", "bed"])
 @pytest.mark.parametrize("ratio", [OPEN, SHORTED])
-def test_a_sensor_broken_at_the_start_halts_until_m999_finds_it_well(broken, sensor, ratio):
+def test_sensor_broken_at_start_halts_until_restart(broken, sensor, ratio):
     broken[sensor] = ratio
     with Scenario() as s:
         s.passes(5)
@@ -147,7 +147,7 @@ def test_a_sensor_broken_at_the_start_halts_until_m999_finds_it_well(broken, sen
         assert s.printer.connection.heaters["hotend"].celsius == pytest.approx(50, abs=1.5)
 
 
-def test_a_heater_that_may_fail_is_named_at_the_start_and_after_m999(broken):
+def test_failed_heater_is_named_at_start_and_after_m999(broken):
     broken["bed"] = OPEN
     with Scenario(policy("machine", "heater")) as s:
         assert "heater bed was switched off" in welcomed(s, s.host)[2]

@@ -223,7 +223,7 @@ def test_m410_and_m108_act_in_an_upload_that_has_no_file(bare):
     assert bare.positions()["x"] == at
 
 
-def test_m112_behind_an_upload_in_hand_is_text_only_if_the_upload_begins(s, tmp_path):
+def test_m112_after_queued_upload_is_text_if_upload_begins(s, tmp_path):
     """Both M28 wait behind M400."""
     s.host.ok("G92 X20 Y20 Z20")
     s.host.send("G1 X30 F600", "M400", "M28 old.g", "M112", "M29")

@@ -157,7 +157,7 @@ def test_the_code_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     assert "'x': 400, 'y': 14592, 'z': 60000" in result
 
 
-def test_what_the_firmware_lacks_of_klippers_words_is_named():
+def test_missing_klipper_messages_are_named():
     told = json.loads((ROOT / "tests/support/klipper.json").read_text(encoding="utf-8"))
     ours = {message_name(c.format) for c in gather(firmware_folder().glob("core/*.c")).commands}
     lacking = {message_name(text) for text in told["commands"]} - ours

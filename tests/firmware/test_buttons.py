@@ -69,7 +69,7 @@ def test_states_are_told_until_they_are_acknowledged(board):
     assert states(pressed(board, True, 2)) == [(2, [1])]
 
 
-def test_what_finds_no_room_is_told_when_there_is(board):
+def test_button_events_wait_for_room(board):
     for i in range(20):
         pressed(board, i % 2 == 0, 2)
     told = states(board.wait(AGAIN * REST))[-1]

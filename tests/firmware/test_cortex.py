@@ -109,7 +109,7 @@ def case(request: pytest.FixtureRequest) -> Case:
     return request.param
 
 
-def test_it_tells_who_it_is(case: Case) -> None:
+def test_cortex_identifies(case: Case) -> None:
     host = case.host()
     dictionary = host.dictionary
     assert dictionary.number("CLOCK_FREQ") == case.hz
@@ -121,7 +121,7 @@ def test_it_tells_who_it_is(case: Case) -> None:
     assert answer["clock"] == pytest.approx(host.chip.clock, abs=0.002 * case.hz)
 
 
-def test_what_the_other_compiler_makes_runs_too(case: Case) -> None:
+def test_image_of_other_compiler_runs(case: Case) -> None:
     dictionary = identified(case.model(image(case.board, "ziglang")))
     assert dictionary.constants["MCU"] == board_target(case.board).board.mcu
 
@@ -150,7 +150,7 @@ def finalized(case: Case) -> Host:
     return host
 
 
-def test_it_steps_in_time(case: Case) -> None:
+def test_cortex_steps_in_time(case: Case) -> None:
     host = finalized(case)
     us = case.hz // 1_000_000
     start = host.chip.clock + case.hz // 100
@@ -269,7 +269,7 @@ def test_outputs_sensors_and_the_shutdown(case: Case) -> None:
     assert host.send("get_config")["config"]["is_shutdown"] == 1
 
 
-def test_an_input_that_is_asked_no_more_leaves_the_converter_to_others(case: Case) -> None:
+def test_input_no_longer_sampled_releases_the_adc(case: Case) -> None:
     host = case.host()
     inputs = board_target(case.board).chip.adc
     other = next(pin for pin in inputs if pin not in (case.sensor[0], *TAKEN))
@@ -311,7 +311,7 @@ PAIRS = [
 
 
 @pytest.mark.parametrize("board", [board for board, _, _ in PAIRS])
-def test_outputs_of_one_timer_have_one_cycle_and_of_one_channel_one_owner(board: str) -> None:
+def test_timer_has_one_cycle_and_channel_one_owner(board: str) -> None:
     (case,) = (case for case in CASES if case.board == board)
     (_, (first, second, timer, *channels), same) = next(row for row in PAIRS if row[0] == board)
     host = case.host()
@@ -455,7 +455,7 @@ def arm_interrupts(board: str) -> int:
 
 
 @pytest.mark.parametrize("board", ["teensy3-mk20dx128", "teensy3-mk20dx256"])
-def test_an_overrun_that_the_status_did_not_show_does_not_deafen_an_mk20(board: str) -> None:
+def test_hidden_overrun_does_not_stop_mk20_uart(board: str) -> None:
     (case,) = (case for case in CASES if case.board == board)
     host = case.host()
     assert isinstance(host.chip, Mk20dx256)
@@ -530,7 +530,7 @@ def test_clocks_are_set_to_what_the_board_says(case: Case) -> None:
     assert {address: chip.registers.get(address) for address in expected} == expected
 
 
-def test_without_its_crystal_an_stm32f4_runs_on_its_own_oscillator() -> None:
+def test_stm32f4_without_crystal_runs_on_own_oscillator() -> None:
     class Crystalless(Stm32f4):
         def read(self, address: int, size: int) -> int | None:
             value = super().read(address, size)

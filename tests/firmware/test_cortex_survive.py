@@ -14,7 +14,7 @@ AHEAD_US = (-100, 0, 100, 300, 400, 450, 500, 550, 600, 700)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.board)
-def test_behind_a_rest_a_commit_is_made_or_refused_however_late_it_comes(case: Case) -> None:
+def test_late_commit_after_rest_is_taken_or_refused(case: Case) -> None:
     host, us = case.host(), case.hz // 1_000_000
     names = [pin for pin in board_target(case.board).chip.pins if pin not in TAKEN][:MOTORS]
     numbers = host.dictionary.enumerations["pin"]

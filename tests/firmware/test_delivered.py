@@ -93,7 +93,7 @@ def test_a_commit_that_the_board_has_taken_is_delivered(monkeypatch):
     assert p.steps() == STEPS
 
 
-def test_it_is_not_before_the_board_has_said_so(monkeypatch):
+def test_job_is_not_delivered_before_board_reports_it(monkeypatch):
     p = Print(monkeypatch)
     p.wire.spoil_answers = p.without_states
     p.run(1.5)
@@ -106,7 +106,7 @@ def test_it_is_not_before_the_board_has_said_so(monkeypatch):
     assert p.steps() == STEPS
 
 
-def test_a_commit_that_was_refused_is_not_delivered_though_the_refusal_is_lost(monkeypatch):
+def test_refused_commit_is_not_delivered_if_refusal_is_lost(monkeypatch):
     p = Print(monkeypatch)
     p.run(0.2)
     p.wire.spoil_orders = lambda data: b""  # so that it comes too late
@@ -120,7 +120,7 @@ def test_a_commit_that_was_refused_is_not_delivered_though_the_refusal_is_lost(m
     assert p.steps() == 0
 
 
-def test_a_commit_that_was_acknowledged_as_other_bytes_is_not_delivered(monkeypatch):
+def test_commit_acknowledged_as_other_bytes_is_not_delivered(monkeypatch):
     p = Print(monkeypatch)
     p.wire.spoil_orders = p.without_commits
     p.run(1.5)
@@ -148,7 +148,7 @@ def words(p: Print) -> list[int]:
     return [at for at, names in sent(p) if "survive_commit" in names]
 
 
-def test_the_word_for_a_commit_waits_until_all_boards_have_what_belongs_to_it(monkeypatch):
+def test_commit_waits_until_all_boards_have_its_commands(monkeypatch):
     timeline = _core.Timeline()
     a, b = (Print(monkeypatch, timeline) for _ in range(2))
     held = bytearray()
@@ -163,7 +163,7 @@ def test_the_word_for_a_commit_waits_until_all_boards_have_what_belongs_to_it(mo
         assert p.delivered and p.steps() == STEPS
 
 
-def test_it_waits_also_where_all_of_it_leaves_late(monkeypatch):
+def test_commit_waits_if_all_its_commands_leave_late(monkeypatch):
     p = Print(monkeypatch, _core.Timeline())
     p.wire.now += int(0.6 * HZ)
     p.run(1.0)
@@ -172,7 +172,7 @@ def test_it_waits_also_where_all_of_it_leaves_late(monkeypatch):
     assert p.delivered and p.steps() == STEPS
 
 
-def test_the_word_for_a_commit_waits_until_the_board_has_taken_the_one_before(monkeypatch):
+def test_commit_waits_until_previous_one_is_taken(monkeypatch):
     p = Print(monkeypatch, _core.Timeline(), commits=(30,))
     p.wire.spoil_answers = p.without_states
     p.run(0.65)  # both could have left by then, and the board would brake a while later

@@ -29,7 +29,7 @@ def test_every_reason_for_a_shutdown_is_in_the_dictionary():
     assert set(board.dictionary.enumerations["static_string_id"]) == set(found.shutdowns.values())
 
 
-def test_the_firmware_knows_all_commands_of_the_model_and_in_the_same_words():
+def test_firmware_declares_all_commands_of_the_model():
     board = RawBoard()
 
     def with_wide_pins(text: str) -> str:

@@ -118,7 +118,7 @@ def board_id(board: RawBoard, name: str) -> int:
 
 
 @given(st.lists(st.binary(max_size=80), max_size=8))
-def test_bytes_that_are_no_frames_are_answered_once_for_each_stretch(chunks):
+def test_bytes_outside_frames_get_one_answer_a_stretch(chunks):
     board = RawBoard()
     data = b"".join(chunk.replace(b"\x7e", b"").replace(b"\x10", b"") for chunk in chunks)
     board.device.feed(data, board.now)

@@ -99,7 +99,7 @@ def test_a_new_cycle_is_refused_while_a_value_waits():
 
 @settings(max_examples=300)
 @given(st.lists(st.tuples(st.integers(1, 2500), st.sampled_from([0, 1])), min_size=1, max_size=12))
-def test_a_heater_that_is_not_renewed_in_time_shuts_the_board_down(rows):
+def test_heater_not_renewed_in_time_shuts_down(rows):
     board = RawBoard()
     board.configure()
     board.simulated.trace_output("hotend")
@@ -250,7 +250,7 @@ def test_a_pin_of_a_configured_output_is_not_set_behind_its_back(line, name):
          "Duration too long for the clock"),
     ],
 )  # fmt: skip
-def test_what_no_pin_can_do_is_refused(line, fault):
+def test_unfit_pin_functions_are_refused(line, fault):
     board = RawBoard()
     board.tell("allocate_oids count=1")
     name, _, rest = line.partition(" ")

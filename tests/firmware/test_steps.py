@@ -45,7 +45,7 @@ def queue(board: RawBoard, rows) -> tuple[dict[int, list[int]], dict[int, list[i
 
 @settings(max_examples=300)
 @given(moves)
-def test_pulses_have_their_length_and_directions_change_between_them(rows):
+def test_pulse_length_and_direction_changes(rows):
     board = RawBoard()
     board.configure()
     names = {0: ("PF0", "PF1"), 1: ("PF6", "PF7")}
@@ -70,7 +70,7 @@ def test_pulses_have_their_length_and_directions_change_between_them(rows):
 
 
 @pytest.mark.parametrize("pulses", [(32, 100), (100, 32)])
-def test_steps_that_come_together_are_as_long_as_the_longest_pulse(pulses):
+def test_simultaneous_steps_take_longest_pulse(pulses):
     board = RawBoard()
     board.tell("allocate_oids count=2")
     for oid, (ticks, wires) in enumerate(zip(pulses, ("PF0 PF1", "PF6 PF7"), strict=True)):

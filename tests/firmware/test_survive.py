@@ -244,7 +244,7 @@ def test_a_heater_is_kept_for_its_time_and_then_off():
 
 
 @pytest.mark.parametrize(("before", "seconds"), [(1500, 0), (1_000_000, 1)])
-def test_a_kept_heater_goes_off_when_its_sensor_is_not_sampled_any_more(before, seconds):
+def test_kept_heater_goes_off_without_sensor_samples(before, seconds):
     host, heater = heating()
     on = host.board.now + 1000
     host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
@@ -259,7 +259,7 @@ def test_a_kept_heater_goes_off_when_its_sensor_is_not_sampled_any_more(before, 
     assert host.board.device.fault == ""
 
 
-def test_each_time_that_the_host_is_gone_it_is_kept_for_its_whole_time():
+def test_each_link_loss_keeps_heater_for_whole_time():
     host, heater = heating()
     first = host.board.now + 1000
     again = first + 20_000_000
@@ -278,7 +278,7 @@ def test_each_time_that_the_host_is_gone_it_is_kept_for_its_whole_time():
         ("survive_output oid=7 value=1 seconds=61", "Output may not be held for so long"),
     ],
 )
-def test_what_may_not_be_kept(line, reason):
+def test_outputs_that_may_not_be_kept_are_refused(line, reason):
     host = Host()
     host.tell(line)
     assert host.board.device.fault.startswith(reason)
@@ -333,7 +333,7 @@ def test_a_kept_heater_is_pulsed_with_the_lesser_power(on_ticks, kept):
     assert widths == [on_ticks] * 4 + [kept] * 2
 
 
-def test_what_is_pulsed_in_another_cycle_is_not_kept():
+def test_output_with_another_cycle_is_not_kept():
     board = RawBoard()
     for line in (
         "allocate_oids count=3",
@@ -400,7 +400,7 @@ def test_a_heater_that_is_on_its_way_is_no_laser():
     assert host.board.device.fault == ""
 
 
-def test_the_host_is_told_of_the_decision_and_of_words_that_came_too_late():
+def test_host_gets_decision_and_late_commands():
     host = Host()
     limit = host.board.now + 500_000
     host.move(0, 10_000, 50)
@@ -438,7 +438,7 @@ def test_nobody_turns_a_laser_on_while_the_board_holds():
     assert len(host.board.device.take_edges(pins["PH6"])) == 1
 
 
-def test_a_tail_that_comes_too_late_for_its_first_step_behind_a_rest_is_refused():
+def test_tail_too_late_for_first_step_after_rest_is_refused():
     """The motor has no step in the commit: those of another board have."""
     host = Host()
     limit = host.board.now + 20_000
@@ -461,7 +461,7 @@ def test_a_tail_that_comes_too_late_for_its_first_step_behind_a_rest_is_refused(
         ],
     ],
 )
-def test_a_first_step_behind_a_switch_comes_too_late_as_any_other(lines):
+def test_first_step_after_endstop_may_be_too_late(lines):
     """A switch has stopped the motor, and the clock that lets it go on is in the same commit."""
     host = Host()
     host.tell("survive_off")
@@ -493,7 +493,7 @@ def test_a_commit_that_is_nearly_over_brakes_at_once():
     assert host.board.device.fault == ""
 
 
-def test_without_the_extension_a_duration_that_passes_is_a_shutdown():
+def test_expired_duration_without_survive_shuts_down():
     host = Host()
     host.tell("survive_output oid=7 value=0 seconds=0")
     host.tell("survive_off")
@@ -515,7 +515,7 @@ def test_a_heater_that_is_told_late_takes_its_value_at_once():
     assert level == 1 and told < on <= told + 100
 
 
-def test_a_light_that_is_told_late_goes_off_and_the_next_commit_is_refused():
+def test_late_laser_goes_off_and_next_commit_is_refused():
     host = Host()
     host.tell("survive_output oid=2 value=0 seconds=0")
     light = host.board.dictionary.enumerations["pin"]["PH6"]
@@ -539,7 +539,7 @@ def test_a_light_that_is_told_late_goes_off_and_the_next_commit_is_refused():
     assert host.board.device.fault == ""
 
 
-def test_a_light_that_was_told_late_does_not_count_after_the_host_has_taken_over():
+def test_late_laser_is_forgotten_after_takeover():
     host = Host()
     host.tell("survive_output oid=2 value=0 seconds=0")
     host.tell(f"queue_digital_out oid=2 clock={host.board.clock(-5000)} on_ticks=1")
@@ -562,7 +562,7 @@ def test_sensors_that_are_asked_late_begin_at_once():
     assert host.board.device.fault == ""
 
 
-def test_a_step_that_comes_too_late_while_axes_home_stops_all_motors():
+def test_late_step_while_homing_stops_all_motors():
     """Nobody knows where, but the board lives, and heats on."""
     host = Host()
     host.tell("survive_home")

@@ -195,7 +195,7 @@ def test_an_arc_that_begins_at_a_limit_instead_is_clamped_too(line):
     assert out.ends[-1][:2] == (5, 15)
 
 
-def test_of_an_arc_between_places_cut_to_the_same_one_the_filament_is_left():
+def test_arc_clamped_to_a_point_extrudes_its_filament():
     out = run("G1 X-5 Y5\nG2 X-9 Y5 R2 E1\n", clamp=True)
     assert out.errors == []
     assert out.ends[-1] == (0, 5, 0, 1)
@@ -211,7 +211,7 @@ def test_speed_on_an_arc_is_bounded_by_curvature_and_feed():
 
 
 @pytest.mark.parametrize(("plane", "along"), [("G18", 0), ("G19", 1)])
-def test_no_axis_is_pulled_to_the_centre_of_an_arc_harder_than_it_may(plane, along):
+def test_centripetal_acceleration_stays_within_axis_limits(plane, along):
     """At its top and bottom an upright circle needs Z's acceleration, where only X or Y moves."""
     radius = 20.0
     chords = arc(f"G2 K-{radius:g} F12000", before=f"{plane} G1 X100 Y100 Z100 E0").moves
@@ -328,7 +328,7 @@ def test_an_arc_beyond_reach_is_refused_before_it_moves(machine, before, line, f
     assert_same(was, then)
 
 
-def test_of_an_arc_beyond_the_limits_the_offset_of_a_tool_stays_due():
+def test_refused_arc_keeps_tool_offset_due():
     """The travel to the arc's begin with the new tool is not made, but by the next move."""
     before = "M83\nG1 X60 Y50 F6000\nT1"
     job, made, was, then = before_and_after("dual-extruder", before, "G2 X60 I-40 E1")
@@ -340,7 +340,7 @@ def test_of_an_arc_beyond_the_limits_the_offset_of_a_tool_stays_due():
     assert job.machine_position[:2] == [35, 60]
 
 
-def test_of_an_arc_that_is_stopped_the_filament_counts_that_has_moved():
+def test_stopped_arc_counts_filament_moved_so_far():
     job = Job(spec("i3"), True)
     job.feed(b"G1 X50 Y100 E1 F3000\nG2 X50 Y100 I50 P3 E61\n")
     assert job.advance(6 * 16e6) == JobStatus.FULL  # the arc has not been read to its end
@@ -351,7 +351,7 @@ def test_of_an_arc_that_is_stopped_the_filament_counts_that_has_moved():
     assert job.program_position[3] == pytest.approx(e, abs=1e-12)
 
 
-def test_of_a_move_behind_an_event_of_its_line_no_filament_counts_when_it_is_left_out():
+def test_move_skipped_after_event_of_its_line_counts_no_filament():
     job = Job(spec("i3"), True)
     job.feed(b"G1 X50 E5 S100\n")
     assert job.advance() == JobStatus.EVENT
@@ -360,7 +360,7 @@ def test_of_a_move_behind_an_event_of_its_line_no_filament_counts_when_it_is_lef
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_what_is_left_of_an_arc_lies_beside_it_behind_a_shift(axis):
+def test_rest_of_arc_is_offset_after_babystep(axis):
     job = Job(spec("unbounded"), False)
     job.keep_moves(True)
     job.feed(b"G1 X25 Y110 F6000\nG2 X25 Y110 I100\nG1 X0\n")
@@ -381,7 +381,7 @@ def test_what_is_left_of_an_arc_lies_beside_it_behind_a_shift(axis):
     assert line.end_mm[0] == 0.5 * (axis == 0)
 
 
-def test_what_is_left_of_an_arc_moves_its_filament_evenly_with_another_flow():
+def test_rest_of_arc_extrudes_evenly_with_another_flow():
     job = Job(spec("unbounded"), False)
     job.keep_moves(True)
     job.feed(b"M83\nG1 X25 Y110 F6000\nG2 X25 Y110 I100 E33\n")

@@ -139,7 +139,7 @@ def test_offsets_of_g92_and_tools_count():
         ("G81 X1 Z0 R", Fault.NUMBER, "R"),
     ],
 )
-def test_what_is_wrong_moves_nothing(text, fault, word):
+def test_wrong_cycles_move_nothing(text, fault, word):
     out = run(F + "G0 Z5\n" + text, "unbounded")
     assert [(e[1], e[2]) for e in out.errors] == [(fault, word)]
     drilled = text.count("G81 X1 Z-2 R2\n") * 4
@@ -174,7 +174,7 @@ def test_many_repeats_take_no_memory_of_their_own():
     assert len([m for m in out.moves if slow(m)]) == 100_000
 
 
-def test_g80_alone_asks_for_levelling_only_where_filament_is_printed():
+def test_g80_alone_means_levelling_only_for_printers():
     assert run("G80", "cnc").commands == []
     assert run("G17 G21 G40 G49 G80 G90", "cnc").commands == ["G40", "G49"]
     assert run("G80", "i3").commands == ["G80"]

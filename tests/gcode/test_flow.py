@@ -77,7 +77,7 @@ def test_a_volume_is_scaled_too():
     assert lengths(job_of(text).take_moves()) == pytest.approx([-2, 2, 0.5], abs=1e-12)
 
 
-def test_a_record_before_filament_that_no_longer_moves_keeps_its_place():
+def test_event_before_removed_filament_keeps_its_position():
     """Twice 15 mm is an unloading, to which nothing is owed: the way back is no move any more."""
     job = Job(spec("unbounded"))
     job.keep_moves(True)
@@ -164,7 +164,7 @@ def test_an_arc_that_is_half_read(share):
     assert job.machine_position[3] == pytest.approx(planned + (11 - planned) / 2, abs=1e-9)
 
 
-def test_what_is_suspended_changes_too():
+def test_flow_changes_suspended_moves_too():
     job = job_of("M83\nG1 X100 E10 F600\nG1 X0 E10\n", with_steps=True)
     job.hold_from(1.0 * 16e6)
     job.suspend()

@@ -52,7 +52,7 @@ def test_a_saved_place_is_the_programs():
     assert heights("G1 Z10\nG60\nG1 Z20\nM207 S1 Z1\nG10\nG61\nG11\n")[-4:] == [21, 11, 10, 10]
 
 
-def test_a_hop_that_the_limit_has_shortened_comes_back_as_long_as_it_is():
+def test_hop_shortened_by_limit_returns_same_distance():
     assert heights("M207 S1 Z1\nG1 Z249.9\nG10\nG1 X10 Z250\nG11\n") == [
         249.9,
         249.9,  # the filament
@@ -70,7 +70,7 @@ def test_a_hop_that_the_limit_has_shortened_comes_back_as_long_as_it_is():
     ]
 
 
-def test_what_is_refused_leaves_the_hop_as_it_is():
+def test_refused_command_leaves_hop_as_it_is():
     out = run("M207 S1 Z1\nG1 Z249\nG10\nG1 Z250.5\nG1 X-5 Z250\nG11\n")
     assert [e[:5] for e in out.errors] == [
         (4, Fault.OUT_OF_RANGE, "z", 250.5, 250),
@@ -79,7 +79,7 @@ def test_what_is_refused_leaves_the_hop_as_it_is():
     assert out.ends[-1][2] == 249
 
 
-def test_what_is_clamped_is_what_the_program_asked_for():
+def test_clamp_applies_to_requested_position():
     out = run("M207 S1 Z1\nG1 Z249\nG10\nG1 Z251\nG11\n", clamp=True)
     assert out.clamped[0][0][2:5] == ("z", 251, 250)
     assert out.ends[-1][2] == 250
@@ -149,7 +149,7 @@ def test_a_hop_that_the_motors_do_not_reach_is_left_out(lines, path, chunk):
     assert [now for before, now in zip([None, *ends], ends, strict=False) if now != before] == path
 
 
-def test_what_the_motors_do_not_reach_without_the_hop_either_is_an_error():
+def test_position_unreachable_without_hop_is_an_error():
     out = run(f"M207 S1 Z1\nG1 Z{TOP}\nG10\nG1 Y60 Z{TOP + 1}\n", "delta")
     assert [(e[0], e[1], p[2]) for e, p in zip(out.errors, out.points, strict=True)] == [
         (4, Fault.ACTUATOR, pytest.approx(TOP + 1, abs=1))

@@ -91,7 +91,7 @@ def test_the_comments_of_slicers_count_and_heights_do_not(mark):
     "comment",
     ["LAYER_COUNT:71", " layer end", " layer_height = 0.2", "BEFORE_LAYER_CHANGE", "LAYER:wall"],
 )
-def test_other_comments_about_layers_mark_none(comment):
+def test_unrelated_layer_comments_mark_no_layer(comment):
     assert layers(f"{HEAD};{comment}\n{square(0.2)};{comment}\n{square(0.4)};{comment}\n")[0] == 2
 
 

@@ -215,7 +215,7 @@ def test_programs_at_random(seed: int):
     checked("\n".join(lines) + "\n", *rnd.sample(names, rnd.randrange(1, 4)))
 
 
-def test_it_does_not_depend_on_how_the_text_is_cut():
+def test_objects_do_not_depend_on_how_text_is_cut():
     text = ("EXCLUDE_OBJECT NAME=b\n" + BLOCKS).encode()
     for chunk in (1, 7, 100):
         assert ends(run(text, chunk=chunk)) == ends(run(text))
@@ -292,7 +292,7 @@ def test_hops_of_firmware_retraction_are_those_of_the_program():
     ]
 
 
-def test_what_is_no_move_acts_in_a_cancelled_object():
+def test_commands_without_motion_act_in_cancelled_object():
     out = skipped("M106 S99\nG4 P500\nM104 S200\nG1 X50 F1200\nT0\nM204 P500", "G1 X80 E1")
     assert [c for c in out.commands if c != "M302 P1"] == [
         "M106 S99",
@@ -373,7 +373,7 @@ A = ObjectAction
         ("EXCLUDE_OBJECT_DEFINE CENTER=1,2 NAME=ü POLYGON=[[1, 2], [3, 4]]", [(A.DEFINE, -1, "ü")]),
     ],
 )  # fmt: skip
-def test_what_a_command_says(line: str, wanted: list[tuple[ObjectAction, int, str]]):
+def test_object_orders_of_commands(line: str, wanted: list[tuple[ObjectAction, int, str]]):
     code, _, text = line.partition(" ")
     assert object_orders(code, text) == wanted
 

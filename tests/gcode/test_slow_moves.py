@@ -40,13 +40,13 @@ def test_a_slow_move_takes_its_time(lines, seconds):
         ("G1 X1 F0.00000000000000000001", "feedrate", 6e21),
     ],
 )
-def test_a_move_beyond_the_longest_is_an_error_that_names_what_bounds_it(line, limit, seconds):
+def test_move_beyond_longest_time_names_its_limit(line, limit, seconds):
     out = run(f"G1 Y5 F6000\n{line}\n")
     assert out.errors == [(2, Fault.TOO_SLOW, limit, pytest.approx(seconds), 1e6)]
     assert len(out.moves) == 1
 
 
-def test_the_limit_of_an_axis_is_named_and_what_follows_starts_where_the_machine_is():
+def test_refused_slow_move_names_axis_and_leaves_position():
     job = Job(spec("unbounded"), False)
     job.keep_moves(True)
     job.set_axis_limit("x", "speed", 0.001)

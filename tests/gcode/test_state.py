@@ -101,7 +101,7 @@ def test_firmware_retraction():
     assert out.moves[1].cruise_speed == pytest.approx(20)
 
 
-def test_a_retraction_for_a_change_of_tools_has_a_length_of_its_own():
+def test_tool_change_retraction_has_own_length():
     lines = ["M83", "G1 X10 E20", "G10 S1", "G11", "M207 W5", "M208 S0.1 W0.5", "G10 S1"]
     out = run("\n".join([*lines, "M207 S2", "G11", "G10 S0", "G11"]))
     assert [end[3] for end in out.ends] == [20, 7, 20, 15, 20.5, 18.5, 20.6]
@@ -114,7 +114,7 @@ def test_homing_with_b_goes_back():
     assert [end[:3] for end in out.ends] == ways
 
 
-def test_the_hop_goes_along_with_absolute_heights_and_stays_below_the_limit():
+def test_hop_with_absolute_heights_stays_below_limit():
     out = run("M207 S1 Z2\nG1 Z5\nG10\nG1 Z6\nG11\n")
     assert [end[2] for end in out.ends] == [5, 5, 7, 8, 6, 6]
     out = run("M207 S1 Z2\nG1 Z249\nG10\nG11\n")
@@ -168,7 +168,7 @@ def test_out_of_range_stops_or_is_clamped(line, axis, value, limit):
     assert out.moves[1].end_mm["xyz".index(axis)] == limit
 
 
-def test_there_is_a_way_back_from_a_switch_beyond_the_limits():
+def test_return_from_endstop_above_limits_is_allowed():
     """Arms that hang at their switches hold the nozzle above the highest place of Z."""
     text = "G28\nG91\nG1 Z-10 F600\nG1 X2\nG2 I2\nG1 Z0.5\nG1 Z-30\nG1 Z19\n"
     out = run(text, "rotary-delta")
@@ -250,7 +250,7 @@ def test_axes_behind_what_means_nothing_here_are_moves():
     assert out.commands == ["G54", "S0 S300", "M3", "G43", "G94", "G43 H2", "G54"]
 
 
-def test_there_is_a_way_back_from_a_switch_below_the_limits():
+def test_return_from_endstop_below_limits_is_allowed():
     """The SCARA's arms are at home at Y -56, where its limit is 0."""
     out = run("G28\nG1 Y-30\nG1 X220 Y-10\n", "scara")
     assert out.errors == []

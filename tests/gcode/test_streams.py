@@ -214,7 +214,7 @@ def test_hostile_text_in_random_chunks(data, cuts):
 @pytest.mark.parametrize("mark", [b"", BOM])
 @pytest.mark.parametrize("length", range(65534, 65542))
 @pytest.mark.parametrize("tail", [b"", b"\0", b"\xff*1", b";TYPE:b"])
-def test_what_is_left_of_a_long_line_does_not_depend_on_chunks(mark, length, tail):
+def test_rest_of_long_line_does_not_depend_on_chunks(mark, length, tail):
     data = mark + (b"N1 G1 X5*93 ;" + b"c" * 70_000)[:length] + tail + b"\nG1 X7\n"
     whole = summary(run(data))
     assert whole == summary(run([data[:65_538], data[65_538:]]))

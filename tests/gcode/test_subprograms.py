@@ -139,7 +139,7 @@ def test_a_program_that_was_not_surveyed_calls_nothing():
     assert [(e[1], int(e[3])) for e in out.errors] == [(Fault.CALL, int(CallFault.NO_FILE))]
 
 
-def test_what_is_never_called_does_not_count():
+def test_uncalled_subprograms_do_not_count():
     survey = Survey(spec("cnc"))
     survey.feed(b"M98 P1\nM30\nPRINT_END\nO1\nM98 P2\nM99\nO2\nG84\nM99\nO3\nSTART_PRINT\nM99\n")
     survey.finish()

@@ -93,7 +93,7 @@ def test_an_arc_begins_where_the_tool_is_meant_to_be(plane, arc, end):
         ("G20\nT1\nG1 Y4", (75, 104.6, 5.6)),
     ],
 )
-def test_what_stands_between_the_change_and_the_move(lines, end):
+def test_commands_between_tool_change_and_move(lines, end):
     assert ends(lines + "\n")[-1][:3] == pytest.approx(end)
 
 

@@ -63,7 +63,7 @@ def test_a_command_without_its_number_is_an_error(line):
     assert out.events == []
 
 
-def test_what_is_text_is_named_and_not_called_binary():
+def test_text_is_not_called_binary():
     assert run("G1 X1\n!5 G1\n").errors == [(2, Fault.WORD, "!5 G1", 0, 0)]
 
 
@@ -140,7 +140,7 @@ def test_a_remark_without_a_semicolon_is_none_of_the_words(line):
         b"\n\x1a" + bytes(range(128, 256)) * 600,
     ],
 )
-def test_what_ends_a_file_that_was_cut_or_is_of_dos_is_no_line(end, chunk):
+def test_end_of_cut_or_dos_file_is_no_line(end, chunk):
     out = run(b"G1 X1\r\nG1 X2" + end, chunk=chunk)
     assert (out.errors, out.events) == ([], [])
     assert [e[0] for e in out.ends] == [1, 2]
@@ -156,7 +156,7 @@ def test_what_ends_a_file_that_was_cut_or_is_of_dos_is_no_line(end, chunk):
         (b"G1 X1\nG1\0 X2\n", [(2, Fault.GARBAGE, 0)]),
     ],
 )
-def test_what_follows_the_end_of_a_text_is_not_lost_silently(text, errors):
+def test_bytes_after_end_of_text_are_reported(text, errors):
     out = run(text)
     assert [(e[0], e[1], e[3]) for e in out.errors] == errors
     assert [e[0] for e in out.ends] == [1]

@@ -295,7 +295,7 @@ def test_a_word_beyond_1e9_is_an_error_that_names_it(line, word):
 @pytest.mark.parametrize(
     "line", ["G1 X5 X-", "G1 X1 Q", "G1 X5 #3", "G1 X[1+2]", "G1 X5 =", "#1=5", "*5", "G", "M"]
 )
-def test_what_is_no_word_is_an_error(line):
+def test_invalid_words_are_errors(line):
     out = run(f"{line}\n")
     assert len(out.errors) == 1
     assert out.moves == []
@@ -342,7 +342,7 @@ def test_unknown_codes_are_events_with_their_line():
     ]
 
 
-def test_each_command_of_a_line_begins_where_the_one_before_ended():
+def test_commands_of_a_line_start_where_the_last_ended():
     out = run("G91 G1 X5 G1 X5 G92 X0 G90 G1 X1 G2 X3 I1 G1 G91 X1\n")
     assert out.errors == []
     assert out.ends[:3] == [(5, 0, 0, 0), (10, 0, 0, 0), (11, 0, 0, 0)]

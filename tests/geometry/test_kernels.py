@@ -248,7 +248,7 @@ def test_a_joint_on_the_axis_of_a_shoulder_has_no_arm():
         ),
     ],
 )
-def test_what_is_out_of_reach_is_told_with_value_and_limit(name, point, reason):
+def test_out_of_reach_names_value_and_limit(name, point, reason):
     model, _, _, _ = machine(name)
     told = problem((7, Fault.UNREACHABLE, "", 0.0, 0.0, point), "a.gcode", model)
     assert told.place == "a.gcode:7"

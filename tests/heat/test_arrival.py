@@ -85,7 +85,7 @@ def test_a_new_target_is_waited_for_from_the_beginning():
         assert done(s) - begin == pytest.approx(10, abs=0.3)
 
 
-def test_what_is_too_warm_already_is_not_waited_for():
+def test_heater_already_too_warm_is_not_waited_for():
     with scenario() as s:
         s.host.ok("M109 S200", 300)
         begin = s.loop.time()
@@ -122,7 +122,7 @@ def test_a_sensor_of_coarse_steps_arrives_too():
         ("{ seconds = -1 }", "seconds is -1: expected a number of at least 0"),
     ],
 )
-def test_what_never_arrives_is_refused(arrival, says):
+def test_unreachable_arrival_is_refused(arrival, says):
     with pytest.raises(ConfigError) as error:
         scenario(f"arrival = {arrival}")
     assert f"heaters.hotend.arrival.{says}" in str(error.value)

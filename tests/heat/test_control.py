@@ -19,7 +19,7 @@ CONTROLS = {
 
 @pytest.mark.parametrize("name", CONTROLS)
 @pytest.mark.parametrize("target", [60.0, 150.0, 210.0])
-def test_it_settles_without_overshoot_and_in_the_wind(name, target):
+def test_control_settles_without_overshoot_and_with_fan(name, target):
     oven = Oven(CONTROLS[name])
     oven.heat(target)
     rise = oven.run(240)
@@ -81,7 +81,7 @@ def test_a_lower_target_with_the_fan_on(name):
 
 
 @pytest.mark.parametrize("name", ["pid", "tuned pid"])
-def test_a_fan_that_asks_for_more_power_than_there_is_leaves_nothing_behind(name):
+def test_fan_beyond_full_power_leaves_no_windup(name):
     oven = Oven(f"max_power = 0.65\n{CONTROLS[name]}")
     oven.heat(240.0)
     oven.run(240)
@@ -94,7 +94,7 @@ def test_a_fan_that_asks_for_more_power_than_there_is_leaves_nothing_behind(name
     assert all(abs(body - 240) < 1.0 for _, body, _, _ in rows)
 
 
-def test_what_has_gathered_too_much_power_is_off_above_its_range():
+def test_wound_up_control_is_off_above_its_range():
     oven = Oven("control = { kind = 'pid', kp = 12.75, ki = 12.75, kd = 0.0, range_c = 5.0 }")
     oven.heat(210.0)
     rows = oven.run(300)

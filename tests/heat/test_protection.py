@@ -76,7 +76,7 @@ def test_a_broken_cable(make, share, kind):
 
 @pytest.mark.parametrize("broken", [0.0, 1.0])
 @pytest.mark.parametrize("name", ["hotend", "bed"])
-def test_what_a_broken_cable_has_said_is_no_heat(name, broken):
+def test_readings_of_broken_cable_are_no_heat(name, broken):
     """It is rearmed as soon as it is mended, while the model's room is still far off."""
     oven = Oven(name=name)
     oven.heat(60.0)
@@ -161,7 +161,7 @@ def test_a_sensor_that_slips_out_slowly_is_a_runaway():
 
 
 @pytest.mark.parametrize("fault", ["fallen sensor", "stuck sensor", "heater stuck off"])
-def test_what_does_not_get_warmer(fault):
+def test_heater_that_does_not_get_warmer_is_a_fault(fault):
     oven = idle()
     if fault == "fallen sensor":
         oven.board.drop_sensor("hotend")

@@ -104,7 +104,7 @@ def test_every_rule_gives_gains_that_hold(rule):
     assert all(abs(body - 210) < 0.5 for _, body, _, _ in wind[160:])
 
 
-def test_what_a_tune_refuses():
+def test_unfit_tunes_are_refused():
     for target, rule in ((271.0, 0), (200.0, 5)):
         with pytest.raises(TuneError, match="PID Autotune failed!"):
             RelayTune("Hotend:0", target, rule=rule, clock_hz=1e6, limit_c=285.0)

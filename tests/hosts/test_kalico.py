@@ -122,11 +122,11 @@ class TestProcess:
         yield board
         board.close()
 
-    def test_it_homes_and_prints(self, hosts, tmp_path, clock, board, configuration):
+    def test_kalico_homes_and_prints(self, hosts, tmp_path, clock, board, configuration):
         with Kalico(hosts, tmp_path, board.path, configuration, clock) as kalico:
             homes_and_prints(kalico, board, clock)
 
-    def test_it_tells_who_it_is_in_real_time(self, tmp_path):
+    def test_kalico_identifies_board_in_real_time(self, tmp_path):
         board = ProcessBoard(process_for_older_hosts(tmp_path), tmp_path)
         found = asyncio.run(identify(board.path, 250_000))
         board.close()
@@ -144,7 +144,7 @@ class TestAvr:
         yield board
         board.close()
 
-    def test_it_homes_prints_and_heats(self, hosts, tmp_path, clock, board, configuration):
+    def test_kalico_homes_prints_and_heats(self, hosts, tmp_path, clock, board, configuration):
         bench = board.bench
         sensor = board_description(config.load("i3")).sensors[0]
         hotend = Hotend(bench, "PB4", 13, sensor)
@@ -200,7 +200,7 @@ class TestDrivers:
         with Kalico(hosts, tmp_path, line.path, configuration, clock) as kalico:
             yield kalico
 
-    def test_it_sets_drivers_up_and_asks_a_thermocouple(self, board, line, clock, kalico):
+    def test_kalico_uses_drivers_and_thermocouple(self, board, line, clock, kalico):
         chips = board.drivers
 
         def registers() -> dict[str, dict[int, int]]:

@@ -34,7 +34,7 @@ def machine(board: KlipperBoard, folder: Path) -> MachineConfig:
     return config.load_text(text, str(folder / "my.toml"))
 
 
-def test_it_is_configured_moved_heated_and_reset(board: KlipperBoard, tmp_path: Path) -> None:
+def test_klipper_firmware_moves_heats_and_resets(board: KlipperBoard, tmp_path: Path) -> None:
     it = machine(board, tmp_path)
     with Scenario(it, loop=asyncio.new_event_loop()) as scenario:
         host, connection = scenario.host, scenario.printer.connection

@@ -136,7 +136,7 @@ def test_a_print_goes_on_when_the_cable_is_back() -> None:
     cable.close()
 
 
-def test_a_board_that_begins_anew_in_mid_move_is_configured_again(cable: Cable) -> None:
+def test_board_reset_in_mid_move_is_configured_again(cable: Cable) -> None:
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
         host.send("M104 S50")
@@ -153,7 +153,7 @@ def test_a_board_that_begins_anew_in_mid_move_is_configured_again(cable: Cable) 
     assert net_steps([cable])["x"] - stood == 5 * 80
 
 
-def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
+def test_m112_while_waiting_for_board_halts() -> None:
     cable = Cable(RUNS_FIRMWARE)
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
@@ -170,7 +170,7 @@ def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
     cable.close()
 
 
-def test_an_emergency_stop_reaches_the_board_when_its_cable_is_back() -> None:
+def test_emergency_stop_reaches_board_when_cable_is_back() -> None:
     cable = Cable(RUNS_FIRMWARE)
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
@@ -187,7 +187,7 @@ def test_an_emergency_stop_reaches_the_board_when_its_cable_is_back() -> None:
     cable.close()
 
 
-def test_a_cut_cable_halts_the_printer_of_a_board_that_cannot_stop_by_itself() -> None:
+def test_cut_cable_halts_board_without_survive() -> None:
     cable = Cable(MACHINE)
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         scenario.host.ok("G92 X0 Y0 Z0")

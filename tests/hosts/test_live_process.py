@@ -15,7 +15,7 @@ from tests.support.scenario import Scenario
 from passo.cli.main import main
 
 
-def test_a_program_that_stands_still_is_to_blame_for_late_commands(tmp_path: Path) -> None:
+def test_stalled_program_is_named_for_late_commands(tmp_path: Path) -> None:
     """The whole program is stopped for 0.2 s: the board brakes, and the moves go on."""
     cable = Cable(RUNS_FIRMWARE)
     with Program(machine_file(tmp_path, cable.path)) as program:
@@ -33,7 +33,7 @@ def test_a_program_that_stands_still_is_to_blame_for_late_commands(tmp_path: Pat
     cable.close()
 
 
-def test_another_host_goes_on_with_the_print_of_one_that_was_killed(tmp_path: Path) -> None:
+def test_next_host_resumes_print_of_killed_one(tmp_path: Path) -> None:
     """The board stops by itself in mid-print and knows where: nothing is homed again."""
     cable = Cable(RUNS_FIRMWARE)
     moves = [f"G1 X{60 if i % 2 else 40} Y{40 + i / 4} F3000" for i in range(32)]

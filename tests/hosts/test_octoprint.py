@@ -24,7 +24,7 @@ def port(printer, way):
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_it_prints_to_the_end(router, whole, host, way):
+def test_octoprint_prints_to_the_end(router, whole, host, way):
     host.connect(port(router, way))
     host.print(whole.path)
     host.finished()
@@ -50,7 +50,7 @@ def test_a_line_that_came_in_damaged_is_printed_once(printer, program, host, at_
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_it_uploads_to_the_card_and_prints_from_there(printer, program, host, at_end, way):
+def test_octoprint_uploads_to_card_and_prints(printer, program, host, at_end, way):
     host.connect(port(printer, way))
     host.wait(lambda: host.get("printer/sd")["ready"])
     host.upload(program.path, "sdcard")
@@ -123,7 +123,7 @@ def test_after_a_cancel_it_prints_again(printer, program, host, at_end, way):
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_it_comes_back_after_it_left_in_mid_print(printer, program, host, at_end, way):
+def test_octoprint_reconnects_in_mid_print(printer, program, host, at_end, way):
     host.connect(port(printer, way))
     host.print(program.path)
     host.wait(lambda: host.sent > 10)
@@ -134,7 +134,7 @@ def test_it_comes_back_after_it_left_in_mid_print(printer, program, host, at_end
     at_end(printer)
 
 
-def test_it_knows_of_a_pause_in_a_file_on_the_card(printer, program, host, at_end):
+def test_octoprint_follows_pause_of_card_print(printer, program, host, at_end):
     lines = program.text.split("\n")
     half = len(lines) // 2
     change = "\n".join([*lines[:half], "M600", *lines[half:]])

@@ -35,7 +35,7 @@ def printed(hosts, program):
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_it_prints_to_the_end(router, printed, whole, way):
+def test_printrun_prints_to_the_end(router, printed, whole, way):
     seen = printed(getattr(router, way), whole.path)
     assert seen["resends"] == 0
     assert {k: v for k, v in router.position().items() if k in whole.end} == whole.end

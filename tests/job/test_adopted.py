@@ -114,7 +114,7 @@ def test_motors_that_were_off_under_the_host_before_are_homed(monkeypatch, place
         assert printed_on(s) == pytest.approx(END | retracted, abs=0.02)
 
 
-def test_they_are_trusted_again_when_all_axes_were_homed(monkeypatch, places):
+def test_motors_are_trusted_after_all_axes_homed(monkeypatch, places):
     s = printing(places)
     for line in ("M25", "M400", "M84", "M400", "G28 X"):
         s.host.ok(line, 60)
@@ -127,7 +127,7 @@ def test_they_are_trusted_again_when_all_axes_were_homed(monkeypatch, places):
         assert OFFER in s.printer.state.greeting()
 
 
-def test_where_counting_begins_is_recorded_as_soon_as_an_axis_is_at_home(places):
+def test_step_origin_is_recorded_when_axis_is_homed(places):
     state = Path(places["state"])
     with Scenario(MACHINE, **places) as s:
         s.host.ok("M32 a.g")
@@ -137,7 +137,7 @@ def test_where_counting_begins_is_recorded_as_soon_as_an_axis_is_at_home(places)
         assert journal_of(state)[1].origins == s.printer.positions.origins() != {}
 
 
-def test_and_while_the_print_stands(places):
+def test_step_origin_is_recorded_while_print_is_paused(places):
     state = Path(places["state"])
     with printing(places) as s:
         s.host.ok("M25")

@@ -60,7 +60,7 @@ def test_its_place_is_proved_before_anything_was_moved(other):
 
 
 @pytest.mark.parametrize("moment", [0.02, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4])
-def test_its_place_is_proved_when_the_first_commits_were_on_their_way(other, moment):
+def test_position_is_proved_with_first_commits_in_flight(other, moment):
     s, stood = other
     s.host.ok("G92 X10 Y10")
     s.host.send("G1 X20 Y15 F1200", "M400", "M118 done")

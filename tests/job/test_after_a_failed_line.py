@@ -40,7 +40,7 @@ WAY = [f"G1 X{i} E0.1 F3000" for i in range(1, 31)]
         ("scara", "G2 J60 E1"),
     ],
 )
-def test_what_follows_a_move_that_is_refused_is_printed(tmp_path, machine, bad):
+def test_print_continues_after_refused_move(tmp_path, machine, bad):
     start = ["G1 X100 Y100 F3000"] if machine == "scara" else ["G1 Z20 F3000"]
     ways = [f"G1 X{100 + i} E0.1 F3000" for i in range(1, 31)] if machine == "scara" else WAY
     good, none = printed_lines(tmp_path, machine, ["M83", *start, *ways])
@@ -117,7 +117,7 @@ def test_a_print_that_is_given_up_is_not(tmp_path, end):
         assert Journal(tmp_path / "state").read() is None
 
 
-def test_a_print_that_could_do_nothing_does_not_keep_the_next_one_from_starting(tmp_path):
+def test_print_that_did_nothing_does_not_block_the_next(tmp_path):
     places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
     (tmp_path / "auto0.g").write_text("T7\n")
     for _ in range(2):

@@ -7,7 +7,7 @@ PROGRAM = "G28\nG1 Z30 F300\nG1 X50 F6000\nG1 X60\nM400\n"
 
 
 @pytest.mark.parametrize("between", [(), ("M220 S50",), ("M290 Z0.1",), ("M25", "M24")])
-def test_a_motor_moves_though_the_plan_was_cut_before_its_first_step(between, tmp_path):
+def test_motor_moves_if_plan_was_cut_before_first_step(between, tmp_path):
     (tmp_path / "a.g").write_text(PROGRAM)
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.send("M32 a.g")

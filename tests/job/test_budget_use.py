@@ -179,7 +179,7 @@ def test_a_print_that_the_board_takes_easily_needs_no_words(dense):
 
 
 @pytest.mark.parametrize(("baud", "unsure"), [(38_400, True), (115_200, False)])
-def test_so_few_commands_that_a_lower_speed_may_not_do_are_told(tmp_path, baud, unsure):
+def test_too_few_commands_for_any_speed_are_reported(tmp_path, baud, unsure):
     path = tmp_path / "dense.g"
     lines = ["G92 X0 Y0 Z0 E0", "M302 P1"]
     lines += [f"G1 X{0.05 * i:.3f} Y{0.04 * (i % 2) + 0.05 * i:.3f} F6000" for i in range(600)]

@@ -28,9 +28,7 @@ def ends_where_it_should(s: Scenario, more_e: float = 0.0) -> None:
 @pytest.mark.parametrize("command", ["M600 U80 L50", "M601"])
 @pytest.mark.parametrize("answer", ["M108", "M876 S0"])
 @pytest.mark.parametrize("pause_s", [0.0, 10.0])
-def test_the_nozzle_comes_back_to_where_it_was_and_the_file_stays_paused(
-    s, command, answer, pause_s
-):
+def test_filament_change_in_pause_returns_and_stays_paused(s, command, answer, pause_s):
     s.host.ok("M25")
     s.passes(pause_s)
     filament = -30 if "U" in command else 0
@@ -92,7 +90,7 @@ def test_m25_right_behind_m600(s):
 
 @pytest.mark.parametrize("own", [True, False])
 @pytest.mark.parametrize("answer", ["M24", "M602"])
-def test_what_goes_on_with_the_file_ends_the_change_too(s, own, answer):
+def test_resume_ends_filament_change_too(s, own, answer):
     s.host.ok("M25")
     s.passes(10)
     s.host.send("M600 U80 L80")

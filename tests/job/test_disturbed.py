@@ -13,7 +13,7 @@ def whole(tmp_path_factory):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_it_ends_where_it_would_have_ended(whole, seed):
+def test_disturbed_print_ends_at_same_steps(whole, seed):
     card, wanted = whole
     with Scenario("i3", card=str(card)) as s:
         disturb(s, random.Random(seed), lambda: None)

@@ -31,7 +31,7 @@ def scenario(monkeypatch, card, world, **more):
 
 @pytest.mark.parametrize("world", WORLDS)
 @pytest.mark.parametrize("seed", range(4))
-def test_it_ends_where_one_board_would_have_ended(monkeypatch, whole, world, seed):
+def test_disturbed_print_on_two_boards_ends_at_same_steps(monkeypatch, whole, world, seed):
     card, wanted = whole
     with scenario(monkeypatch, card, world) as s:
         disturb(s, random.Random(seed), lambda: None)

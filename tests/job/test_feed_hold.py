@@ -47,7 +47,7 @@ def test_a_print_is_at_rest_within_250_ms(machine: str, firmware: str, tmp_path:
     assert 0.2 < longest <= 0.25
 
 
-def test_what_lasts_long_holds_nothing_else_up(tmp_path: Path):
+def test_long_commands_hold_up_no_others(tmp_path: Path):
     """A command leaves by its end, so that a hold need not wait for it: here those of the extruder
     last, and bytes go evenly to the board all the same."""
     lines = ["M302 P1", "G92 X0 Y0 Z0 E0", "G1 X100 Y100 F6000"]

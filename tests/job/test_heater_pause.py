@@ -53,7 +53,7 @@ def fails(s: Scenario, heater: str) -> None:
         ("M104 S200\nM140 S60\nM116", "bed", 30),
     ],
 )
-def test_a_file_waits_again_for_the_heater_that_failed_while_it_waited(s, wait, heater, after_s):
+def test_file_waits_again_for_heater_that_failed(s, wait, heater, after_s):
     other = begin(s, wait)
     s.passes(after_s)
     fails(s, heater)
@@ -88,7 +88,7 @@ def test_nothing_is_pushed_before_the_hotend_is_warm_again(s, from_card, on):
 
 
 @pytest.mark.parametrize("heats", ["M104 S200", "M302 P1"])
-def test_a_print_whose_hotend_was_switched_off_in_its_pause_stays_paused(s, heats):
+def test_print_stays_paused_if_hotend_was_switched_off(s, heats):
     other = begin(s, "M109 S200")
     assert s.until(lambda: s.positions()["e"] > 3, 400)
     other.ok("M25")

@@ -145,7 +145,7 @@ def test_prints_that_a_host_sends_are_told(tmp_path):
     assert totals.filament_mm == pytest.approx(20)
 
 
-def test_a_file_s_own_timer_words_do_not_keep_it_out_of_the_history(tmp_path):
+def test_print_with_timer_commands_is_in_history(tmp_path):
     card = tmp_path / "card"
     card.mkdir()
     (card / "a.g").write_text("M75\nG4 S30\nM77\nG4 S5\n")
@@ -174,7 +174,7 @@ def test_how_long_the_printer_was_on_is_summed_up(tmp_path):
         assert s.host.ok("M78")[2] == "echo:Power on: 0h 0m 50s"
 
 
-def test_a_history_that_somebody_else_holds_is_told_and_not_waited_for(tmp_path, places):
+def test_locked_history_is_reported_and_not_waited_for(tmp_path, places):
     with Scenario("i3", **places) as s:
         s.host.ok("M78")
         other = sqlite3.connect(tmp_path / "state" / "history.sqlite")
@@ -236,7 +236,7 @@ def test_two_printers_do_not_share_a_folder(places):
         assert "M1000 goes on" in s.printer.state.greeting()
 
 
-def test_a_print_that_its_host_has_broken_off_stays_in_the_history(tmp_path):
+def test_print_aborted_by_host_stays_in_history(tmp_path):
     with Scenario("i3", state=str(tmp_path)) as s:
         s.host.ok("M302 P1")
         for name in ("one", "two"):

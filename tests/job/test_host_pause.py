@@ -152,7 +152,7 @@ def test_the_temperature_counts_in_a_file_too(tmp_path):
         ("U100000000", "U is 1e+08: expected -5000 to 5000 mm"),
     ],
 )
-def test_what_m600_cannot_do_is_said(s, words, told):
+def test_impossible_m600_is_refused(s, words, told):
     before = at(s)
     assert told in s.host.ok(f"M600 {words}")[0]
     s.passes(5)

@@ -33,7 +33,7 @@ def journal_of(state):
     return Journal(state).read()
 
 
-def test_the_journal_is_never_later_than_the_truth_and_at_most_a_second_earlier(places):
+def test_journal_is_at_most_a_second_behind_and_never_ahead(places):
     arguments, state = places
     generator = random.Random(7)
     starts = []
@@ -120,7 +120,7 @@ def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
         assert "Not SD printing" in s.host.ok("M27")[0]
 
 
-def test_a_card_that_is_pulled_in_a_recovery_leaves_the_heaters_off(places, monkeypatch):
+def test_card_pulled_during_recovery_leaves_heaters_off(places, monkeypatch):
     arguments, _ = places
     with Scenario("i3", **arguments) as s:
         s.host.ok("M104 S60")
@@ -182,7 +182,7 @@ def test_another_file_is_not_gone_on_with(places, tmp_path):
     assert journal_of(state) is None
 
 
-def test_a_print_cut_off_before_its_first_move_begins_anew_and_says_so(places, tmp_path):
+def test_print_cut_off_before_first_move_restarts(places, tmp_path):
     arguments, _ = places
     for text, answer in ((WALL, "Printing wall.gcode from its beginning"), (WALL + "M105\n", "")):
         with Scenario("i3", **arguments) as s:
@@ -200,7 +200,7 @@ def test_a_print_cut_off_before_its_first_move_begins_anew_and_says_so(places, t
 HEATS = "M83\nM109 S200\n" + "".join(f"G1 X{i} E1 F600\n" for i in range(9, 90))
 
 
-def test_a_print_that_heats_first_is_not_where_the_last_one_has_ended(places, tmp_path):
+def test_print_that_heats_first_has_its_own_journal(places, tmp_path):
     arguments, state = places
     (tmp_path / "card" / "heats.g").write_text(HEATS)
     with Scenario("i3", **arguments) as s:
@@ -330,7 +330,7 @@ def test_a_journal_that_cannot_begin_leaves_no_older_print(tmp_path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_print_without_room_for_its_journal_does_not_leave_another_s(places, monkeypatch):
+def test_print_without_room_removes_older_journal(places, monkeypatch):
     arguments, state = places
     with Scenario("i3", **arguments) as s:
         s.host.ok("M32 wall.gcode")
@@ -350,7 +350,7 @@ def test_a_print_without_room_for_its_journal_does_not_leave_another_s(places, m
     assert journal_of(state) is None
 
 
-def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
+def test_print_with_renamed_heater_is_not_resumed(places):
     arguments, state = places
     with Scenario("i3", **arguments) as s:
         s.host.ok("M140 S50")
@@ -402,7 +402,7 @@ def test_the_end_of_a_journal_is_durable(tmp_path, monkeypatch):
     assert len(synced) == 4
 
 
-def test_a_board_without_survive_shuts_down_and_the_journal_goes_on(places):
+def test_journal_resumes_after_shutdown_without_survive(places):
     """The cable is cut in mid-print. The board stops when its outputs are not renewed; the host
     halts, and offers to go on from the journal."""
     arguments, state = places

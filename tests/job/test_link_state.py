@@ -74,7 +74,7 @@ WALKS = {
 
 
 @pytest.mark.parametrize("happens", WALKS, ids=lambda happens: happens.__name__)
-def test_what_happens_leads_to_these_states(happens, monkeypatch):
+def test_events_lead_to_link_states(happens, monkeypatch):
     with Scenario(FIRMWARE) as s:
         seen = [s.printer.life.link]
         s.printer.life.watchers.append(lambda was, now: seen.append(now))

@@ -61,7 +61,7 @@ def test_a_long_pause_cools_the_nozzle_and_warms_it_again(s, what, on):
 @pytest.mark.parametrize(
     ("command", "celsius"), [("M104 S0", 0), ("M104 S190", 190), ("M410", 0), ("M524", 0)]
 )
-def test_what_is_said_in_the_pause_holds(s, command, celsius):
+def test_target_set_in_pause_holds(s, command, celsius):
     pause(s, "M25")
     s.passes(LONG_S)
     s.host.ok(command)

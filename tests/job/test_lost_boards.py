@@ -52,7 +52,7 @@ def faults(s):
 
 @pytest.mark.parametrize("world", ["fast", "slow", "far"])
 @pytest.mark.parametrize("seed", range(6))
-def test_it_ends_where_it_would_have_ended(monkeypatch, undisturbed, world, seed):
+def test_print_with_lost_boards_ends_at_same_steps(monkeypatch, undisturbed, world, seed):
     card, wanted = undisturbed
     generator = random.Random(seed)
     with scenario(monkeypatch, card, world) as s:
@@ -144,7 +144,7 @@ def test_a_board_is_lost_while_axes_home(monkeypatch, tmp_path, board, after, se
         assert s.board.temperature("hotend") == pytest.approx(60, abs=3)
 
 
-def test_a_board_stands_behind_the_last_commit_that_was_under_way(monkeypatch, tmp_path):
+def test_board_stops_after_last_commit_under_way(monkeypatch, tmp_path):
     """The link's own question for its state, before that commit, may be answered late."""
     with scenario(monkeypatch, tmp_path, "far") as s:
         tool = s.printer.connection.connections[1]
@@ -226,7 +226,7 @@ def test_a_cable_far_away_stops_nothing(monkeypatch, undisturbed):
         assert steps(s) == wanted
 
 
-def test_what_is_warm_on_either_board_stays_so(monkeypatch, tmp_path):
+def test_link_loss_keeps_heaters_of_both_boards_warm(monkeypatch, tmp_path):
     hot = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}
     with scenario(monkeypatch, tmp_path, "fast", **hot) as s:
         s.host.ok("M140 S60")
@@ -248,7 +248,7 @@ def test_what_is_warm_on_either_board_stays_so(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("cut_off", [MAIN, "tool"])
-def test_what_is_on_its_way_warms_on_where_the_link_holds(monkeypatch, tmp_path, cut_off):
+def test_heater_keeps_heating_on_board_with_link(monkeypatch, tmp_path, cut_off):
     """On the lost board it cools until that is back; neither is taken for a failed heater."""
     hot = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}
     with scenario(monkeypatch, tmp_path, "fast", **hot) as s:
@@ -266,7 +266,7 @@ def test_what_is_on_its_way_warms_on_where_the_link_holds(monkeypatch, tmp_path,
         assert steps(s) == {"x": 0, "y": 0, "z": 0, "e": 0}
 
 
-def test_only_what_is_lost_again_while_it_warms_up_is_opened_again(monkeypatch, tmp_path):
+def test_only_lost_board_is_reopened_during_reheat(monkeypatch, tmp_path):
     """Opening a port resets many boards, which lose their place."""
     opened = []
     open_again = Connection.open_again
@@ -369,7 +369,7 @@ def test_both_brake_on_the_path(monkeypatch, tmp_path, world, board):
 
 
 @pytest.mark.parametrize("seconds", [0.15, 0.5, 2.0])
-def test_what_waits_for_the_other_board_was_not_planned_late(monkeypatch, undisturbed, seconds):
+def test_commit_waiting_for_other_board_is_not_late(monkeypatch, undisturbed, seconds):
     """None gets a commit before the other has what belongs to it."""
     card, _ = undisturbed
     with scenario(monkeypatch, card, "fast") as s:

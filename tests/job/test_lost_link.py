@@ -30,7 +30,7 @@ def break_link(s, seconds):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_it_ends_where_it_would_have_ended(whole, seed):
+def test_print_with_link_losses_ends_at_same_steps(whole, seed):
     card, wanted = whole
     generator = random.Random(seed)
     with Scenario(FIRMWARE, card=str(card)) as s:
@@ -61,7 +61,7 @@ def stall(s, seconds):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_host_that_was_late_goes_on_where_the_board_has_stopped(whole, seed):
+def test_late_host_resumes_where_board_stopped(whole, seed):
     card, wanted = whole
     generator = random.Random(seed)
     with Scenario(FIRMWARE, card=str(card)) as s:
@@ -109,7 +109,7 @@ def test_motors_are_on_when_the_print_goes_on():
 
 
 @pytest.mark.parametrize("moment", [0.3 + 0.06 * i for i in range(8)])
-def test_a_motor_that_was_homed_first_moves_on_the_way_to_the_stop(moment):
+def test_homed_motor_moves_during_braking_tail(moment):
     """Its clock must be told anew by the tail itself."""
     with Scenario(FIRMWARE) as s:
         s.host.ok("G28", 60)
@@ -182,7 +182,7 @@ def test_a_pause_that_the_link_does_not_outlive(whole, delay):
         assert steps(s) == wanted
 
 
-def test_what_waits_for_heat_can_be_shifted_hurried_and_paused(whole):
+def test_print_waiting_for_heat_can_be_changed_and_paused(whole):
     card, wanted = whole
     with Scenario(FIRMWARE, card=str(card)) as s:
         s.host.ok("M32 a.g")
@@ -251,7 +251,7 @@ def test_a_heater_that_has_failed_may_stay_so(policy):
 
 @pytest.mark.parametrize("changes", [("M204 P500", "M204 P3000"), ("M290 Z0.5", "M290 Z-0.5")])
 @pytest.mark.parametrize("seconds", [0.0, 0.02, 0.05])
-def test_what_has_changed_just_before_it(tmp_path, changes, seconds):
+def test_limits_changed_just_before_link_loss(tmp_path, changes, seconds):
     """The board has the way to brake by what held before."""
     lines = ["M302 P1", "G92 X0 Y0 Z0 E0", "G1 X100 Y100 F6000"]
     lines += [f"G2 X100 Y100 I-{20 + i} J0 E{i} F9000" for i in range(12)]
@@ -276,9 +276,7 @@ def test_a_board_with_an_older_firmware_is_refused(monkeypatch):
 
 
 @pytest.mark.parametrize("word", ["M104 S0", "M524"])
-def test_a_heater_that_is_switched_off_while_the_print_waits_for_it_is_not_waited_for(
-    tmp_path, word
-):
+def test_wait_ends_when_its_heater_is_switched_off(tmp_path, word):
     (tmp_path / "a.g").write_text("M109 S60\n" + spiral())
     with Scenario(FIRMWARE, card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")

@@ -83,7 +83,7 @@ def test_print_is_freed_at_once(machine: str, text: str, tmp_path: Path) -> None
 
 @pytest.mark.parametrize("text", JOBS.values(), ids=JOBS)
 @pytest.mark.parametrize("use", [Machine.estimate, Machine.trace, Machine.plan])
-def test_other_uses_leave_no_cycles(
+def test_library_uses_leave_no_reference_cycles(
     use: Callable[[Machine, Path], object], text: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "p.gcode"

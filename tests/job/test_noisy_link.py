@@ -38,7 +38,7 @@ def wanted(tmp_path_factory):
 # About one damaged frame in 65,536 has the right CRC. The board carries it out, or shuts down on it
 # with "Command parser error", as with seed 15: these are seeds where there is none.
 @pytest.mark.parametrize("seed", (0, 5, 8, 10, 16, 20))
-def test_it_ends_where_it_would_have_ended(printer, wanted, seed):
+def test_print_over_noisy_link_ends_at_same_steps(printer, wanted, seed):
     s, generator = printer, random.Random(seed)
     s.host.ok("M32 a.g")
     s.passes(14)  # it is at home by then
@@ -54,7 +54,7 @@ def test_it_ends_where_it_would_have_ended(printer, wanted, seed):
     assert steps(s) == wanted
 
 
-def test_a_heater_that_the_board_has_switched_off_meanwhile_has_not_failed(printer):
+def test_heater_switched_off_by_board_has_not_failed(printer):
     """Again and again the link is silent for so long that heat goes off."""
     s = printer
     s.host.ok("M190 S60", 900)
@@ -65,7 +65,7 @@ def test_a_heater_that_the_board_has_switched_off_meanwhile_has_not_failed(print
     assert s.board.temperature("bed") > 83
 
 
-def test_a_fallen_sensor_is_noticed_over_a_link_that_is_mostly_silent(printer):
+def test_fallen_sensor_is_noticed_over_mostly_silent_link(printer):
     s = printer
     s.host.ok("M190 S85", 900)
     s.board.drop_sensor("bed")
@@ -73,7 +73,7 @@ def test_a_fallen_sensor_is_noticed_over_a_link_that_is_mostly_silent(printer):
     assert "bed" in s.printer.halted
 
 
-def test_a_fallen_sensor_is_noticed_though_the_link_is_lost_again_and_again(printer):
+def test_fallen_sensor_is_noticed_despite_repeated_link_loss(printer):
     """No loss of the link gives a heater that gets no warmer its time anew."""
     s = printer
     s.host.ok("M190 S85", 900)
@@ -100,7 +100,7 @@ def silences(s, seconds, times):
 
 
 @pytest.mark.parametrize("seconds", (0.3, 1.0, 3.5, 20.0))
-def test_a_link_that_is_lost_while_axes_home_costs_their_place_and_no_heat(printer, seconds):
+def test_link_loss_while_homing_keeps_heat_and_unhomes(printer, seconds):
     s = printer
     (board,) = s.board.boards
     s.host.ok("M190 S60", 900)

@@ -73,7 +73,7 @@ def test_motors_stay_on_in_the_pause(s, seconds):
         ("M410", "Print of a.g stopped: M410"),
     ],
 )
-def test_stops_in_a_file_come_when_the_moves_before_them_are_done(s, stop, says):
+def test_stops_in_file_come_after_moves_before_them(s, stop, says):
     for line in HOME:
         s.host.ok(line, 100)
     Path(s.card, "a.g").write_text(f"G1 X60 F1200\n{stop}\nG1 X10\n")
@@ -89,7 +89,7 @@ def test_stops_in_a_file_come_when_the_moves_before_them_are_done(s, stop, says)
 
 
 @pytest.mark.parametrize(("line", "x"), [("M25", 60), ("M84 Y", 10)])
-def test_m108_ends_no_wait_for_moves_behind_which_something_is_to_be_done(s, line, x):
+def test_m108_does_not_end_wait_before_pending_action(s, line, x):
     for command in HOME:
         s.host.ok(command, 100)
     Path(s.card, "a.g").write_text(f"G1 X60 F1200\n{line}\nG1 X10\n")
@@ -105,7 +105,7 @@ def test_m108_ends_no_wait_for_moves_behind_which_something_is_to_be_done(s, lin
     assert s.positions()["x"] == pytest.approx(10, abs=0.02)
 
 
-def test_a_console_that_leaves_has_its_motors_off_behind_its_moves(s):
+def test_m84_of_console_that_left_follows_its_moves(s):
     for command in HOME:
         s.host.ok(command, 100)
     other = Host(s)

@@ -496,7 +496,7 @@ def state_after(places, name, *lines, killed):
         ("M25", "M83", "M203 X60", "M24"),
     ],
 )
-def test_what_consoles_set_beside_a_print_is_not_forgotten(places, lines):
+def test_settings_of_consoles_survive_interruption(places, lines):
     whole = state_after(places, "wall.gcode", *lines, killed=False)
     assert state_after(places, "wall.gcode", *lines, killed=True) == whole
 
@@ -507,7 +507,7 @@ def test_a_tool_offset_set_beside_a_print_is_not_forgotten(places):
     assert gone_on(places, left)["x"] == pytest.approx(9.0, abs=0.02)
 
 
-def test_what_consoles_set_is_known_after_a_second_interruption(places):
+def test_settings_of_consoles_survive_second_interruption(places):
     left = left_after(places, "M218 T0 X1", "M218 T0 X2")
     with Scenario("i3", **places) as s:
         for stepper in "xyz":
@@ -523,7 +523,7 @@ def test_what_consoles_set_is_known_after_a_second_interruption(places):
     assert gone_on(places, left)["x"] == pytest.approx(8.0, abs=0.02)
 
 
-def test_what_consoles_set_where_a_print_stood_before_it_moved_is_not_forgotten(places, tmp_path):
+def test_settings_before_first_move_survive_interruption(places, tmp_path):
     (tmp_path / "card" / "fails.gcode").write_text("G4 P10\nM104 Sx\n" + WALL)
     ends = []
     for killed in (False, True):
@@ -544,7 +544,7 @@ def test_what_consoles_set_where_a_print_stood_before_it_moved_is_not_forgotten(
     assert "M83" in ends[0][1]
 
 
-def test_settings_of_the_file_that_only_a_printer_has_are_not_forgotten(places, tmp_path):
+def test_live_only_settings_of_file_survive_interruption(places, tmp_path):
     own = "M85 S3600\nM84 S300\nM301 P25\nM145 S0 H205\nM540 S1\n"
     (tmp_path / "card" / "own.gcode").write_text(own + WALL)
     whole = state_after(places, "own.gcode", killed=False)

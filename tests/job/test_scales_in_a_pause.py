@@ -29,7 +29,7 @@ def s(tmp_path):
 
 
 @pytest.mark.parametrize("line", ["M92 E100", "M92 X100", "M501", "M502", "M930"])
-def test_they_are_refused_and_the_print_goes_on_as_planned(s, line):
+def test_scales_in_pause_are_refused_and_print_continues(s, line):
     s.host.ok("M204 P888")
     s.host.ok("M926 IXStepsPerUnit V100")
     before = settings(s)
@@ -46,7 +46,7 @@ def test_they_are_refused_and_the_print_goes_on_as_planned(s, line):
     assert settings(s) != before
 
 
-def test_other_options_are_applied_in_a_pause(s):
+def test_options_other_than_scales_apply_in_pause(s):
     s.host.ok("M926 IXMaxSpeed V77")
     s.host.ok("M930")
     assert s.host.ok("M925 IXMaxSpeed")[0] == "77"

@@ -44,7 +44,7 @@ def test_the_tool_that_was_stopped_is_in_use_and_its_offset():
     assert job.machine_position[0] == pytest.approx(20)
 
 
-def test_the_tool_that_stands_aside_is_in_use_and_the_program_goes_on_with_the_other():
+def test_tool_of_pause_is_in_use_and_program_keeps_its_own():
     job = amid_t0()
     job.hold_from(0.1 * job.clock)
     job.suspend()
@@ -56,7 +56,7 @@ def test_the_tool_that_stands_aside_is_in_use_and_the_program_goes_on_with_the_o
     assert job.program_position[0] == pytest.approx(80)
 
 
-def test_a_babystep_while_it_stands_stays_with_the_tool_that_was_stopped():
+def test_babystep_in_pause_stays_with_stopped_tool():
     job = amid_t0()
     job.hold_from(0.1 * job.clock)
     assert job.shift_from(job.clock, 2, 0.1) is not None
@@ -64,7 +64,7 @@ def test_a_babystep_while_it_stands_stays_with_the_tool_that_was_stopped():
     assert job.tool == 0
 
 
-def test_a_print_with_such_tools_is_paused_and_ends_where_it_would_have_ended(
+def test_print_with_shared_extruder_paused_ends_at_same_steps(
     tmp_path: Path,
 ) -> None:
     turns = [f"G1 X{50 + 30 * (i % 2)} E2 F3600" for i in range(4)]

@@ -18,7 +18,7 @@ E_OF_LINE = {
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_the_board_has_not_heard_is_not_taken_to_be_printed(monkeypatch, tmp_path, seed):
+def test_undelivered_commands_do_not_count_as_printed(monkeypatch, tmp_path, seed):
     monkeypatch.setattr(
         "passo.printer.printer.connect", partial(connect_simulated, cable=Cable(300e-6, 200e-6))
     )

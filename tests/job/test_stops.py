@@ -111,7 +111,7 @@ def test_a_further_axis_that_is_moved_in_a_pause_comes_back(tmp_path: Path) -> N
     assert net(20) == net(0)
 
 
-def test_arms_that_do_not_reach_the_way_back_leave_the_print_paused(tmp_path: Path) -> None:
+def test_print_stays_paused_if_arms_cannot_return(tmp_path: Path) -> None:
     """Between two places of a round work space the straight way may lead through its hole."""
     limits = "min_mm = 0.0\nmax_mm = 200.0"
     text = config.shipped_text("scara").replace(limits, "min_mm = -200.0\nmax_mm = 400.0")
@@ -152,7 +152,7 @@ def test_a_print_that_waits_for_its_turn_is_ended_by_a_halt(tmp_path: Path, code
         s.host.ok("M32 a.g", 10)
 
 
-def test_a_print_may_be_paused_and_gone_on_with_as_soon_as_it_has_started(tmp_path: Path) -> None:
+def test_print_can_be_paused_and_resumed_at_its_start(tmp_path: Path) -> None:
     with printing(tmp_path, "G1 X10 F3000\n") as s:
         s.host.send("M25", "M24")
         s.host.expect("Done printing file", 20)

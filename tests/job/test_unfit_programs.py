@@ -39,7 +39,7 @@ def test_a_printer_may_leave_out_what_it_was_told_to(folder):
         assert s.positions()["x"] == 20
 
 
-def test_what_is_before_the_start_of_a_print_does_not_count(folder):
+def test_commands_before_start_of_print_do_not_count(folder):
     with Scenario("i3", card=folder) as s:
         s.host.ok("G28")
         s.host.ok("M23 a.g")

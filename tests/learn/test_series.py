@@ -74,7 +74,7 @@ def test_memory_does_not_grow_with_the_length(monkeypatch):
     assert sizes[1] < 1.3 * sizes[0] < 2000
 
 
-def test_what_is_not_known_is_left_out():
+def test_unknown_values_are_left_out():
     series = Series()
     series.add(5, 20, 10, 30)
     assert series.bands(10, 10) == [

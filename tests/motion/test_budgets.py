@@ -185,7 +185,7 @@ def test_the_tolerance_widens_before_the_speed_drops():
             assert move.tolerance_ticks == WIDEST
 
 
-def test_wider_steps_stay_within_their_width_and_need_fewer_commands():
+def test_wider_bounds_need_fewer_commands():
     targets = list(wander(0.2, 800, 0.3, 5))
     spec = machine(6000.0, budget=budget(commands_s=1800.0))
     motion, plan, messages = planned(spec, targets)

@@ -31,7 +31,7 @@ def job(period=None):
 
 
 @pytest.mark.parametrize("ticks", range(0, 1000, 100))
-def test_a_motor_that_has_rested_long_steps_right_behind_a_commit(ticks):
+def test_motor_after_long_rest_steps_right_after_commit(ticks):
     # Within the 50 µs by which the steps of a tail may miss their times.
     first = array("d", job().take_ideal(3))[0]
     assert first > 2**28
@@ -60,7 +60,7 @@ def test_a_commit_holds_no_more_messages_than_it_may():
     assert few.clock == told.clock
 
 
-def test_a_motor_that_has_stopped_by_itself_is_told_its_clock_and_direction_once():
+def test_stopped_motor_gets_clock_and_direction_once():
     def messages(renews):
         job = Job(load("i3").core_spec())
         for line in (b"G1 X10 F6000\n", b"G1 X20\nG1 X200 F600\n"):

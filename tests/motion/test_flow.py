@@ -103,7 +103,7 @@ def test_filament_that_would_jump_slows_the_line_down_first():
     assert jump.start_speed == pytest.approx(1.0 / 0.15)
 
 
-def test_what_no_program_asked_for_keeps_its_length():
+def test_moves_outside_programs_keep_their_length():
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 5], 10.0, "print")
     motion.push([100, 0, 0, 3], 10.0, "extrude", flow=0.0)

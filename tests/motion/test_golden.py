@@ -74,7 +74,7 @@ def test_the_jerk_of_a_slow_axis_counts_too():
 
 
 @pytest.mark.parametrize(("junction", "speed"), [("jerk", 20.0), ("deviation", 20.0)])
-def test_extruders_that_take_turns_stop_and_start_by_their_own_jerk(junction, speed):
+def test_alternating_extruders_use_their_own_jerk(junction, speed):
     """The first may stop at once from 2 mm/s, the second start at 3: with 0.1 mm for a mm each the
     first bounds the corner."""
     spec = cartesian(junction=junction)
@@ -178,7 +178,7 @@ def test_a_small_gain_of_speed_is_not_worth_it(feed, fastest):
     assert [m.cruise_speed for m in moves] == pytest.approx([50.0, fastest, 50.0])
 
 
-def test_a_further_axis_changes_its_speed_at_once_by_its_own_jerk():
+def test_further_axis_uses_its_own_jerk():
     """It reverses from 0.1 mm for a mm of X: a change by 0.2, of which 2 mm/s are allowed."""
     spec = cartesian()
     spec["axes"].append(axis("A", jerk=2.0))
@@ -189,7 +189,7 @@ def test_a_further_axis_changes_its_speed_at_once_by_its_own_jerk():
 
 
 @pytest.mark.parametrize(("feed", "speed"), [(8.0, 16.0), (1000.0, 20.0)])
-def test_of_a_time_and_a_feed_rate_the_slower_counts_and_m220_scales_both(feed, speed):
+def test_slower_of_time_and_feedrate_counts(feed, speed):
     """100 mm in 10 s, twice as fast."""
     motion = Motion(cartesian(), False)
     motion.set_speed_factor(2.0)
@@ -209,7 +209,7 @@ def test_the_rate_of_its_steps_bounds_an_extruder(key, value, rate):
     assert moves[0].cruise_speed == pytest.approx(rate / 95.5)
 
 
-def test_by_cornering_distance_nothing_passes_from_an_extruder_to_another():
+def test_cornering_distance_does_not_join_extruders():
     spec = aprinter()
     spec["extruders"].append(spec["extruders"][0] | {"name": "e1"})
     spec["tools"].append({"extruder": 1, "offset": [0.0, 0.0, 0.0]})

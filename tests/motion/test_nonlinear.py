@@ -75,7 +75,7 @@ def assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin):
 
 
 @pytest.mark.parametrize("name", REACH)
-def test_a_hair_of_travel_beside_much_filament_is_made_on_the_way(name):
+def test_tiny_travel_with_much_filament_is_solved(name):
     """It does not measure the path any more, but none of its steps waits for the next move."""
     motion, spec, geometry = in_the_middle(name)
     begin = motion.counts()
@@ -275,7 +275,7 @@ def test_steps_stand_where_the_inverse_says_next_to_a_shoulder(away):
 
 
 @pytest.mark.parametrize("name", REACH)
-def test_a_step_that_is_owed_comes_at_once_and_one_too_many_is_left_out(name):
+def test_owed_step_comes_at_once_and_surplus_is_dropped(name):
     """A cut may leave a motor a step beside where its way goes on."""
     motion, spec, geometry = in_the_middle(name)
     push_shares(motion, name, [((0.4, 0.3, 0.2), 50)])

@@ -208,7 +208,7 @@ def test_the_board_executes_pieces_between_moves():
         assert sum(ways) == counts[i] == (-80, 600)[i]
 
 
-def test_it_does_not_matter_how_pieces_arrive():
+def test_pieces_do_not_depend_on_how_they_arrive():
     whole, one_by_one = Motion(cartesian()), Motion(cartesian())
     whole.add_pieces(journey(POINTS, 0.3))
     whole.flush()
@@ -256,7 +256,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_what_does_not_join_is_refused(name):
+def test_pieces_that_do_not_join_are_refused(name):
     list_of_pieces, end, words = BAD[name]
     motion = Motion(cartesian())
     with pytest.raises(ValueError, match=words):

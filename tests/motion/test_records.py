@@ -72,7 +72,7 @@ def test_records_are_a_part_of_what_the_link_takes():
     assert 3.9 <= seconds[1] < 5.0
 
 
-def test_what_comes_before_a_move_in_parts_is_done_once():
+def test_event_before_split_move_is_done_once():
     spec, _ = nonlinear("delta")
     motion = Motion(spec, True)
     motion.set_position([-40, 0, 50, 0])

@@ -95,7 +95,7 @@ def test_hold_and_release(path, sent, where):
 
 @given(st.lists(st.tuples(step, st.floats(0, 1)), min_size=2, max_size=12))
 @settings(max_examples=80, deadline=None)
-def test_every_command_comes_before_its_steps_after_cuts_while_more_moves_come(path):
+def test_commands_precede_their_steps_after_cuts(path):
     motion = Motion(cartesian(), True)
     at = [0.0, 0.0, 0.0, 0.0]
     for (dx, dy, dz, de, feed), where in path:
@@ -108,7 +108,7 @@ def test_every_command_comes_before_its_steps_after_cuts_while_more_moves_come(p
 
 @given(st.lists(st.floats(0.01, 1), min_size=1, max_size=5), st.floats(0.3, 2))
 @settings(max_examples=20, deadline=None)
-def test_what_a_plan_adds_up_to_is_counted_once(cuts, factor):
+def test_plan_statistics_are_counted_once(cuts, factor):
     job = Job(load("i3").core_spec())
     job.feed(b"M83\nG1 X50 Y20 F6000\nG1 X90 E2\nG4 P500\nG1 E-1 F1800\nG1 X40 F9000\nG1 X30 E1\n")
     assert job.advance() == JobStatus.NEED_INPUT
@@ -224,7 +224,7 @@ def test_a_dwell_ends_early_and_what_was_due_behind_it_is_done(follows):
     assert_arrived(motion, messages, [20.0 if follows else 10.0, 0.0, 0.0, 0.0])
 
 
-def test_a_dwell_that_cannot_be_ended_any_more_is_not_ended_in_the_next_one():
+def test_skip_of_past_dwell_does_not_end_the_next():
     motion = Motion(cartesian(), True)
     for value in range(2):
         motion.push([0, 0, 0, 0], 50.0, "dwell", duration_s=1.0)
@@ -250,7 +250,7 @@ def test_a_record_at_the_very_clock_of_a_cut_is_done_once():
     assert [v for _, v in oracle.pins(motion.take_messages())] == [7, 8]
 
 
-def test_a_record_behind_a_stop_keeps_its_place_when_the_move_before_it_is_cut():
+def test_event_after_stop_keeps_position_when_move_is_cut():
     motion = Motion(cartesian(), True)
     motion.push([10, 0, 0, 0], 50.0)
     motion.flush()
@@ -266,7 +266,7 @@ def test_a_record_behind_a_stop_keeps_its_place_when_the_move_before_it_is_cut()
     assert oracle.pins(motion.take_messages()) == [(starts[1], 7), (starts[2], 8)]
 
 
-def test_a_record_at_a_stop_comes_before_what_is_queued_when_the_way_there_is_cut():
+def test_event_at_stop_precedes_queued_moves_after_cut():
     motion = Motion(cartesian(), True)
     motion.push([10, 0, 0, 0], 50.0)
     motion.flush()
@@ -288,7 +288,7 @@ def two_with_records(first_mm: float) -> Motion:
     return motion
 
 
-def test_a_move_in_the_midst_of_which_the_machine_stops_is_one_with_its_records_once():
+def test_move_with_stop_inside_keeps_its_events_once():
     motion = two_with_records(10)
     motion.flush()
     motion.take_moves()
@@ -340,7 +340,7 @@ def test_the_line_under_way_is_that_of_the_new_plan():
 
 
 @pytest.mark.parametrize("dwells_first", [True, False])
-def test_a_record_that_is_done_at_a_stop_keeps_its_place_when_the_way_there_is_cut(dwells_first):
+def test_event_done_at_stop_keeps_position_after_cut(dwells_first):
     # It is due at the very clock of the stop, or a third of a tick before it.
     motion = Motion(cartesian(), True)
     ways = [([0, 0, 0, 0], 50.0, "dwell", 0, 1.0), ([1, 0, 0, 0], 50.0)]
@@ -371,7 +371,7 @@ def test_a_dwell_that_was_cut_is_no_longer_for_a_cut_before_it():
     assert motion.clock == pytest.approx(total, abs=2)
 
 
-def test_what_is_recorded_at_a_stop_does_not_take_the_place_of_what_is_held():
+def test_event_at_stop_does_not_replace_held_events():
     motion = two_with_records(50)
     motion.hold_from(0.5 * oracle.HZ)
     stopped = motion.clock
@@ -389,7 +389,7 @@ def test_what_is_recorded_at_a_stop_does_not_take_the_place_of_what_is_held():
     ]
 
 
-def test_what_is_held_is_shifted_by_going_over_to_it():
+def test_held_plan_is_shifted_on_return():
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 0], 50.0)
     cut = motion.hold_from(1.0 * oracle.HZ)
@@ -409,7 +409,7 @@ def test_what_is_held_is_shifted_by_going_over_to_it():
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_what_is_suspended_is_shifted_from_its_stop_to_its_end(axis):
+def test_suspended_job_is_shifted_from_stop_to_end(axis):
     job = Job(load("i3").core_spec())
     job.feed(b"G1 X20 Y20 Z1 F6000\nG1 X100\n")
     assert job.advance() == JobStatus.NEED_INPUT
@@ -445,7 +445,7 @@ def test_the_way_over_to_what_is_held_keeps_its_acceleration():
     assert over.acceleration == rest.acceleration == 500.0
 
 
-def test_what_is_queued_takes_its_nominal_speeds_and_its_dwells():
+def test_queued_time_is_nominal_speeds_and_dwells():
     job = Job(load("i3").core_spec())
     job.feed(b"G1 X30 F600\nG4 P5000\nG1 X0 F1200\n")
     assert job.advance() == JobStatus.NEED_INPUT
@@ -453,7 +453,7 @@ def test_what_is_queued_takes_its_nominal_speeds_and_its_dwells():
 
 
 @pytest.mark.parametrize("line", ["G4 P10", "G1 X5.001\nG1 X5"])
-def test_what_makes_no_step_is_forgotten_too(line):
+def test_moves_without_steps_are_forgotten_too(line):
     """Else a file of it would fill the memory: nothing is handed out that could be taken."""
     job = Job(load("i3").core_spec())
     job.feed(f"G1 X5 F600\n{f'{line}{chr(10)}' * 2000}".encode())
@@ -469,7 +469,7 @@ def test_what_makes_no_step_is_forgotten_too(line):
     assert job.position_at(job.clock - 0.5 * oracle.HZ) is not None
 
 
-def test_what_is_held_waits_also_where_the_last_way_to_brake_is_too_short_to_be_a_move():
+def test_held_plan_waits_after_tiny_braking_distance():
     # Much filament on a hair of way: 0.0024 mm/s at the corner, from which 1 pm is enough to brake.
     motion = Motion(cartesian(), True)
     motion.push([0.032, 0, 0, -13.531], 100.0)

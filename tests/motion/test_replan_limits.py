@@ -143,7 +143,7 @@ def test_each_arm_keeps_its_limits(name, path, changes):
 
 
 @pytest.mark.parametrize("back_s", [0.001, 0.005, 0.02])
-def test_a_faster_feed_rate_that_comes_as_it_brakes_to_a_stop_lets_it_stop(back_s):
+def test_faster_feedrate_while_braking_lets_it_stop(back_s):
     """A plan at the full speed brakes with 1612 mm/s² here: the one of before had more."""
     spec, _ = nonlinear("delta")
     motion = Motion(spec, True)
@@ -162,7 +162,7 @@ def test_a_faster_feed_rate_that_comes_as_it_brakes_to_a_stop_lets_it_stop(back_
     assert stop.end_speed == 0.0
 
 
-def test_a_slower_feed_rate_is_braked_to_as_hard_as_the_bends_of_the_old_one_allow():
+def test_slower_feedrate_brakes_as_hard_as_corners_allow():
     # Bends take a carriage's acceleration with the square of the speed: a plan at a fifth of it
     # may use 2921 mm/s² along this line, one at the full speed 2024 mm/s² where it is cut.
     spec, _ = nonlinear("delta")

@@ -95,7 +95,7 @@ def test_a_bed_is_steepest_where_both_ways_are():
     assert move.speed_cap == pytest.approx(12 / hypot(0.3, 0.2))
 
 
-def test_what_a_twisted_bed_bends_is_a_part_of_an_acceleration():
+def test_twisted_bed_costs_a_part_of_acceleration():
     """Half of Z's 10 mm/s² at most: with 2e-4/mm by the square of the speed, then 0.0141 a mm."""
     spec = cartesian()
     spec["axes"][2]["accel"] = 10.0

@@ -22,7 +22,7 @@ def with_currents(firmware: str = "virtual", **amperes: float) -> str:
 
 
 @pytest.mark.parametrize(("ampere", "steps"), [(1.0, 135), (0.5, 67), (1.894, 255), (0.001, 0)])
-def test_so_many_steps_for_each_milliampere(ampere, steps):
+def test_digipot_steps_for_each_milliampere(ampere, steps):
     """round(0.1346 · mA)"""
     setter = config.load_board("4pi").current_setter
     assert isinstance(setter, CurrentSetter)

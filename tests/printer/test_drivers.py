@@ -91,7 +91,7 @@ def test_a_driver_that_comes_back_is_set_up(s):
     assert field(s, "x", r.IHOLD_IRUN, "irun") == 25
 
 
-def test_a_reset_loses_the_settings_and_halts_only_motors_that_are_on(s):
+def test_driver_reset_halts_only_motors_that_are_on(s):
     s.board.drivers["y"].power_on()
     s.host.expect("^echo:motor y: its driver, a TMC2209, was reset: its settings are gone", 3)
     s.passes(1)
@@ -111,7 +111,7 @@ def test_a_damaged_answer_is_asked_for_again(s):
 
 
 @pytest.mark.parametrize("ms", [0, 5, 10, 20, 35, 60, 90])
-def test_what_was_written_as_the_link_broke_arrives_when_it_is_back(ms):
+def test_driver_settings_sent_at_link_loss_arrive_later(ms):
     with Scenario(machine(firmware="passo")) as s:
         s.host.ok("G28", 60)
         s.host.ok("G1 X20 F6000")
@@ -142,7 +142,7 @@ def test_noise_on_the_link_is_no_fault_of_a_driver(monkeypatch, tmp_path, seed):
         s.host.expect("^Error:Printer halted: motor x: coil A has a short circuit", 15)
 
 
-def test_a_driver_that_was_reset_while_the_link_was_lost_halts_before_the_print_goes_on():
+def test_driver_reset_during_link_loss_halts_before_resume():
     with Scenario(machine(firmware="passo")) as s:
         s.host.ok("G28", 60)
         s.host.send("G1 X150 F3000")
@@ -154,7 +154,7 @@ def test_a_driver_that_was_reset_while_the_link_was_lost_halts_before_the_print_
         assert not any("The board is back" in line for line in s.host.heard)
 
 
-def test_settings_that_got_lost_are_there_before_the_print_goes_on():
+def test_lost_driver_settings_are_restored_before_resume():
     with Scenario(machine(firmware="passo")) as s:
         s.host.ok("G28", 60)
         s.host.send("G1 X150 F3000")
@@ -212,7 +212,7 @@ def test_currents_and_modes_by_command(s):
     assert field(s, "x", r.IHOLD_IRUN, "irun") == 15  # it outlives the halt
 
 
-def test_a_standing_current_above_the_running_one_is_one_that_the_driver_can_do():
+def test_hold_current_above_run_current_is_within_range():
     drivers = DRIVERS.replace("hold_current_a = 0.4", "hold_current_a = 1.6")
     with Scenario(machine(drivers)) as s:
         lines = s.host.ok("M122")

@@ -88,7 +88,7 @@ def test_a_hit_ends_a_print(tmp_path, switch):
         assert "Not SD printing" in s.host.ok("M27")[0]
 
 
-def test_each_hit_of_a_print_is_told_while_a_switch_stays_pressed(tmp_path):
+def test_each_print_reports_endstop_that_stays_triggered(tmp_path):
     (tmp_path / "a.g").write_text(PRINT)
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M120")

@@ -70,7 +70,7 @@ def test_commands_do_not_reach_it_and_it_comes_back_after_a_halt(s):
     assert s.until(lambda: not on(s), 20)
 
 
-def test_it_may_follow_a_heater_too():
+def test_fan_may_follow_a_heater():
     with Scenario(machine(FAN + 'follows = "bed"\nabove_c = 40.0\n')) as s:
         s.host.ok("M140 S60")
         assert s.until(lambda: on(s), 200)

@@ -79,7 +79,7 @@ def test_m190_r_waits_for_cooling_too(s):
     assert heater(s, "bed").celsius == pytest.approx(50, abs=1.1)
 
 
-def test_what_cools_no_further_is_not_waited_for(s):
+def test_cooling_wait_ends_when_it_cools_no_further(s):
     """In a room of 25 C."""
     start = s.loop.time()
     s.host.ok("M190 R20", 70)
@@ -183,7 +183,7 @@ def test_a_broken_sensor_halts_the_machine(s):
     assert s.host.ok("M109 S60", 200)[-1] == "ok"
 
 
-def test_a_heater_alone_stops_and_keeps_its_target_until_it_is_armed():
+def test_failed_heater_keeps_target_until_rearmed():
     with Scenario(with_policy("heater")) as s:
         s.host.send("M109 S200")
         s.passes(10)

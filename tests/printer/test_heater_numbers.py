@@ -45,7 +45,7 @@ def test_settings_fed_back_reach_the_heaters_that_they_come_from(text, numbers):
 
 
 @pytest.mark.parametrize(("text", "tool"), [(CROSSED, 0), (CROSSED, 1), (SHARED, 1)])
-def test_the_temperature_of_the_tool_in_use_is_that_of_its_hotend(text, tool):
+def test_tool_temperature_is_that_of_its_hotend(text, tool):
     with Scenario(config.load_text(text)) as s:
         s.host.ok(f"T{tool}")
         s.host.ok(f"M104 T{tool} S150")

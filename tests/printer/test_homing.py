@@ -171,7 +171,7 @@ def test_the_position_counts_from_home():
         assert "X:0.000 Y:12.000" in s.host.ok("M114")[0]
 
 
-def test_unhomed_axes_refuse_to_move_until_they_know_where_they_are():
+def test_unhomed_axes_refuse_to_move_until_homed():
     with Scenario("i3") as s:
         answer, _ = s.host.ok("G1 X10 E5 F3000")
         assert answer == ("echo:axis X is not homed. Home it (G28), or set its position (G92).")
@@ -239,7 +239,7 @@ def test_homing_ends_when_the_machine_is_stopped():
         assert "is not homed" in s.host.ok("G1 X1")[0]
 
 
-def test_an_emergency_stop_while_homing_forgets_where_all_axes_are():
+def test_emergency_stop_while_homing_unhomes_all_axes():
     with Scenario("i3") as s:
         s.host.ok("G28 Y", 60)
         s.host.send("G28 X")
@@ -350,7 +350,7 @@ def test_arms_turn_at_the_same_time():
         assert s.loop.time() - start < 0.5 + 0.25 + 1.25 + 1.5
 
 
-def test_an_arm_that_does_not_find_its_switch_is_named_with_its_angle():
+def test_arm_without_trigger_is_named_with_its_angle():
     with Scenario("scara") as s:
         s.board.force_switch("b", False)
         assert s.host.ok("G28", 120)[-2].startswith(
@@ -408,7 +408,7 @@ def test_a_delta_that_knows_nothing_homes_its_carriages_before_z():
 
 
 @pytest.mark.parametrize("machine", ["i3", "delta", "rotary-delta", "scara"])
-def test_what_a_console_asks_while_axes_home(machine):
+def test_console_commands_while_axes_home(machine):
     """Positions are the last ones of the program, motors count on, and nothing shifts."""
     with Scenario(machine) as s:
         s.host.ok("G28", 60)
@@ -502,7 +502,7 @@ def test_an_axis_that_was_stopped_on_its_way_is_where_it_went(axis, mm, stop):
         assert s.printer.job.locked_axes == ["xyz".index(axis)]
 
 
-def test_from_home_a_delta_reaches_what_lies_a_part_of_a_step_beyond():
+def test_homed_delta_reaches_a_part_of_a_step_beyond():
     with Scenario("delta") as s:
         s.host.ok("G28", 60)
         # On this straight line a carriage rises by 4 µm first; its step is 11 µm.

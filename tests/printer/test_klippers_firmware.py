@@ -57,7 +57,7 @@ def test_drivers_are_set_up_before_anything_moves(s: Scenario, board: Board) -> 
     s.host.silent(10, "driver|halted")
 
 
-def test_it_homes_and_knows_where_it_is(s: Scenario, board: Board) -> None:
+def test_klipper_firmware_homes_and_reports_position(s: Scenario, board: Board) -> None:
     s.host.ok("G28", 60)
     assert_there(s, board)
     s.host.ok("G1 X30 Y20 Z5 F3000")

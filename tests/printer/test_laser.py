@@ -57,7 +57,7 @@ def test_each_millimetre_gets_the_same_energy(s):
     assert changes[-1][0] - changes[0][0] > 0.43  # it had to slow down at the corners
 
 
-def test_it_is_dark_at_rest_on_rapid_moves_and_after_m5(s):
+def test_laser_is_off_at_rest_on_travel_and_after_m5(s):
     beam = Beam(s)
     s.host.send("M4 S1000", "G4 P500", "G1 X10 F3000", "G0 X20", "G4 P500", "M5", "G1 X30")
     finish(s)
@@ -97,7 +97,7 @@ def test_m3_after_m4_stays_as_set(s):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_disturbs_a_print_changes_no_energy(s, seed):
+def test_disturbances_change_no_energy(s, seed):
     """Other feed rates from the very place where the board is, at random moments."""
     chance = random.Random(seed)
     beam = Beam(s)
@@ -123,7 +123,7 @@ def test_what_disturbs_a_print_changes_no_energy(s, seed):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_what_disturbs_a_print_leaves_m3_alone(s, seed):
+def test_disturbances_leave_m3_unchanged(s, seed):
     chance = random.Random(seed)
     s.host.send("M4 S600", "G1 X5 F3000", "M3 S200")
     s.host.send(*(f"G1 X{10 * (i % 2)} Y{i} F3000" for i in range(12)), "M5")

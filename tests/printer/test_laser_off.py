@@ -99,7 +99,7 @@ def test_m410_ends_what_waits_for_a_person(s):
 @pytest.mark.parametrize(
     ("file", "ended"), [("lit.g", "done"), ("end.g", "done"), ("bad.g", "failed")]
 )
-def test_it_goes_off_with_the_last_move_of_a_print(s, file, ended):
+def test_laser_goes_off_with_last_move_of_print(s, file, ended):
     start(s, file)
     assert s.until(lambda: share(s) == pytest.approx(0.5, abs=0.005), 2.0)
     s.host.expect("Done printing|stopped: .*: S is -1", 10)
@@ -112,7 +112,7 @@ def test_it_goes_off_with_the_last_move_of_a_print(s, file, ended):
     assert share(s) == 0.0
 
 
-def test_it_goes_off_after_a_few_seconds_of_standing(s):
+def test_laser_goes_off_after_seconds_at_rest(s):
     """Also when the host that lit it has gone."""
     s.host.ok("G92 X0 Y0 Z0")
     s.host.send("M3 S500", "G1 X100 F3000")
@@ -129,7 +129,7 @@ def test_it_goes_off_after_a_few_seconds_of_standing(s):
     assert share(s) == 0.0
 
 
-def test_it_fires_through_a_dwell(s):
+def test_laser_stays_on_during_dwell(s):
     s.host.ok("M3 S500")
     s.host.ok("G4 S10")
     s.passes(9.5)
@@ -140,7 +140,7 @@ def test_it_fires_through_a_dwell(s):
 
 
 @pytest.mark.parametrize("command", ["M84", "M81", "M18 X"])
-def test_it_is_off_before_the_motors(s, command):
+def test_laser_is_off_before_motors(s, command):
     s.host.ok("G92 X0 Y0 Z0")
     s.host.ok("M3 S500")
     s.host.ok("G1 X5 F3000")
@@ -181,7 +181,7 @@ def test_axes_home_in_the_dark(s):
     assert share(s) == 0.0
 
 
-def test_it_is_dark_while_a_person_is_waited_for(s):
+def test_laser_is_off_while_waiting_for_user(s):
     start(s, "asks.g")
     s.passes(3.0)
     assert share(s) == 0.0

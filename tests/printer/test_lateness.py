@@ -76,7 +76,7 @@ def line_now(s: Scenario) -> int:
     return s.printer.job.line_near(s.printer.drive.now)
 
 
-def test_what_was_lost_and_sent_again_is_told(printing):
+def test_retransmissions_are_named_for_late_commands(printing):
     s, wire = printing
     assert "(" not in s.host.ok("M122")[-2]
     for _ in range(10):  # until it hits frames that are urgent

@@ -128,7 +128,7 @@ def test_settings_that_are_stored_are_information(log, tmp_path):
     assert ("console.settings_commands", stored, "") in records(log, logging.INFO)
 
 
-def test_refused_and_damaged_lines_are_warnings_with_their_console(log):
+def test_refused_lines_are_warnings_with_their_console(log):
     with Scenario() as s:
         s.host.ok("G1 X999 F3000")
         s.host.send("N5 M105*1")

@@ -42,7 +42,7 @@ def test_a_fan_is_pulsed_as_the_machine_file_says(key, period):
 
 
 @pytest.mark.parametrize("hz", [8, 20, 100])
-def test_a_heater_gets_its_share_in_whole_cycles_between_two_readings(hz):
+def test_heater_power_is_whole_cycles_between_readings(hz):
     control = 'control = { kind = "pid", kp = 0.255, ki = 0.0, kd = 0.0, range_c = 1000.0 }'
     with Scenario(config.load_text(text(f"pwm_hz = {hz}\nmax_power = 0.25\n{control}"))) as s:
         s.host.ok("M104 S270")
@@ -67,7 +67,7 @@ def test_a_heater_gets_its_share_in_whole_cycles_between_two_readings(hz):
         ("", 'pwm_hz = "fast"', "fans.part.pwm_hz"),
     ],
 )
-def test_what_the_board_cannot_do_is_said(heater, fan, told):
+def test_impossible_pwm_is_named(heater, fan, told):
     with pytest.raises(ConfigError) as raised:
         config.load_text(text(heater, fan))
     assert told in str(raised.value)
@@ -124,7 +124,7 @@ def test_a_fan_follows_its_heater():
         (FOLLOWER + "above_c = -1.0\n", "above_c"),
     ],
 )
-def test_what_is_wrong_with_a_fan_is_said(fans, told):
+def test_wrong_fan_keys_are_named(fans, told):
     if fans.count("above_c") > 1:
         fans = fans.replace("above_c = 60.0\n", "")
     with pytest.raises(ConfigError, match=told):

@@ -18,7 +18,7 @@ def text(firmware: str, led: str = "LED") -> str:
 
 
 @pytest.mark.parametrize("firmware", ["virtual", "passo"])
-def test_it_blinks_until_the_board_shuts_down(firmware):
+def test_status_led_blinks_until_shutdown(firmware):
     with Scenario(config.load_text(text(firmware), "m.toml")) as s:
         assert s.board.output_value("status-led") == HZ // 2  # of a cycle of a second
         s.host.send("M112")
@@ -41,7 +41,7 @@ def test_its_pin_is_its_own():
         ("^LED", "is '^LED': expected no ^ before PB7: it does nothing here"),
     ],
 )
-def test_it_is_a_light_of_its_own_board(led, says):
+def test_status_led_of_each_board(led, says):
     with pytest.raises(ConfigError) as error:
         config.load_text(text("virtual", led) + '\n[boards.tool]\nbase = "pico"\n', "m.toml")
     assert f"board.status_led {says}" in str(error.value)

@@ -85,7 +85,7 @@ def test_a_halt_for_another_reason_is_told_the_board_too(hot):
     assert s.board.device.fault == ORDER
 
 
-def test_the_console_hears_once_what_to_do_and_once_that_it_is_over(hot):
+def test_console_gets_advice_once_and_end_once(hot):
     s = hot
     unplug(s)
     s.passes(2)
@@ -126,7 +126,7 @@ def test_nobody_is_told_an_old_temperature(hot):
     assert told and float(told[1]) == pytest.approx(s.board.temperature("hotend"), abs=0.5)
 
 
-def test_what_waits_for_the_board_tells_temperatures_as_soon_as_it_has_some(hot):
+def test_m999_reports_temperatures_as_soon_as_known(hot):
     s = hot
     break_link(s, 1.0)
     s.host.expect("The board is back", 10)

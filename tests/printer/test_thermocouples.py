@@ -68,7 +68,7 @@ def test_a_board_without_another_sensor_outlives_its_fault():
 
 
 @pytest.mark.parametrize("kind", ["max31855", "max31865"])
-def test_another_policy_keeps_the_machine_alive_and_the_heater_can_be_rearmed(firmware, kind):
+def test_heater_policy_keeps_machine_alive_until_rearmed(firmware, kind):
     """A MAX31865 keeps a fault until it is told to forget it."""
     machine = config.load_text(text(kind, firmware, "heater"), "t.toml")
     with Scenario(machine) as s:

@@ -200,7 +200,7 @@ def test_u0_neither_takes_nor_stores(tmp_path):
         assert not (tmp_path / "settings.json").exists()
 
 
-def test_a_cancelled_print_that_tunes_leaves_the_heater_off_and_to_its_gains(tmp_path):
+def test_cancelled_tune_of_print_keeps_gains_and_is_off(tmp_path):
     (tmp_path / "tune.g").write_text("M303 E0 S200\nM118 after\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         heater = s.printer.connection.heaters["hotend"]

@@ -56,7 +56,7 @@ def two(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert main.late == tool.late == []
 
 
-def test_it_homes_and_knows_where_it_is(two: Two) -> None:
+def test_two_klipper_boards_home_and_report_position(two: Two) -> None:
     two.s.host.ok("G28", 60)
     for line in ("G1 X30 Y20 Z5 F6000", "M400"):
         two.s.host.ok(line, 30)

@@ -99,7 +99,7 @@ def test_steps_are_the_same_with_and_without_it():
     assert loud == silent
 
 
-def test_what_is_beyond_the_board_is_cut_to_what_it_can_do(s):
+def test_tone_beyond_board_is_limited(s):
     """A tone too high is no reason to stop a print; it is told once."""
     told = s.host.ok("M300 S4000 P9000")
     assert told == ["echo:M300: a tone has at most 1000 Hz and 5000 ms here", "ok"]
@@ -160,7 +160,7 @@ def test_a_stop_silences_what_has_not_begun(s, stop):
     assert heard(s)[-1] == (800, 0.1)
 
 
-def test_who_asks_for_a_person_beeps_once(s):
+def test_user_prompt_beeps_once(s):
     s.host.send("M0 Look here")
     s.passes(2)
     assert heard(s) == [(1000, 0.3)]
@@ -206,7 +206,7 @@ def test_the_pin_of_a_board_with_firmware_has_these_edges():
 
 @pytest.mark.parametrize("away_s", [0.5, 5])
 @pytest.mark.parametrize("lines", [("G1 X21", "M300 S500 P1000"), ("M300 S500 P1000", "G1 X60")])
-def test_it_does_not_sound_on_while_the_link_is_lost(away_s, lines):
+def test_tone_ends_while_link_is_lost(away_s, lines):
     """A board that goes on alone has the end of the tone, at rest and while it brakes."""
     with Scenario(machine(board=OWN)) as s:
         port, drive = s.printer.connection.main.port, s.printer.drive
@@ -294,7 +294,7 @@ def test_its_pin_is_its_own():
         machine(pin="D999")
 
 
-def test_it_may_be_the_one_of_a_display():
+def test_beeper_of_a_display():
     fitted = 'fitted = ["reprap-discount-smart"]'
     assert machine(pin="D37", board=fitted).beeper.pin == "D37"
     with pytest.raises(ConfigError, match=r"beeper\.pin"):

@@ -58,7 +58,7 @@ def test_a_file_that_changes_under_its_print_stops_it(s, change, sentence):
     assert s.printer.connection.heaters["hotend"].target == 0
 
 
-def test_a_file_that_has_changed_is_printed_when_it_is_selected_again(s):
+def test_changed_file_prints_when_selected_again(s):
     s.host.ok("M23 way.g")
     rewritten(s.card, OTHER)
     s.host.ok("M24")
@@ -95,7 +95,7 @@ def test_a_file_that_is_replaced_is_printed_as_it_was(s, removed, tmp_path):
 
 @pytest.mark.parametrize("paused", [True, False])
 @pytest.mark.parametrize("name", ["way.g", "WAY.G", "/way.g"])
-def test_a_file_that_is_printed_is_neither_overwritten_nor_deleted(s, paused, name):
+def test_printing_file_is_not_overwritten_or_deleted(s, paused, name):
     other = Host(s)
     s.host.ok("M32 way.g")
     s.passes(1)

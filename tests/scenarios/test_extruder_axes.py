@@ -104,7 +104,7 @@ def test_filament_alone_retracts_by_the_retract_acceleration(s):
     assert s.loop.time() - start > 0.6
 
 
-def test_what_there_is_to_set_is_told(s):
+def test_settings_of_extruder_axes_are_reported(s):
     assert "U:" not in s.host.ok("M122")[0]
     assert s.host.ok("M206")[0] == "M206 X0 Y0 Z0"
     assert "U95.5 V95.5" in s.host.ok("M92")[0]

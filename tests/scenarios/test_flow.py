@@ -85,7 +85,7 @@ def test_in_a_pause(s):
     assert s.printer.job.flows == [0.5]
 
 
-def test_it_comes_back_with_a_print_that_was_interrupted(places):
+def test_flow_is_restored_with_interrupted_print(places):
     with Scenario("i3", **places) as s:
         begun(s)
         s.host.ok("M221 S50")

@@ -30,7 +30,7 @@ def test_a_delta_stands_where_its_formula_says(delta):
     assert axes(delta) == (0, 0, 100)
 
 
-def test_what_a_delta_cannot_reach_is_refused_and_counts_for_nothing(delta):
+def test_unreachable_delta_target_is_refused(delta):
     before = delta.positions()
     assert "beyond the limit" in delta.host.ok("G1 X80 Y0")[0]
     assert "cannot be reached" in delta.host.ok("G1 X70 Y70")[0]

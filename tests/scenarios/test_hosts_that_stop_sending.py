@@ -44,7 +44,7 @@ def test_motors_hold_the_place_as_long_as_something_is_warm(s):
     assert s.positions()["x"] == 60
 
 
-def test_a_print_that_has_lost_its_place_is_paused_by_its_first_move(s):
+def test_print_with_lost_position_is_paused_by_first_move(s):
     print_ = begun(s)
     s.passes(31 * MINUTE_S)
     assert s.printer.motors.on == set()
@@ -72,14 +72,14 @@ def test_each_move_that_is_missing_pauses_the_print(s, line):
     assert print_.ok(line)[-2:] == ["// action:pause", "ok"]
 
 
-def test_what_is_no_move_does_not(s):
+def test_command_without_motion_does_not_pause_host(s):
     print_ = begun(s)
     *told, ok = print_.ok("M104 S900")
     assert "// action:pause" not in told
     assert ok == "ok"
 
 
-def test_a_heater_that_has_halted_the_machine_keeps_its_set_point_and_stays_off(s):
+def test_failed_heater_keeps_target_and_stays_off(s):
     s.host.ok("M104 S200")
     s.host.ok("M140 S60")
     s.passes(120)

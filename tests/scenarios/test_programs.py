@@ -22,7 +22,7 @@ def printing(tmp_path, text):
         b"G999\nG1 X20 F6000\nM123 S4\n",
     ],
 )
-def test_it_is_printed_to_its_end(tmp_path, text):
+def test_program_prints_to_its_end(tmp_path, text):
     with printing(tmp_path, text) as s:
         s.host.expect("^Done printing file$", 30)
         assert s.positions()["x"] == 40.0
@@ -37,7 +37,7 @@ def test_it_is_printed_to_its_end(tmp_path, text):
         (b"T7", "does not exist"),
     ],
 )
-def test_it_stops_where_a_command_fails_and_goes_on_behind_it(tmp_path, line, said):
+def test_program_stops_at_failed_command_and_continues(tmp_path, line, said):
     with printing(tmp_path, b"G1 X10 F6000\n" + line + b"\nG1 X20\n") as s:
         s.host.expect(said, 10)
         s.passes(3)

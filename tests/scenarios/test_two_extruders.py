@@ -87,9 +87,7 @@ def undisturbed(tmp_path_factory) -> dict[str, int]:
         ("T0", "G1 X100 F6000", "M400", "T1"),
     ],
 )
-def test_a_pause_draws_back_the_filament_that_is_printed_and_gives_it_back(
-    printing, undisturbed, lines
-):
+def test_pause_retracts_printed_filament_and_restores_it(printing, undisturbed, lines):
     printing.host.ok("M25")
     printing.passes(8)
     at_stop = printing.printer.job.stop_position[E]
@@ -101,7 +99,7 @@ def test_a_pause_draws_back_the_filament_that_is_printed_and_gives_it_back(
     assert steps(printing) == undisturbed
 
 
-def test_filament_that_is_pushed_in_a_pause_is_that_of_the_tool_in_use(printing):
+def test_extrusion_in_pause_uses_tool_in_use(printing):
     printing.host.ok("M25")
     printing.passes(8)
     assert moved(printing, "G91", "G1 E3 F300") == pytest.approx((0, 3), abs=0.2)
@@ -202,7 +200,7 @@ def after_a_pause(tmp_path, *lines: str) -> tuple[dict[str, float], list[str]]:
         return s.positions(), list(s.printer.state.settings())
 
 
-def test_an_offset_of_the_tool_that_a_pause_has_set_holds_behind_it(tmp_path):
+def test_tool_offset_set_in_pause_holds_after_it(tmp_path):
     """M218 of the first tool leaves the second one where it was."""
     assert after_a_pause(tmp_path)[0]["x"] == 65.0
     end, settings = after_a_pause(tmp_path, "M218 T0 X3")
@@ -210,7 +208,7 @@ def test_an_offset_of_the_tool_that_a_pause_has_set_holds_behind_it(tmp_path):
     assert after_a_pause(tmp_path, "M218 T1 X20")[0]["x"] == 70.0
 
 
-def test_settings_of_filament_that_a_pause_has_set_hold_behind_it(tmp_path):
+def test_filament_settings_of_pause_hold_after_it(tmp_path):
     lines = ("M207 S1", "M208 S0.5", "M209 S1", "M603 T0 L50", "M200 T1 D2.85")
     _, settings = after_a_pause(tmp_path, *lines)
     assert {"M209 S1", "M603 T0 L50 U100", "M200 T1 D2.85"} <= set(settings)
@@ -261,7 +259,7 @@ def test_a_pause_about_a_change_of_tools_moves_no_axis_twice(tmp_path, line, too
         assert filament(s) == pytest.approx((2, 3), abs=0.1)
 
 
-def test_a_new_speed_between_the_change_and_its_move_changes_no_place(tmp_path):
+def test_speed_change_before_tool_move_keeps_position(tmp_path):
     """M220 plans anew what was read ahead."""
     (tmp_path / "a.g").write_text(OFFSET)
     with Scenario(machine(), card=str(tmp_path)) as s:
@@ -275,7 +273,7 @@ def test_a_new_speed_between_the_change_and_its_move_changes_no_place(tmp_path):
         assert [at[a] for a in "xyz"] == pytest.approx([70, 48, 5.7], abs=0.01)
 
 
-def test_a_stop_between_tools_leaves_the_program_where_the_nozzle_is(printing):
+def test_stop_between_tools_keeps_nozzle_position(printing):
     """T1 stops; the offset of the T0 that was read ahead is not carried out."""
     printing.host.ok("M410")
     printing.passes(2)

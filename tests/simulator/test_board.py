@@ -79,7 +79,7 @@ def test_outputs_change_at_their_clock_in_order():
     assert board.simulated.take_changes("light") == [(start + 600, 77), (start + 601, 255)]
 
 
-def test_analog_reports_come_at_their_period_with_the_sum_of_the_samples():
+def test_analog_reports_have_period_and_sum_of_samples():
     board = RawBoard()
     board.configure()
     first = board.now + 1000

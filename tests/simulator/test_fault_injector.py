@@ -55,7 +55,7 @@ def test_a_console_lists_parts_and_faults():
         ("PART=cable VALUE=cut", "PART is not understood"),
     ],
 )
-def test_what_is_no_fault_is_answered_with_those_that_are(parameters, answer):
+def test_unknown_fault_is_answered_with_known_ones(parameters, answer):
     with Scenario("i3") as s:
         assert answer in s.host.ok(f"SIMULATE_FAULT {parameters}")[0]
         s.passes(20)
@@ -88,7 +88,7 @@ def test_orders_are_read(text, order):
 
 
 @pytest.mark.parametrize("text", ["", "cable", "cable=", "=cut", "cable=cut@", "cable=cut@1h"])
-def test_what_is_no_order_is_shown_one(text):
+def test_invalid_fault_order_gets_an_example(text):
     with pytest.raises(passo.CommandError, match="expected PART=FAULT"):
         FaultOrder.parse(text)
 
@@ -152,7 +152,7 @@ def test_a_halted_printer_cools_down():
     assert later_c < 60
 
 
-def test_a_print_survives_a_cut_cable_with_the_boards_own_firmware(tmp_path):
+def test_print_survives_cut_cable_with_passo_firmware(tmp_path):
     path = tmp_path / "part.gcode"
     path.write_text("G28\n" + "".join(f"G1 X{10 + i % 2 * 90} F3000\n" for i in range(40)))
 

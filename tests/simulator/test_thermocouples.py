@@ -85,7 +85,7 @@ def test_a_range_that_is_left_shuts_the_board_down(count, ratio):
     assert len(words(board.wait(3 * REST))) == 3
 
 
-def test_faults_of_the_converter_count_and_good_words_between_them_too():
+def test_converter_faults_count_with_good_readings_between():
     board = wired()
     board.simulated.force_sensor("hotend", share(20))
     ask(board, 0, 2**31, 2)
@@ -103,7 +103,7 @@ def test_faults_of_the_converter_count_and_good_words_between_them_too():
     ("kind", "setup", "word", "fault"),
     [("MAX31856", "8090", 300 << 12, 0x01), ("MAX31865", "80c2", 16384 << 1, 0x80)],
 )
-def test_a_converter_with_registers_is_asked_for_its_faults_as_well(kind, setup, word, fault):
+def test_converter_with_registers_is_asked_for_faults(kind, setup, word, fault):
     """It knows nothing before it has been told to measure; only a MAX31865 keeps its faults."""
     board = wired(kind)
     at = 0.5 if kind == "MAX31865" else (128 * 300 + 2**18) / 2**19

@@ -256,7 +256,7 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
         build(board_target("ramps"), path)
 
 
-def test_where_the_json_file_cannot_be_written_the_old_image_stays(tmp_path: Path) -> None:
+def test_old_image_stays_if_json_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "ramps.json").mkdir()
     (tmp_path / "ramps.hex").write_text("old")
     with pytest.raises(FirmwareError, match="cannot be written"):

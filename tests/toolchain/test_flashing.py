@@ -391,7 +391,7 @@ def test_an_image_that_says_itself_what_it_is_for(
         20_000 * b"\x78\xda",
     ],
 )
-def test_what_looks_like_a_dictionary_and_is_none(
+def test_false_dictionary_in_image_is_ignored(
     tools: Path, image: Path, port: Port, behind: bytes
 ) -> None:
     program(tools, "avrdude")
@@ -467,9 +467,7 @@ def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: P
     assert notes.exists()
 
 
-def test_a_port_that_does_not_come_is_told_before_the_program_runs(
-    tools: Path, tmp_path: Path
-) -> None:
+def test_missing_port_is_reported_before_flashing(tools: Path, tmp_path: Path) -> None:
     notes = program(tools, "bossac")
     image = tmp_path / "duet-0.6.bin"
     image.write_bytes(SAM_CODE)
@@ -489,7 +487,7 @@ def test_the_end_of_input_is_no_enter(
     assert not notes.exists()
 
 
-def test_who_is_to_press_enter_may_give_up(tools: Path, image: Path, port: Port) -> None:
+def test_flash_prompt_can_be_cancelled(tools: Path, image: Path, port: Port) -> None:
     """The first interruption counts, and nothing is written."""
     notes = program(tools, "avrdude")
     words = ["firmware", "flash", "melzi", "--port", port.name, "--image", str(image)]

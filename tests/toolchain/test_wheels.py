@@ -64,7 +64,7 @@ def test_pins_by_their_ports() -> None:
     assert enumerations["stm32f407"]["PH0"] == (224, 2)
 
 
-def test_what_is_loaded_lies_in_the_flash() -> None:
+def test_loaded_segments_lie_in_flash() -> None:
     it = chip("sam3x8e")
     start = it.flash_start
     code, data = Segment(start, start, b"ab", 2), Segment(start + 4, it.ram_start, b"cd", 2)

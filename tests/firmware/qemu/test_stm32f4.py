@@ -43,7 +43,7 @@ def host(built: tuple[Path, About]) -> Iterator[Host]:
         machine.close()
 
 
-def test_it_starts_and_tells_who_it_is(host: Host, built: tuple[Path, About]) -> None:
+def test_stm32f4_starts_and_identifies(host: Host, built: tuple[Path, About]) -> None:
     assert sha256(host.compressed).hexdigest() == built[1].dictionary_sha256
     assert host.dictionary.constants["MCU"] == "stm32f407"
     assert host.dictionary.number("CLOCK_FREQ") == HZ
@@ -96,7 +96,7 @@ def test_two_motors_step_and_a_timer_runs_out_in_time(host: Host) -> None:
     assert host.ask("get_config", "config")["is_shutdown"] == 0
 
 
-def test_it_stops_and_begins_anew(host: Host) -> None:
+def test_stm32f4_stops_and_resets(host: Host) -> None:
     configure(host)
     reason = host.ask("emergency_stop", "shutdown")["static_string_id"]
     assert host.dictionary.enumerations["static_string_id"]["Command request"] == reason

@@ -130,7 +130,7 @@ def test_pulse_width_modulation_by_a_timer():
         (BoardDescription(HZ, sensors=(Sensor("s", "PA0", TABLE),)), "Not a valid ADC pin"),
     ],
 )
-def test_what_the_chip_cannot_do_is_refused(description, reason):
+def test_impossible_requests_are_refused(description, reason):
     with pytest.raises(MachineError, match=reason):
         AvrConnection(description, bench(RAMPS)).connect()
 
@@ -154,7 +154,7 @@ def test_each_analog_input_is_read_at_its_own_pin():
     chip.close()
 
 
-def test_an_input_that_is_asked_no_more_leaves_the_converter_to_others():
+def test_input_no_longer_sampled_releases_the_adc():
     chip = bench()
     chip.set_voltage(0, 1.0)
     chip.set_voltage(1, 3.0)
@@ -221,7 +221,7 @@ def test_outputs_change_at_their_clock(board):
     chip.close()
 
 
-def test_a_heater_is_off_before_the_last_messages_and_the_chip_lives_on(monkeypatch):
+def test_heater_is_off_before_last_messages(monkeypatch):
     lines = [
         "allocate_oids count=3",
         "config_spi_without_cs oid=0",

@@ -139,7 +139,7 @@ def test_an_image_may_have_long_pulses_for_all_its_motors(board, pins, pulse_tic
     connection.bench.close()
 
 
-def test_longer_pulses_are_2_us_apart_when_motors_are_in_each_others_way():
+def test_long_pulses_of_colliding_motors_are_2_us_apart():
     connection = motors(3, pins=OTHER_PINS, pulse_ticks=80)
     planner = Planner()
     for target in range(3):
@@ -201,7 +201,7 @@ def test_the_position_is_known_where_256_steps_are_left():
 
 
 @pytest.mark.parametrize("way", [1, -1])
-def test_a_motor_that_was_stopped_before_a_turn_knows_place_and_way(way):
+def test_motor_stopped_before_turn_keeps_position_and_direction(way):
     chip = bench()
     steppers = (Stepper("m0", *RAMPS_PINS[0], pulse_ticks=PULSE),)
     description = BoardDescription(HZ, steppers, endstops=(Endstop("a", "^PE4"),))

@@ -45,7 +45,7 @@ def test_commits_and_tails_come_on_time():
 
 
 @pytest.mark.parametrize("interval", [400, 300])
-def test_a_commit_that_comes_just_in_time_is_taken_while_motors_step(interval):
+def test_commit_just_in_time_is_taken_while_motors_step(interval):
     """Three motors go on, at 120 000 and 160 000 steps/s together; in it a fourth begins, by a
     clock of its own."""
     connection = motors(4)
@@ -109,7 +109,7 @@ def test_long_tails_come_on_time_behind_fast_steps(interval):
     connection.bench.close()
 
 
-def test_behind_a_rest_a_commit_is_made_or_refused_however_late_it_comes():
+def test_late_commit_after_rest_is_taken_or_refused():
     made = []
     for ahead in range(95_000, 135_000, 4_000):  # ticks from the first word to the first step
         connection = motors(4)

@@ -245,7 +245,7 @@ def test_a_serial_device_at_any_rate(baud):
     asyncio.run(body())
 
 
-def test_a_serial_device_that_was_unplugged_is_opened_when_it_is_back(tmp_path, monkeypatch):
+def test_unplugged_serial_device_is_reopened(tmp_path, monkeypatch):
     monkeypatch.setattr(lines, "REOPEN_S", 0.01)
     device = tmp_path / "ttyUSB0"
 
@@ -400,7 +400,7 @@ async def test_a_client_cut_in_mid_line_leaves_the_rest_undone(s):
 
 
 @served
-async def test_a_host_that_sends_without_reading_is_held_up_and_loses_nothing(s):
+async def test_host_that_does_not_read_loses_nothing(s):
     console = await s.tcp()
     host = await at_tcp(console)
     host.write(b"G4 P200\nM400\n" + b"M110\n" * 5000 + b"M118 end\n")
@@ -448,7 +448,7 @@ async def test_a_client_that_sends_no_line_end_takes_no_memory(s):
         (["--clock", "soon"], "'soon' is not fast, real, or a factor from 0.001"),
     ],
 )
-def test_what_cannot_be_opened_is_said_in_a_sentence(
+def test_transport_that_cannot_open_is_one_sentence(
     options, sentence, tmp_path, capfd, monkeypatch
 ):
     (tmp_path / "file").write_text("mine")
@@ -499,7 +499,7 @@ def test_standard_input_that_says_nothing_ends_at_once():
     assert (served.returncode, served.stdout) == (0, "start\necho:Passo, i3\n")
 
 
-def test_standard_input_that_ends_is_carried_out_to_its_last_line():
+def test_standard_input_runs_to_its_last_line():
     served = subprocess.run(
         [sys.executable, "-m", "passo", "serve", "--stdin", "--clock", "fast", "--http", "none"],
         input="G28\nG1 X12 F6000\nM400\nM114\n",

@@ -94,7 +94,7 @@ def test_large_numbers_of_commands_do_not_wrap(s):
     assert s.host.ok("M65650") == ['echo:Unknown command: "M65650"', "ok"]  # 65536 + 114
 
 
-def test_what_is_no_number_moves_nothing(s):
+def test_invalid_numbers_move_nothing(s):
     s.host.ok("G1 X10 F6000")
     for word in ("Xabc", "Xnan", "Xinf", "X", "X--1"):
         assert s.host.ok(f"G1 {word}")[0].startswith("echo:"), word

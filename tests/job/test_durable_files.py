@@ -43,7 +43,7 @@ def test_the_new_text_is_durable_before_it_takes_the_place(tmp_path, steps):
     ]
 
 
-def test_what_fails_leaves_the_old_text_and_nothing_else(tmp_path, steps):
+def test_failed_write_leaves_old_text_only(tmp_path, steps):
     path = tmp_path / "a.json"
     path.write_text("old")
     with pytest.raises(OSError, match="full"), replaced(path) as temporary:

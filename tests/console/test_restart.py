@@ -84,7 +84,7 @@ def test_without_a_halt_it_does_nothing(s):
     assert s.host.ok("M999") == ["ok"]
 
 
-def test_others_are_answered_while_it_waits(s):
+def test_other_consoles_are_answered_during_restart(s):
     other = Host(s)
     at_once(s, (s.host, b"M112\nM999\n"), (other, b"M105\n"))
     other.expect("ready again")
@@ -92,7 +92,7 @@ def test_others_are_answered_while_it_waits(s):
     assert [line for line in other.heard[:ready] if line.startswith("ok T:")]
 
 
-def test_a_host_that_goes_meanwhile_leaves_a_printer_that_is_ready(s):
+def test_restart_completes_after_host_left(s):
     other = Host(s)
 
     async def go():
@@ -104,7 +104,7 @@ def test_a_host_that_goes_meanwhile_leaves_a_printer_that_is_ready(s):
     assert not s.printer.halted
 
 
-def test_it_ends_where_the_board_cannot_be_reached(s, monkeypatch):
+def test_restart_ends_if_board_is_unreachable(s, monkeypatch):
     from passo.errors import MachineError
 
     s.host.ok("M112")
@@ -141,7 +141,7 @@ def test_a_fault_of_the_program_in_it_halts_again(s, monkeypatch):
 
 
 @pytest.mark.parametrize("line", ["M290 Z0.03", "M220 S50"])
-def test_what_changes_the_plan_does_not_act_while_it_is_halted(s, line):
+def test_plan_changes_do_not_act_while_halted(s, line):
     s.host.ok("G28", 60)
     s.host.send("G28 X")
     s.passes(0.5)
@@ -165,7 +165,7 @@ def test_a_stop_of_a_halted_printer_is_answered_and_does_nothing(s, monkeypatch,
     assert s.printer.halted == "emergency stop by M112"
 
 
-def test_what_lifts_a_failure_must_come_after_it(s):
+def test_m999_sent_before_failure_is_refused(s):
     """Not what stood behind a wait when the heater failed, nor what follows that."""
     s.board.force_heater("hotend", 0.0)
     s.host.send("M109 S200", "M999", "M104 S180 F", "M118 end")
@@ -190,7 +190,7 @@ def test_an_emergency_stop_of_another_host_holds():
         assert s.board.output_value("hotend") == 0
 
 
-def test_what_rearms_a_heater_must_come_after_its_failure():
+def test_m922_sent_before_failure_is_refused():
     text = config.shipped_text("i3")
     text = text.replace("max_c = 285.0\n", 'max_c = 285.0\non_fault = "heater"\n', 1)
     with Scenario(config.load_text(text)) as s:

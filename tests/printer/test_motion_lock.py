@@ -50,7 +50,7 @@ def test_nobody_is_overtaken_by_who_only_takes(run):
     run(body())
 
 
-def test_who_gives_up_asking_is_left_out(run):
+def test_cancelled_waiter_is_skipped(run):
     async def body():
         turn = Turn()
         turn.take()
@@ -65,7 +65,7 @@ def test_who_gives_up_asking_is_left_out(run):
     run(body())
 
 
-def test_who_gives_up_in_the_moment_of_its_turn_hands_it_on(run):
+def test_waiter_cancelled_at_its_turn_passes_the_lock_on(run):
     async def body():
         turn = Turn()
         turn.take()

@@ -25,7 +25,7 @@ def test_m112_behind_another_command_halts(s, line):
 
 
 @pytest.mark.parametrize("line", ["G1 X500 M112", "G1 E5M112", "X500 m0112", "M104 S900 M112"])
-def test_nor_does_it_matter_whether_the_other_one_is_refused(s, line):
+def test_m112_after_refused_command_halts(s, line):
     s.host.ok("G1 X10")
     s.host.ok(line)
     s.host.expect("Error:Printer halted: emergency stop by M112", 2)
@@ -38,7 +38,7 @@ def test_nor_does_it_matter_whether_the_other_one_is_refused(s, line):
         ("M105 G1 X12", lambda s: (s.positions()["x"], s.printer.job.speed_factor * 0.5)),
     ],
 )
-def test_what_stands_behind_a_command_that_acts_at_once_is_done(s, line, what):
+def test_move_after_immediate_command_is_done(s, line, what):
     s.host.ok(line)
     s.host.ok("M400")
     assert what(s) == (pytest.approx(START + 12, abs=0.02), 0.5)

@@ -61,7 +61,7 @@ def test_a_machine_that_was_homed_is_where_it_has_homed(places):
 
 
 @pytest.mark.parametrize("tries", [1, 2])
-def test_a_machine_that_was_homed_without_the_offset_of_its_print(places, tmp_path, tries):
+def test_resume_after_homing_without_offset_of_print(places, tmp_path, tries):
     """M206 of the print, which it is begun with or has in its file, counts as it did."""
     text = WALL.replace("G28\n", "G28\nM206 Z0.2\nG28\nM206 Z0.9\n")
     (tmp_path / "card" / "wall.gcode").write_text(text)
@@ -141,7 +141,7 @@ def test_a_try_that_was_stopped_has_lifted_the_nozzle(places, seconds, end):
 
 
 @pytest.mark.parametrize("seconds", [0.3, 0.7, 1.5, 6.0, 9.0])
-def test_so_has_one_that_was_cut_off(places, seconds):
+def test_resume_cut_off_twice_ends_at_right_height(places, seconds):
     left = cut(places)
     for _ in range(2):
         with again(places, left) as s:
@@ -168,7 +168,7 @@ def test_the_journal_follows_a_machine_that_homes(places, tmp_path):
         ends_at_its_height(s)
 
 
-def test_without_room_for_its_journal_the_print_goes_on_all_the_same(places, monkeypatch):
+def test_resume_without_room_for_journal(places, monkeypatch):
     with again(places, cut(places)) as s:
 
         def full(_: int) -> None:
@@ -182,7 +182,7 @@ def test_without_room_for_its_journal_the_print_goes_on_all_the_same(places, mon
         ends_at_its_height(s)
 
 
-def test_without_switches_a_second_try_begins_where_the_first_has_ended(places):
+def test_second_resume_without_endstops_starts_where_first_ended(places):
     text = config.shipped_text("i3")
     begin = text.index("[homing.x]")
     text = text[:begin] + text[text.index("[heaters.hotend]") :]

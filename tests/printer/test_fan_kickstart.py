@@ -49,7 +49,7 @@ def test_a_fan_that_stands_starts_with_full_power(s):
 
 
 @pytest.mark.parametrize(("rise", "kicked"), [("", True), ("kick_start_rise = 1.0", False)])
-def test_it_gets_full_power_where_it_is_to_turn_much_faster(rise, kicked):
+def test_kickstart_acts_on_large_rise(rise, kicked):
     with Scenario(machine(f"{KICK}\n{rise}")) as s:
         s.host.ok("M106 S51")
         s.passes(1)
@@ -109,7 +109,7 @@ def printed(path, fan: str):
     return result, [(c - done.base, v) for c, v in done.board.take_changes("part")]
 
 
-def test_a_file_starts_fans_in_the_same_way_and_its_stream_is_the_same(tmp_path):
+def test_kickstart_of_file_has_same_stream(tmp_path):
     path = tmp_path / "a.g"
     path.write_text(PROGRAM)
     plain, asked = printed(path, "")
@@ -139,7 +139,7 @@ def test_a_pause_leaves_no_fan_at_full_power(tmp_path):
 
 
 @pytest.mark.parametrize("after_s", [0.1, 0.4, 0.7])
-def test_nor_does_a_lost_link(tmp_path, after_s):
+def test_link_loss_does_not_prolong_kickstart(tmp_path, after_s):
     (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X10 F600\nM106 S51\nG1 X80\n")
     with Scenario(machine(board='firmware = "passo"'), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
@@ -154,12 +154,12 @@ def test_nor_does_a_lost_link(tmp_path, after_s):
 @pytest.mark.parametrize(
     "wrong", ["kick_start_s = -0.1", "kick_start_s = 11", "kick_start_rise = 2.0", "off_below = 5"]
 )
-def test_what_is_wrong_is_said(wrong):
+def test_wrong_kickstart_keys_are_named(wrong):
     with pytest.raises(ConfigError, match=wrong.partition(" ")[0]):
         machine(wrong)
 
 
-def test_a_fan_that_follows_something_is_started_by_its_full_power_alone():
+def test_following_fan_has_no_kickstart():
     with pytest.raises(
         ConfigError, match=r"part\.kick_start_s is 0\.5: expected 0 where a fan follows"
     ):

@@ -96,7 +96,7 @@ def test_free_time_stands_while_nothing_waits():
         assert drive.now == before
 
 
-def test_free_time_passes_as_fast_as_it_goes_while_something_waits():
+def test_free_time_passes_only_while_something_waits():
     with Scenario("i3", free=True) as s:
         drive = s.printer.drive
         start, printed = s.loop.time(), drive.now_s

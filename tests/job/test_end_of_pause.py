@@ -101,7 +101,7 @@ def test_a_heater_that_fails_on_the_way_is_waited_for_again(tmp_path):
 
 
 @pytest.mark.parametrize("machine", ["i3", "corexy", "delta"])
-def test_homing_that_is_given_up_in_the_pause_of_a_print_that_knows_no_place(machine, tmp_path):
+def test_aborted_homing_in_pause_of_unhomed_print(machine, tmp_path):
     (tmp_path / "a.g").write_text("M302 P1\nM83\nG1 E20 F120\nG1 E5\n")
     with Scenario(machine, card=str(tmp_path)) as s:
         extruder = list(s.positions())[-1]

@@ -28,7 +28,7 @@ def test_m85_turns_everything_off_after_standing_idle(s):
     assert s.board.output_value("x-enable") == 1
 
 
-def test_m81_turns_heaters_and_motors_off_when_the_moves_are_done(s):
+def test_m81_switches_off_after_moves(s):
     s.host.ok("M140 S40 F")
     s.host.ok("G1 X20 F600")
     s.host.ok("M81", 10)
@@ -101,7 +101,7 @@ def test_home_offsets_move_the_home_position(s):
     assert s.positions()["x"] == pytest.approx(10, abs=0.02)
 
 
-def test_motors_go_off_after_ten_minutes_and_heaters_after_half_an_hour(s):
+def test_idle_motors_go_off_before_heaters(s):
     for line in ("G1 X1 Y1 F6000", "M400"):
         s.host.ok(line)
     s.passes(590)
@@ -142,7 +142,7 @@ def test_corrections_and_network_are_told(s):
     assert "computer" in s.host.ok("M940")[0]
 
 
-def test_motors_that_share_their_enable_pin_go_off_with_the_last_of_them():
+def test_motors_with_shared_enable_pin_go_off_together():
     text = shipped_text("i3").replace('socket = "E0"', 'socket = "E0"\nenable_pin = "!D38"')
     machine = config.load_text(text)
     with Scenario(machine) as s:

@@ -55,7 +55,7 @@ def test_nothing_moves_without_them(s):
     assert s.positions() == before
 
 
-def test_they_go_off_with_the_board(s):
+def test_power_supply_goes_off_with_board(s):
     s.host.send("M112")
     s.passes(1)
     assert not on(s)

@@ -158,9 +158,7 @@ def goes_on(cuts, number):
 
 
 @pytest.mark.parametrize("machine", ["i3", "corexy", "delta", "dual-extruder"])
-def test_m1000_at_random_instants_prints_nothing_later_and_at_most_a_horizon_again(
-    machine, tmp_path
-):
+def test_resume_skips_nothing_and_repeats_at_most_a_horizon(machine, tmp_path):
     cuts = Cuts(machine, tmp_path)
     lines = [goes_on(cuts, number) for number in range(BEFORE + CUTS)]
     assert lines == sorted(lines)

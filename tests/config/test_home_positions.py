@@ -41,7 +41,7 @@ def without_switches(machine: str, **keys: str) -> str:
     return text[:begin] + text[text.index("[heaters.", begin) :]
 
 
-def test_without_switches_the_arms_must_reach_the_home_of_the_axes():
+def test_arms_without_endstops_must_reach_home_of_axes():
     assert config.load_text(without_switches("scara"))
     far = without_switches("scara", x_offset="9000.0")
     with pytest.raises(ConfigError, match=r"a home that the arms reach: .* not 9000") as raised:
@@ -132,7 +132,7 @@ def test_a_home_is_on_the_side_of_its_endstop(machine, axis, direction, position
 
 
 @pytest.mark.parametrize("limits", ["", "min_mm = 30.0\n", "max_mm = 318.0\n"])
-def test_a_carriage_without_limits_has_its_home_where_the_axes_need_it(limits):
+def test_carriage_without_limits_gets_home_of_axes(limits):
     def delta(position: float) -> str:
         text = homes("delta", f"position = {position}", axis="a")
         return re.sub(r"^min_mm = 30.0\nmax_mm = 318.0\n", limits, text, flags=re.M)

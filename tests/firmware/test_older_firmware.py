@@ -22,7 +22,7 @@ def bench():
     return Bench()
 
 
-def test_it_heats_and_watches_the_sensor(bench):
+def test_older_firmware_heats_and_watches_sensor(bench):
     assert not bench.connection.dictionary.takes("query_analog_in", "bytes_per_report")
     assert bench.connection.dictionary.takes("query_analog_in", "range_check_count")
     heater = bench.connection.heaters["hotend"]
@@ -38,7 +38,7 @@ def test_it_heats_and_watches_the_sensor(bench):
     assert not bench.device.stopped
 
 
-def test_it_heats_by_a_thermocouple_and_watches_it():
+def test_older_firmware_heats_by_thermocouple():
     machine = config.load_text(text(firmware="passo", policy="heater"), "t.toml")
     with Scenario(machine) as s:
         asked = s.printer.connection.main.dictionary

@@ -64,7 +64,7 @@ def test_m220_beside_a_print_acts_on_all_that_is_planned(s):
 
 
 @pytest.mark.parametrize("disturb", [("M25", "M24"), ("M290 Z0.1",)])
-def test_what_plans_anew_does_not_bring_later_limits_forward(s, disturb):
+def test_replanning_does_not_apply_later_limits_early(s, disturb):
     s.host.send("M32 a.g")
     assert s.until(lambda: s.positions()["x"] > 40.0, 5)
     for line in disturb:
@@ -104,7 +104,7 @@ def test_m204_from_beside_acts_on_all_that_is_planned(tmp_path):
         ("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.9 ACCEL=200", 2.48),
     ],
 )
-def test_limits_of_klipper_from_beside_act_on_all_that_is_planned(tmp_path, line, seconds):
+def test_klipper_limits_from_console_act_on_planned_moves(tmp_path, line, seconds):
     with Scenario("i3", card=str(tmp_path)) as s:
         (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\n" + "G1 X120 F6000\nG1 X20\n" * 5)
         s.host.ok("M204 T3000")
@@ -156,7 +156,7 @@ def test_m220_during_homing_does_not_reach_it(s):
     assert s.loop.time() - start == pytest.approx(usual, abs=0.3)
 
 
-def test_what_consoles_send_beside_long_moves_acts_within_seconds(tmp_path):
+def test_console_commands_act_within_seconds_of_long_moves(tmp_path):
     """A file is read no further ahead than 4 s of its moves, however long these are."""
     moves = "".join(f"G1 X{20 + 100 * (i % 2)} F3000\n" for i in range(200))
     (tmp_path / "a.g").write_text("M106 S0\nG92 X20 Y20 Z20\n" + moves)

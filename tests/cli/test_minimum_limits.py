@@ -126,7 +126,7 @@ def test_slow_moves_take_their_time(capsys, tmp_path, lines, seconds):
         ("SET_VELOCITY_LIMIT ACCEL=fast", "the word 'ACCEL=fast' has no valid number"),
     ],
 )
-def test_what_is_wrong_is_said_as_it_is(capsys, tmp_path, line, says):
+def test_wrong_limits_are_named_with_their_line(capsys, tmp_path, line, says):
     status, _, err = told(capsys, tmp_path, f"G28\n{line}\n")
     assert status == 4
     assert err.startswith(f"2: {says}")

@@ -119,7 +119,7 @@ def test_g92_of_an_axis_that_was_not_homed_counts_with_the_tool():
     ("machine", "home_mm", "limit"),
     [("delta", 318.0, 318.0), ("rotary-delta", -30.0, -30.0)],
 )
-def test_arms_that_a_home_offset_puts_beyond_their_limits_may_only_go_back(machine, home_mm, limit):
+def test_arms_beyond_limits_by_home_offset_may_only_return(machine, home_mm, limit):
     with Scenario(machine) as s:
         s.host.ok("M206 Z3")
         s.host.ok("G28", 60)

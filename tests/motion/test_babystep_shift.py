@@ -110,7 +110,7 @@ def test_a_long_line_leans_over_at_its_speed():
     assert behind.end_mm[0] == 200.0
 
 
-def test_what_finds_no_room_is_a_move_of_its_own():
+def test_babystep_without_room_is_a_move_of_its_own():
     motion = Motion(cartesian(), True)
     motion.push([1, 0, 0, 0], 100.0)
     motion.flush()

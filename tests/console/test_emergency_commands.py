@@ -121,7 +121,7 @@ def test_m108_ends_the_wait_in_front_of_many_lines(s):
     assert s.printer.connection.heaters["hotend"].target == 200
 
 
-def test_others_have_their_turn_while_many_lines_are_carried_out(s):
+def test_consoles_share_time_while_many_lines_run(s):
     other = Host(s)
 
     async def both():
@@ -137,7 +137,7 @@ def test_others_have_their_turn_while_many_lines_are_carried_out(s):
 @pytest.mark.parametrize(
     ("line", "most"), [("M110", MOST_LINES), ("M117 " + "x" * 1019, MOST_BYTES // 1024)]
 )
-def test_what_is_in_hand_is_bounded(s, line, most):
+def test_receive_queue_is_bounded(s, line, most):
     """A sender is held up, and let go on when half of it is done."""
     s.host.ok("M110")
     data = f"{line}\n".encode() * 64

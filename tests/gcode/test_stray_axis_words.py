@@ -42,7 +42,7 @@ def test_a_spindle_leaves_the_feed_rate_to_moves():
 @pytest.mark.parametrize(
     "code", ["G12", "G29", "G30", "G41", "G42", "G52", "G68", "G80", "G92.2", "G43.1"]
 )
-def test_others_keep_their_words(code):
+def test_commands_with_axis_words_keep_them(code):
     out = run(f"G1 X1\n{code} X10 Y5\nY6\n")
     assert out.ends == [(1, 0, 0, 0), (1, 6, 0, 0)]
     assert out.commands == [f"{code} X10 Y5"]
