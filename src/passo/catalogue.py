@@ -257,6 +257,33 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check the name, its permissions, and that no other program has it",
         ExitStatus.USAGE,
     ),
+    "upload.binary": _input(
+        "file",
+        "is binary G-code, which is not read here",
+        'Switch off "Supports binary G-code" in the slicer\'s printer settings, and slice again',
+    ),
+    "upload.kind": _input(
+        "file", "is not a G-code file: expected {limit}", "Slice the model and upload its G-code"
+    ),
+    "upload.content": _input(
+        "file", "does not hold G-code: {value}", "Slice the model and upload its G-code"
+    ),
+    "upload.malformed": _input(
+        "upload", "the request cannot be read: {value}", "Correct it and send it again"
+    ),
+    "upload.slow": _input(
+        "upload",
+        "only {value} bytes have come within {limit} s",
+        "Look at the network, then send the file again",
+    ),
+    "upload.too-many": _input(
+        "upload", "{limit} files are being uploaded already", "Wait until one of them is whole"
+    ),
+    "upload.offset": _input(
+        "upload",
+        "the upload goes on at byte {limit}, not at {value}",
+        "Ask for its offset, and send what follows it",
+    ),
     "card.no-name": _card("no file is named", "Name one after the command, as M20 lists it"),
     "card.no-console": _card("only a console can send a file", "Send it from a console"),
     "job.at-end": _input(

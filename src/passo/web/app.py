@@ -11,6 +11,9 @@ from starlette.routing import Route, WebSocketRoute
 
 from passo.web.deltas import tree
 from passo.web.feed import Feed
+from passo.web.files.handlers import FileHandlers
+from passo.web.files.uploads import Uploads
+from passo.web.slicers.octoprint import OctoPrint
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -30,9 +33,12 @@ def web_app(bridge: Bridge) -> Starlette:
     async def feed(websocket: WebSocket) -> None:
         await Feed(bridge, websocket).run()
 
+    uploads = Uploads(bridge)
     return Starlette(
         routes=[
             Route("/api/v1/status", status),
             WebSocketRoute("/api/v1/feed", feed),
+            *FileHandlers(bridge, uploads).routes,
+            *OctoPrint(bridge, uploads).routes,
         ]
     )

@@ -12,6 +12,7 @@ from passo.card import Reader as CardReader
 from passo.card.local import is_local, local_name, open_local
 from passo.card.names import fold
 from passo.errors import CardError
+from passo.gcode.program_files import is_program
 from passo.job.live.runner import Runner
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-PROGRAMS = {".g", ".gc", ".gco", ".gcode", ".nc", ".ngc", ".cnc", ".tap"}  # listed by M20
 AUTOSTART = "auto0.g"
 _DEEPEST = 8  # directories that a list goes down
 
@@ -117,7 +117,7 @@ class Library:
                 if entry.is_directory:
                     if shown.count("/") < _DEEPEST:
                         inner.append((f"{path}/{entry.name}", f"{shown}{entry.short_name}/"))
-                elif PurePosixPath(entry.name.lower()).suffix in PROGRAMS:
+                elif is_program(entry.name):
                     yield shown, entry
             stack += reversed(inner)
 

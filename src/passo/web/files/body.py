@@ -1,0 +1,75 @@
+"""The body of a request, as it comes, and not too slowly."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncGenerator
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from anyio import current_time, fail_after
+from starlette.requests import ClientDisconnect
+
+from passo.errors import InputError
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+SPAN_S = 30.0
+MIN_BYTES = 3000  # within each span: 100 bytes/s, less than any network that works
+
+
+class Pace:
+    """Whether a sender is fast enough; times are those of any clock, in seconds."""
+
+    def __init__(self, now_s: float) -> None:
+        self._since_s, self._bytes = now_s, 0
+
+    def received(self, now_s: float, count: int) -> None:
+        """Bytes have come. Raises InputError `upload.slow`."""
+        self._bytes += count
+        if now_s - self._since_s < SPAN_S:
+            return
+        if self._bytes < MIN_BYTES:
+            raise self.too_slow()
+        self._since_s, self._bytes = now_s, 0
+
+    def too_slow(self) -> InputError:
+        """What a sender is told that sends too little."""
+        return InputError.of("upload.slow", value=self._bytes, limit=f"{SPAN_S:g}")
+
+
+class Body:
+    """The body of one request, to be read once."""
+
+    def __init__(self, request: Request) -> None:
+        self._receive = request.receive
+        self._more = True
+        self.type = request.headers.get("content-type", "")
+        length = request.headers.get("content-length", "")
+        self.length = int(length) if length.isascii() and length.isdecimal() else None
+        """Its bytes, where the client tells them before."""
+
+    async def pieces(self) -> AsyncGenerator[bytes]:
+        """What follows, as it comes. Raises InputError `upload.slow`, and ClientDisconnect."""
+        pace = Pace(current_time())
+        while self._more:
+            try:
+                with fail_after(SPAN_S):
+                    message = await self._receive()
+            except TimeoutError:
+                self._more = False
+                raise pace.too_slow() from None
+            if message["type"] == "http.disconnect":
+                self._more = False
+                raise ClientDisconnect
+            self._more = message.get("more_body", False)
+            data = message.get("body", b"")
+            pace.received(current_time(), len(data))
+            if data:
+                yield data
+
+    async def drain(self) -> None:
+        """Reads the rest and forgets it: a client that still sends hears no answer."""
+        with suppress(InputError, ClientDisconnect):
+            async for _ in self.pieces():
+                pass

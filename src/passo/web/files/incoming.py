@@ -1,0 +1,96 @@
+"""A file on its way to the card: checked, written in worker threads, there when it is whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
+
+from anyio import CapacityLimiter, to_thread
+
+from passo.errors import CardError, InputError
+
+if TYPE_CHECKING:
+    from passo.card import Card, Writer
+
+_T = TypeVar("_T")
+_PIECE = 1 << 18  # bytes written at once
+_FREE_CHECK = 1 << 22  # bytes between two looks at the free space
+RESERVE = 1 << 24
+"""Bytes that an upload leaves free: the journal and the settings may share the medium."""
+
+_HEAD = 1024  # bytes that show what a file is
+_BINARY, _ZIP = b"GCDE", b"PK\x03\x04"
+
+_threads = CapacityLimiter(4)  # a medium that hangs takes these, not those of others
+
+
+async def beside(action: Callable[[], _T]) -> _T:
+    """Runs what blocks for the card in a worker thread."""
+    return await to_thread.run_sync(action, limiter=_threads)
+
+
+class Incoming:
+    """One file that is being uploaded. `offset` counts the bytes that came; `total` is how many
+    there will be, or None. After an error it is over: the card holds what it held before."""
+
+    def __init__(self, card: Card, writer: Writer, path: str, total: int | None) -> None:
+        self._card, self._writer = card, writer
+        self.path, self.total = path, total
+        self.offset = 0
+        self._waiting = bytearray()
+        self._written = self._checked = 0
+
+    @property
+    def name(self) -> str:
+        """The file's name without its folders."""
+        return self.path.rpartition("/")[2]
+
+    async def check_space(self, room: int = 0) -> None:
+        """Raises CardError `card.full` if the rest will not fit, or less than `room` is left."""
+        left = room if self.total is None else self.total - self._written
+        free = await beside(lambda: self._card.free_bytes)
+        if left + RESERVE > free:
+            raise CardError.of("card.full", self.path, value=left + RESERVE, limit=free)
+
+    async def write(self, data: bytes) -> None:
+        """Takes the next bytes. Raises CardError, and InputError for what is not G-code."""
+        self.offset += len(data)
+        self._waiting += data
+        if len(self._waiting) >= _PIECE:
+            await self._flush()
+
+    async def finish(self) -> None:
+        """The file is whole: durable, and on the card under its name when this returns. Raises as
+        `write`, and InputError `input.empty`."""
+        if not self.offset:
+            raise InputError.of("input.empty", self.name)
+        await self._flush()
+        await beside(self._writer.close)
+
+    async def abort(self) -> None:
+        """Forgets it."""
+        await beside(self._writer.abort)
+
+    def abort_now(self) -> None:
+        """As `abort`, in a worker thread."""
+        self._writer.abort()
+
+    async def _flush(self) -> None:
+        if not self._written:
+            self._check_content()
+        if self._written - self._checked >= _FREE_CHECK:
+            self._checked = self._written
+            await self.check_space()
+        data = bytes(self._waiting)
+        self._waiting.clear()
+        await beside(lambda: self._writer.write(data))
+        self._written += len(data)
+
+    def _check_content(self) -> None:
+        head = bytes(self._waiting[:_HEAD])
+        if head.startswith(_BINARY):
+            raise InputError.of("upload.binary", self.name)
+        if head.startswith(_ZIP):
+            raise InputError.of("upload.content", self.name, value="it is an archive")
+        if b"\0" in head:
+            raise InputError.of("upload.content", self.name, value="it is not a text")

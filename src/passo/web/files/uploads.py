@@ -1,0 +1,124 @@
+"""All files that are on their way to the card; one that was interrupted can go on for a while."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from anyio import CancelScope
+
+from passo.card.names import fold
+from passo.errors import InputError, PassoError
+from passo.web.files.incoming import Incoming
+
+if TYPE_CHECKING:
+    from passo.web.bridge import Bridge
+
+MAX_UPLOADS = 8  # at once, with those that wait for their rest
+KEPT_S = 600.0  # how long an interrupted one waits for it
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    incoming: Incoming
+    end: asyncio.TimerHandle
+
+
+class Uploads:
+    """The uploads of one printer; used in the web's event loop alone."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._active = 0
+        self._kept: dict[str, _Kept] = {}
+
+    def kept(self, path: str) -> Incoming | None:
+        """The upload of a confined path that was interrupted, and can go on at its offset."""
+        found = self._kept.get(fold(path))
+        return found and found.incoming
+
+    @asynccontextmanager
+    async def file(
+        self,
+        path: str,
+        *,
+        total: int | None = None,
+        offset: int = 0,
+        resumable: bool = False,
+        room: int = 0,
+    ) -> AsyncGenerator[Incoming]:
+        """A file at a confined path, or what follows an offset of one that was interrupted. It is
+        on the card at the end of the block if `total` bytes came, or that is None. A resumable one
+        that has too few, also because the connection was lost, is kept for `KEPT_S`. `room` is the
+        free space that the card must have besides, in bytes.
+
+        Raises CardError, CommandError for a file that is printed now, InputError `upload.too-many`,
+        `upload.offset`, and what `Incoming` raises: then the card holds what it held before.
+        """
+        self._active += 1
+        try:
+            if self._active + len(self._kept) > MAX_UPLOADS:
+                raise InputError.of("upload.too-many", limit=MAX_UPLOADS)
+            incoming = await self._begin(path, total, offset, room)
+            try:
+                yield incoming
+                if total is None or incoming.offset == total:
+                    await incoming.finish()
+                elif incoming.offset > total or not resumable:
+                    raise InputError.of(
+                        "upload.malformed", value=f"it has {incoming.offset} of {total} bytes"
+                    )
+                else:
+                    self._keep(incoming)
+            except BaseException as error:
+                lost = not isinstance(error, PassoError) or _is_slow(error)
+                if resumable and lost and total is not None and incoming.offset < total:
+                    self._keep(incoming)
+                else:
+                    with CancelScope(shield=True):
+                        await incoming.abort()
+                raise
+        finally:
+            self._active -= 1
+
+    async def forget(self, path: str) -> None:
+        """An interrupted upload of a confined path does not go on."""
+        if kept := self._kept.pop(fold(path), None):
+            kept.end.cancel()
+            await kept.incoming.abort()
+
+    async def _begin(self, path: str, total: int | None, offset: int, room: int) -> Incoming:
+        if offset:
+            kept = self._kept.get(fold(path))
+            at = kept.incoming.offset if kept is not None and kept.incoming.total == total else 0
+            if kept is None or at != offset:
+                raise InputError.of("upload.offset", path, value=offset, limit=at)
+            kept.end.cancel()
+            del self._kept[fold(path)]
+            return kept.incoming
+        await self.forget(path)
+        writer = await self._bridge.create_file(path)
+        incoming = Incoming(await self._bridge.card(), writer, path, total)
+        try:
+            await incoming.check_space(room)
+        except BaseException:
+            with CancelScope(shield=True):
+                await incoming.abort()
+            raise
+        return incoming
+
+    def _keep(self, incoming: Incoming) -> None:
+        loop, key = asyncio.get_running_loop(), fold(incoming.path)
+
+        def forget() -> None:
+            del self._kept[key]
+            loop.run_in_executor(None, incoming.abort_now)
+
+        self._kept[key] = _Kept(incoming, loop.call_later(KEPT_S, forget))
+
+
+def _is_slow(error: PassoError) -> bool:
+    return error.problems[0].code == "upload.slow"

@@ -1,0 +1,1 @@
+"""Interfaces of other printers' servers, which slicers know how to upload to."""
