@@ -186,6 +186,7 @@ void bind_job(nb::module_& m) {
   nb::enum_<Job::Status>(m, "JobStatus")
       .value("NEED_INPUT", Job::Status::need_input)
       .value("EVENT", Job::Status::event)
+      .value("MACRO", Job::Status::macro)
       .value("ERROR", Job::Status::error)
       .value("FULL", Job::Status::full)
       .value("END", Job::Status::end);
@@ -338,7 +339,34 @@ void bind_job(nb::module_& m) {
           "messages; or no further than to the end of the line that it is in.")
       .def_prop_ro(
           "event", [](const JobView& self) { return as_tuple(self.job.interpreter.event()); },
-          "(line, letter, number, minor, name, text) of the event that advance stopped at.")
+          "(line, letter, number, minor, name, text) of the event or the macro that advance "
+          "stopped at.")
+      .def(
+          "insert",
+          [](JobView& self, const nb::bytes& text) {
+            self.job.interpreter.insert(std::string_view(text.c_str(), text.size()));
+          },
+          "text"_a,
+          "After MACRO: the lines that the call becomes. They are read next, with the line number "
+          "of the call, and then the rest of its line.")
+      .def_prop_ro(
+          "macro_depth", [](const JobView& self) { return self.job.interpreter.macro_depth(); },
+          "How many macros of the selected source are under way within each other.")
+      .def_prop_ro(
+          "modal",
+          [](const JobView& self) {
+            const auto modal = self.job.interpreter.modal();
+            return std::make_tuple(modal.absolute, modal.absolute_e, modal.feed_mm_s);
+          },
+          "(G90, M82, feedrate in mm/s): the modal state of what is read; the feedrate is infinite "
+          "while none was given.")
+      .def_prop_rw(
+          "plain", [](JobView& self) { return self.job.interpreter.plain; },
+          [](JobView& self, bool plain) { self.job.interpreter.plain = plain; },
+          "No macro is called: the commands that they replace are carried out.")
+      .def(
+          "forget_macros", [](JobView& self) { self.job.interpreter.forget_macros(); },
+          "What is left of a console's macros is not carried out.")
       .def(
           "listen", [](JobView& self, uint32_t line) { self.job.interpreter.listen(line); },
           "line"_a, "Before this line of the program is read: notes its commands, see heard.")

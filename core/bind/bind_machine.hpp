@@ -101,6 +101,13 @@ inline Machine machine_of(const nb::dict& spec) {
                 get<double>(budget, "burst"), get<std::string>(budget, "bound") == "link",
                 get<double>(budget, "commits_s")};
   }
+  if (spec.contains("macros")) {
+    nb::dict macros = get<nb::dict>(spec, "macros");
+    for (auto& name : get<std::vector<std::string>>(macros, "names"))
+      m.macros.names.insert(std::move(name));
+    for (auto [code, original] : get<nb::dict>(macros, "built_in"))
+      m.macros.built_in.emplace(nb::cast<std::string>(code), nb::cast<std::string>(original));
+  }
   return m;
 }
 

@@ -36,6 +36,7 @@ class Interpreter {
   std::shared_ptr<const Subprograms> subprograms;  // of the program; null: M98 is an error
   bool ignore_calls = false;                       // of sub-programs that are missing: events
   bool calls_are_events = false;                   // M98 and M99 are not carried out
+  bool plain = false;                              // macros are not called: all is built in
   LayerCounter layers;                             // of the program
 
   Interpreter(const Machine& machine, std::vector<double> home, const LaserWords& laser)
@@ -69,17 +70,19 @@ class Interpreter {
   // Lines come from a program and from a console; one modal state serves both. Each keeps its own
   // unread text; the source may change only at a boundary between lines.
   void select(bool console) { source_ = console; }
-  bool at_boundary() const { return !unfinished() && next_word_ == 0; }
+  // A macro that a console calls is part of its line; of a program other lines may come between
+  // those of a macro.
+  bool at_boundary() const {
+    return !unfinished() && next_word_ == 0 && !(source_ && !frames_[1].empty());
+  }
   void feed(const char* data, size_t n) { sources_[source_].feed(data, n); }
   void finish() { sources_[source_].finish(); }
   // Forgets the unread text of the selected source; its lines count from `first` again, and the
   // layers too where that is the first line of all.
   void restart(uint32_t first = 1) {
     sources_[source_] = Lines(first);
-    if (!source_) {
-      frames_.clear();
-      ended_line_ = 0;
-    }
+    frames_[source_].clear();
+    if (!source_) ended_line_ = 0;
     if (first == 1) layers = LayerCounter();
     if (first == 1 && !source_) forget_objects();
     dark();
@@ -101,7 +104,7 @@ class Interpreter {
     std::copy(position, position + kAxes, position_);
     if (!extruder_.empty()) position_[kE] = extruder_[active_];
     // The move that was to carry out the tool's offset has not begun: the offset is still owed.
-    if (owed_.line == lines().number() && owed_.tool == tool_ &&
+    if (owed_.line == number() && owed_.tool == tool_ &&
         std::equal(owed_.from, owed_.from + 3, position_))
       owe(owed_.mm);
   }
@@ -122,6 +125,7 @@ class Interpreter {
     Interpreter mine = std::move(*this);
     *this = before;
     sources_[1] = std::move(mine.sources_[1]);
+    frames_[1] = std::move(mine.frames_[1]);
     std::copy(std::begin(mine.saved_), std::end(mine.saved_), saved_);
     diameter_ = std::move(mine.diameter_);
     volumetric_ = mine.volumetric_;
@@ -144,7 +148,8 @@ class Interpreter {
     cold = mine.cold;
     subprograms = std::move(mine.subprograms);
     ignore_calls = mine.ignore_calls;
-    frames_.clear();
+    frames_[0].clear();
+    frames_[1] = std::move(mine.frames_[1]);
   }
   // Axis slot j is at this machine position now, and at home there if it is `homed`; the program's
   // zero stays where it was.
@@ -236,6 +241,12 @@ class Interpreter {
     lines += "G" + std::to_string(plane_) + (absolute_ ? "\nG90\n" : "\nG91\n");
     return lines + (absolute_e_ ? "M82\n" : "M83\n") + (unit_ == 1 ? "G21" : "G20");
   }
+  // G90, M82, and the feedrate, mm/s (infinite: none yet).
+  struct Modal {
+    bool absolute, absolute_e;
+    double feed_mm_s;
+  };
+  Modal modal() const { return {absolute_, absolute_e_, feed_}; }
   static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
   static constexpr double kLongestChange = 5000;          // mm that they move, at most
   struct Change {
@@ -261,12 +272,18 @@ class Interpreter {
   // Commands so far, unknown ones too.
   uint64_t commands() const { return commands_; }
   // All was read, and the last line is a move without an end of line.
-  bool ends_in_move() const { return lines().unended() && moved_line_ == lines().number(); }
+  bool ends_in_move() const { return lines().unended() && moved_line_ == number(); }
   const MoveRequest& move() const { return move_; }
   const Event& event() const { return event_; }
   const GcodeError& error() const { return error_; }
   // Of the program or console: not of a sub-program.
   uint32_t line() const { return sources_[source_].number(); }
+  // After Found::macro: these lines are what the call means. They come before the rest of its line.
+  void insert(std::string_view text);
+  // How many macros are under way within each other.
+  size_t macro_depth() const { return frames_of(FrameKind::macro); }
+  // What a console's macros have not done yet is not done.
+  void forget_macros() { frames_[1].clear(); }
   uint64_t arcs() const { return arcs_; }
   // The arc that is under way, or begins with the next move.
   const Arc& arc() const { return arc_; }
@@ -296,7 +313,8 @@ class Interpreter {
           if (item.joins ? take_now(item.move, false) : take(item.move)) return Found::move;
           continue;
         }
-        if (item.found == Found::event) event_ = std::move(item.event);
+        if (item.found == Found::event || item.found == Found::macro)
+          event_ = std::move(item.event);
         if (item.found == Found::error) error_ = std::move(item.error);
         return item.found;
       }
@@ -314,7 +332,7 @@ class Interpreter {
       }
       const char *p, *end;
       if (!lines().next(p, end)) {
-        if (!source_ && !frames_.empty()) {
+        if (!frames_[source_].empty()) {
           feed_frame();
           continue;
         }
@@ -457,7 +475,9 @@ class Interpreter {
   bool ended_by_zero_ = false;
   Heard heard_;
   uint64_t commands_ = 0;
-  struct Frame {  // a sub-program that is carried out
+  enum class FrameKind : uint8_t { subprogram, macro, rest };
+  struct Frame {  // lines of a sub-program, of a macro, or the rest of a line that called one
+    FrameKind kind = FrameKind::subprogram;
     Subprograms::Label label{};
     Lines lines;
     size_t fed = 0;   // of its text, up to here
@@ -465,7 +485,7 @@ class Interpreter {
   };
   static constexpr size_t kDeepest = 10;               // sub-programs within each other
   static constexpr uint32_t kMostIdleCalls = 100'000;  // without a move
-  std::vector<Frame> frames_;
+  std::vector<Frame> frames_[2];                       // of the program, of the console
   uint32_t idle_calls_ = 0;
   struct CycleWords {  // R, Q, P and the end of the hole, mm and s, as the last line of it has them
     int code = 0, plane = 0;
@@ -480,13 +500,33 @@ class Interpreter {
   bool to_level_ = true;      // G98: back to there; G99: to R
   size_t next_word_ = 0;      // not 0: from here on the line waits until its moves so far are taken
 
-  Lines& lines() { return !source_ && !frames_.empty() ? frames_.back().lines : sources_[source_]; }
+  Lines& lines() {
+    auto& frames = frames_[source_];
+    return frames.empty() ? sources_[source_] : frames.back().lines;
+  }
   const Lines& lines() const { return const_cast<Interpreter*>(this)->lines(); }
+  // Of the line, as moves, events and errors have it: lines of a macro have that of its call.
+  uint32_t number() const {
+    const auto& frames = frames_[source_];
+    for (size_t i = frames.size(); i-- > 0;)
+      if (frames[i].kind == FrameKind::subprogram) return frames[i].lines.number();
+    return sources_[source_].number();
+  }
+  bool in_macro() const {
+    const auto& frames = frames_[source_];
+    return !frames.empty() && frames.back().kind == FrameKind::macro;
+  }
+  void note_moved() { moved_line_ = in_macro() ? 0 : number(); }
+  size_t frames_of(FrameKind kind) const {
+    const auto& frames = frames_[source_];
+    return size_t(std::count_if(frames.begin(), frames.end(),
+                                [kind](const Frame& frame) { return frame.kind == kind; }));
+  }
   // Moves of the line are to be taken before its next word.
   bool unfinished() const { return !pending_.empty() || arc_.active() || cycle_.active(); }
   // Of the program; 0 where a console has sent it.
   void stamp(MoveRequest& m) const {
-    m.line = source_ ? 0 : lines().number();
+    m.line = source_ ? 0 : number();
     m.main_line = source_ ? 0 : sources_[0].number();
     m.layer = uint16_t(std::min(layers.count(), 65535u));
     m.feature = feature_;
@@ -508,21 +548,26 @@ class Interpreter {
       return x.letter == 'F' || x.letter == 'I' || x.letter == 'J' || names_axis(x);
     });
   }
-  bool listening() const { return lines().number() == listened_ && !source_; }
+  bool listening() const { return number() == listened_ && !source_ && !in_macro(); }
   // A command begins, with these words of its line, or with a text that is none.
   void hear(std::string_view code, const Word* first, const Word* last, std::string_view text = "");
   void fail(Fault fault, const std::string& word, double value, double limit) {
     Item item{};
     item.found = Found::error;
-    item.error = {lines().number(), fault, readable(word), value, limit, {0, 0, 0}};
+    item.error = {number(), fault, readable(word), value, limit, {0, 0, 0}};
     pending_.push_back(std::move(item));
   }
   // Whether a word's value is within the least and the most; else the line fails.
   bool within(char letter, double value, double least, double most);
   void emit(char letter, int number, int minor, std::string_view name, std::string_view text);
+  bool is_macro(const std::string& code) const { return !plain && machine_->macros.has(code); }
+  // The caller is to say what these words become.
+  void emit_macro(char letter, int number, int minor, std::string_view name, std::string_view text);
+  // Commands by which macros reach built-in ones become these.
+  void find_built_in();
   void note_clamp(int j, double value, double limit) {
     if (clamped_[j].times++ == 0)
-      clamped_[j].first = {lines().number(), Fault::out_of_range, axis_name(j), value, limit, {}};
+      clamped_[j].first = {number(), Fault::out_of_range, axis_name(j), value, limit, {}};
   }
   // A word of the line is none; a character that is not G-code is the reason, if there is one.
   void fail_word(Fault fault, const std::string& word, std::string_view text) {
@@ -598,7 +643,7 @@ class Interpreter {
     }
     motion_ = rapid ? 0 : 1;
     ++commands_;
-    moved_line_ = lines().number();
+    note_moved();
     return straight(value, have & ~(1u << 5), feed_, 0, rapid) ? Found::move : Found::end;
   }
 

@@ -1,4 +1,4 @@
-// M98 and M99: sub-programs of the file that is read.
+// M98 and M99: sub-programs of the file that is read; and the lines of macros.
 #pragma once
 #include "gcode/interpreter.hpp"
 
@@ -12,44 +12,48 @@ inline void Interpreter::run_call(std::string_view text) {
                     : !subprograms ? CallFault::no_file
                                    : read_call(text, *subprograms, call);
   if (fault == CallFault::missing && ignore_calls) return emit('M', 98, 0, "", text);
-  if (fault == CallFault::none && frames_.size() >= kDeepest) fault = CallFault::nested;
+  if (fault == CallFault::none && frames_of(FrameKind::subprogram) >= kDeepest)
+    fault = CallFault::nested;
   if (fault != CallFault::none) return fail_call(fault, "M98 " + std::string(text));
   if (call.repeats == 0) return;
   Frame frame;
   frame.label = *call.label;
   frame.repeats = call.repeats;
-  frames_.push_back(std::move(frame));
+  frames_[0].push_back(std::move(frame));
   begin_frame();
 }
 
-// M99: back behind the call, or through it again. True if it was one.
+// M99: back behind the call, or through it again; out of a macro. True if it was one.
 inline bool Interpreter::run_return(std::string_view text) {
-  if (source_ || frames_.empty() || calls_are_events) return false;
+  auto& frames = frames_[source_];
+  while (!frames.empty() && frames.back().kind == FrameKind::rest) frames.pop_back();
+  if (frames.empty() || calls_are_events) return false;
   if (!text.empty()) {
     fail_call(CallFault::unreadable, "M99 " + std::string(text));
     return true;
   }
-  if (--frames_.back().repeats > 0)
+  if (--frames.back().repeats > 0)
     begin_frame();
   else
-    frames_.pop_back();
+    frames.pop_back();
   return true;
 }
 
 inline void Interpreter::begin_frame() {
-  Frame& frame = frames_.back();
+  Frame& frame = frames_[0].back();
   frame.lines = Lines(frame.label.line);
   frame.fed = frame.label.at;
   if (++idle_calls_ < kMostIdleCalls) return;
   idle_calls_ = 0;
   fail_call(CallFault::idle, "M98 P" + std::to_string(frame.label.number));
-  frames_.clear();
+  frames_[0].clear();
 }
 
 // More text of a sub-program; at its end, which no M99 has reached, an error and back.
 inline void Interpreter::feed_frame() {
   static constexpr size_t kPiece = 4096;
-  Frame& frame = frames_.back();
+  Frame& frame = frames_[source_].back();
+  if (frame.kind != FrameKind::subprogram) return frames_[source_].pop_back();
   if (frame.fed < frame.label.stop) {
     const size_t n = std::min(kPiece, frame.label.stop - frame.fed);
     frame.lines.feed(subprograms->text.data() + frame.fed, n);
@@ -58,7 +62,22 @@ inline void Interpreter::feed_frame() {
   }
   const std::string name = "M98 P" + std::to_string(frame.label.number);
   fail_call(CallFault::unended, name);
-  frames_.pop_back();
+  frames_[0].pop_back();
+}
+
+inline void Interpreter::insert(std::string_view text) {
+  auto& frames = frames_[source_];
+  auto push = [&](FrameKind kind, std::string_view lines) {
+    Frame frame;
+    frame.kind = kind;
+    frame.lines.feed(lines.data(), lines.size());
+    frame.lines.finish();
+    frames.push_back(std::move(frame));
+  };
+  if (next_word_ > 0)
+    push(FrameKind::rest, std::string_view(text_).substr(words_[next_word_].begin));
+  next_word_ = 0;
+  push(FrameKind::macro, text);
 }
 
 inline void Interpreter::fail_call(CallFault fault, const std::string& call) {

@@ -105,7 +105,7 @@ inline void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
   cycle_words_ = words;
   cycle_level_ = initial;
   cycle_begins_ = false;
-  moved_line_ = lines().number();
+  note_moved();
   if (plan.repeats == 0) return;  // its words are kept for the lines that follow
   if (plan.w == kZ) hop_ = 0;     // it goes to where the program means
   if (any_due_) carry_out(0b111);

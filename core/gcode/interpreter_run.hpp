@@ -14,8 +14,15 @@ inline void Interpreter::emit(char letter, int number, int minor, std::string_vi
   Item item{};
   item.found = Found::event;
   name = name.substr(0, kLongestName);
-  item.event = {lines().number(), letter, number, minor, readable(name), readable(text)};
+  item.event = {this->number(), letter, number, minor, readable(name), readable(text)};
   pending_.push_back(std::move(item));
+}
+
+inline void Interpreter::emit_macro(char letter, int number, int minor, std::string_view name,
+                                    std::string_view text) {
+  while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
+  emit(letter, number, minor, name, text);
+  pending_.back().found = Found::macro;
 }
 
 inline bool Interpreter::within(char letter, double value, double least, double most) {
@@ -41,8 +48,35 @@ inline void Interpreter::hear(std::string_view code, const Word* first, const Wo
 
 // A command that is no letter and number, or that nobody knows.
 inline void Interpreter::pass_on(std::string_view name, std::string_view text) {
+  const Macros& macros = machine_->macros;
+  if (macros.any()) {
+    const std::string code(name);
+    const std::string* original = macros.original(code);
+    if (original) name = *original;
+    if (!original && is_macro(code)) {
+      hear(name, nullptr, nullptr, text);
+      return emit_macro(0, 0, 0, name, text);
+    }
+  }
   hear(name, nullptr, nullptr, text);
   emit(0, 0, 0, name, text);
+}
+
+inline void Interpreter::find_built_in() {
+  if (machine_->macros.built_in.empty()) return;
+  for (Word& w : words_) {
+    if (w.letter != 'G' && w.letter != 'M' && !(w.letter == 'T' && &w == &words_.front())) continue;
+    if (!w.number) continue;
+    const auto [code, minor] = code_of(w);
+    std::string name = w.letter + std::to_string(code);
+    if (minor != 0) name += "." + std::to_string(minor);
+    const std::string* original = machine_->macros.original(name);
+    if (!original) continue;
+    const char* p = original->c_str() + 1;
+    read_number(p, original->c_str() + original->size(), w.value);
+    w.letter = original->front();
+    w.built_in = true;
+  }
 }
 
 // Whether the program's text is over: by zero bytes up to the end of the file, as a file that was
@@ -65,7 +99,7 @@ inline bool Interpreter::ends_text(const char* p, const char*& end) {
   if (stop == end) return false;
   const bool tail = std::all_of(stop, end, padding);
   if (!tail && (*stop == 0 || *p == ';')) return false;
-  ended_line_ = lines().number();
+  ended_line_ = number();
   ended_by_zero_ = *stop == 0;
   end = stop;
   return false;
@@ -73,7 +107,7 @@ inline bool Interpreter::ends_text(const char* p, const char*& end) {
 
 inline void Interpreter::run_line(const char* p, const char* end) {
   if (listening()) heard_ = Heard();  // a line of a sub-program may come again
-  if (!source_ && frames_.empty() && ends_text(p, end)) return;
+  if (!source_ && frames_[0].empty() && ends_text(p, end)) return;
   while (p < end && std::isspace(uint8_t(*p))) ++p;
   while (end > p && std::isspace(uint8_t(end[-1]))) --end;
   if (p == end || *p == '%') return;
@@ -121,7 +155,7 @@ inline void Interpreter::run_line(const char* p, const char* end) {
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
   if (text.empty()) return;
   if (text[0] == '/') return pass_on("/", text.substr(1));  // left out where this is set
-  if (text.size() > 1 && std::isalpha(uint8_t(text[0])) != 0 &&
+  if (text.size() > 1 && (std::isalpha(uint8_t(text[0])) != 0 || text[0] == '_') &&
       (std::isalpha(uint8_t(text[1])) || text[1] == '_')) {
     size_t stop = 0;
     while (stop < text.size() &&
@@ -142,6 +176,7 @@ inline void Interpreter::run_line(const char* p, const char* end) {
     text_.swap(plain);
     split_words(text_, words_);
   }
+  find_built_in();
   run_words();
 }
 
@@ -160,7 +195,7 @@ inline void Interpreter::run_words() {
   };
   if (!std::isalpha(uint8_t(w->letter))) {
     // A binary begins so.
-    const bool text_begins = lines().number() > 1 || character_at(text, w->begin).first >= 0;
+    const bool text_begins = number() > 1 || character_at(text, w->begin).first >= 0;
     return text_begins ? fail_word(Fault::word, std::string(text.substr(w->begin, 20)), text)
                        : fail(Fault::garbage, "", 0, 0);
   }
@@ -213,6 +248,15 @@ inline void Interpreter::run_words() {
   }
   while (w < end) {
     if (tool(*w)) {
+      const std::string code = "T" + std::to_string(int(w->value));
+      if (!w->built_in && is_macro(code)) {
+        Word* next = std::find_if(w + 1, end, starts);
+        const size_t to = next < end ? next->begin : text.size();
+        hear(code, w + 1, next);
+        emit_macro('T', int(w->value), 0, "", text.substr(w->end, to - w->end));
+        next_word_ = next < end ? size_t(next - words_.data()) : 0;
+        return;
+      }
       select_tool(*w++);
       next_word_ = w < end ? size_t(w - words_.data()) : 0;
       return;
@@ -245,6 +289,10 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   const int code = whole.first, minor = whole.second;
   std::string name = command.letter + std::to_string(code);
   if (minor != 0) name += "." + std::to_string(minor);
+  if (!command.built_in && is_macro(name)) {
+    hear(name, w, end, text);
+    return emit_macro(command.letter, code, minor, "", text);
+  }
   const bool modal = before_axes(command.letter, code, minor) && moves(w, end);
   if (modal || before_modal(command.letter, code, minor))
     hear(name, w, w);
@@ -285,7 +333,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 2:
       case 3:
         motion_ = code;
-        moved_line_ = lines().number();
+        note_moved();
         return run_motion(code, w, end);
       case 4: {
         MoveRequest m{};
@@ -498,7 +546,7 @@ inline void Interpreter::run_modal(const Word* w, const Word* end) {
     hear(name, w, end, text);
     return emit('G', motion_ / 10, motion_ % 10, "", text);
   }
-  moved_line_ = lines().number();
+  note_moved();
   hear("", w, end);
   run_motion(motion_, w, end);
 }

@@ -42,7 +42,7 @@ inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
 inline void Interpreter::carry_out(uint8_t moved) {
   for (int j = 0; j < 3; ++j) owed_.from[j] = position_[j], owed_.mm[j] = due_[j];
   owed_.tool = tool_;
-  owed_.line = lines().number();
+  owed_.line = number();
   for (int j = 0; j < 3; ++j)
     if (moved >> j & 1) owe(j, 0);
 }

@@ -6,7 +6,8 @@
 
 namespace passo {
 
-enum class Found : uint8_t { move, event, error, need_input, end };
+// `macro` is an event too: a call whose lines Interpreter::insert takes.
+enum class Found : uint8_t { move, event, macro, error, need_input, end };
 
 // A command that the caller must handle before it asks for more.
 struct Event {

@@ -112,8 +112,8 @@ class Survey {
       while ((found = splitter_.next()) != Found::need_input)
         if (found == Found::event)
           note(splitter_.event());
-        else
-          moves_ = moves_ || found == Found::move;
+        else  // what a macro does is known when it is called
+          moves_ = moves_ || found == Found::move || found == Found::macro;
     }
   }
 

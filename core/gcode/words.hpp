@@ -14,8 +14,9 @@ namespace passo {
 struct Word {
   char letter;  // upper case
   double value;
-  bool number;        // false: a letter alone, or followed by something that is no number
-  size_t begin, end;  // in the text
+  bool number;            // false: a letter alone, or followed by something that is no number
+  size_t begin, end;      // in the text
+  bool built_in = false;  // a command that no macro replaces here
   bool whole() const { return number && value == std::floor(value); }
 };
 

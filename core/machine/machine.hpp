@@ -5,6 +5,8 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "base/types.hpp"
@@ -69,6 +71,22 @@ struct Budget {
   double commits = 0;               // per second, each with the way on which every motor brakes
 };
 
+// Commands whose meaning the machine file gives: the codes of its macros, and other codes by which
+// these reach the built-in command that they replace.
+struct Macros {
+  std::unordered_set<std::string> names;
+  std::unordered_map<std::string, std::string> built_in;
+
+  bool any() const { return !names.empty(); }
+  bool has(const std::string& code) const { return any() && names.count(code) > 0; }
+  // What is built in under another code; null if that code is not one.
+  const std::string* original(const std::string& code) const {
+    if (built_in.empty()) return nullptr;
+    const auto at = built_in.find(code);
+    return at == built_in.end() ? nullptr : &at->second;
+  }
+};
+
 struct Machine {
   std::string name;
   double clock_hz;
@@ -83,6 +101,7 @@ struct Machine {
   std::vector<uint16_t> output_boards;  // board of each output; those not named are the main one's
   std::shared_ptr<const Geometry> geometry;
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
+  Macros macros;
   bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
 
   // It has filament, in extruders or pushed by axes.

@@ -18,7 +18,7 @@ namespace passo {
 
 class Job {
  public:
-  enum class Status : uint8_t { need_input, event, error, full, end };
+  enum class Status : uint8_t { need_input, event, macro, error, full, end };
   // What a move outside of any program must keep to: the machine's limits; what its actuators
   // reach, as on the way to where it has been; or nothing, as it does not know where it is.
   enum class Within : uint8_t { limits, reach, anything };
@@ -40,7 +40,7 @@ class Job {
 
   const GcodeError& error() const { return error_; }
 
-  // Reads on until input, an event or an error wants the caller, or until the plan reaches
+  // Reads on until input, an event, a macro or an error wants the caller, or until the plan reaches
   // `horizon` (ticks), what is not settled yet at its least, or more than `most` messages wait to
   // be taken. With `to_boundary` it reads no more than the rest of the line that it is in.
   Status advance(double horizon, size_t most, bool to_boundary = false) {
@@ -76,6 +76,8 @@ class Job {
           continue;
         case Found::event:
           return Status::event;
+        case Found::macro:
+          return Status::macro;
         case Found::error:
           error_ = interpreter.error();
           return Status::error;

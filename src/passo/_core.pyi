@@ -1233,11 +1233,13 @@ class JobStatus(enum.Enum):
 
     EVENT = 1
 
-    ERROR = 2
+    MACRO = 2
 
-    FULL = 3
+    ERROR = 3
 
-    END = 4
+    FULL = 4
+
+    END = 5
 
 class Within(enum.Enum):
     """What a move outside of any program must keep to."""
@@ -1416,8 +1418,35 @@ class Job:
     @property
     def event(self) -> tuple[int, str, int, int, str, str]:
         """
-        (line, letter, number, minor, name, text) of the event that advance stopped at.
+        (line, letter, number, minor, name, text) of the event or the macro that advance stopped at.
         """
+
+    def insert(self, text: bytes) -> None:
+        """
+        After MACRO: the lines that the call becomes. They are read next, with the line number of the call, and then the rest of its line.
+        """
+
+    @property
+    def macro_depth(self) -> int:
+        """
+        How many macros of the selected source are under way within each other.
+        """
+
+    @property
+    def modal(self) -> tuple[bool, bool, float]:
+        """
+        (G90, M82, feedrate in mm/s): the modal state of what is read; the feedrate is infinite while none was given.
+        """
+
+    @property
+    def plain(self) -> bool:
+        """No macro is called: the commands that they replace are carried out."""
+
+    @plain.setter
+    def plain(self, arg: bool, /) -> None: ...
+
+    def forget_macros(self) -> None:
+        """What is left of a console's macros is not carried out."""
 
     def listen(self, line: int) -> None:
         """

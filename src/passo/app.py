@@ -29,6 +29,7 @@ from passo.job.live.statistics import Statistics
 from passo.job.live.status_reader import StatusReader
 from passo.job.settings_store import Store
 from passo.printer.commands.reports import Reports
+from passo.printer.delayed_gcode import DelayedGcode
 from passo.printer.printer import Printer
 from passo.printer.unfit_commands import NOTHING, Skips
 
@@ -103,6 +104,7 @@ def _furnish(
     jobs = JobCommands(printer, runner, progress)
     objects = PrintObjects(printer, runner)
     status = StatusReader(printer, runner, progress, objects, library)
+    printer.rig.macros.status = status.read
     immediate, planned = printer.dispatch.immediate, printer.dispatch.planned
     immediate |= answers.handlers
     immediate |= ConsoleCommands(printer, answers).handlers
@@ -113,6 +115,7 @@ def _furnish(
     immediate |= ObjectCommands(objects).immediate
     immediate |= JsonStatus(printer, status, options).handlers
     planned |= options.planned
+    planned |= DelayedGcode(printer).planned
     planned |= jobs.planned
     keeper = None
     if folder is not None:

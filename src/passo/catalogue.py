@@ -397,10 +397,50 @@ CATALOGUE: Mapping[str, Entry] = {
         "{axis} cannot be carried out: {value}",
         "Correct the call, or put O and the number before the sub-program and M99 at its end",
     ),
+    "macro.template": _input(
+        "macro",
+        "macro {axis}, line {limit} of its template: {value}",
+        "Correct the template in the machine file, or the parameters of the call",
+    ),
+    "macro.whole": _input(
+        "macro",
+        "macro {axis}: {value}",
+        "Correct the template in the machine file, or the parameters of the call",
+    ),
+    "macro.nested": _input(
+        "macro",
+        "macro {axis} is called by {limit} macros that call each other",
+        "Let no macro call itself; the command that it replaces has the name of rename_existing",
+    ),
+    "macro.raised": _input(
+        "macro", "macro {axis}: {value}", "The macro has stopped by itself; do what it asks for"
+    ),
+    "macro.unknown": _input(
+        "macro", "there is no macro {axis}; known here: {value}", "Correct the name"
+    ),
+    "macro.no-variable": _input(
+        "macro",
+        "macro {axis} has no variable {value}; known here: {limit}",
+        "Correct the name, or add it to the variables of the macro",
+    ),
+    "macro.value": _input(
+        "macro",
+        "variable {axis}: {value!r} is not a value",
+        "Write a number, a text in two kinds of quotes (\"'text'\"), a list, True or False",
+    ),
+    "macro.no-delay": _input(
+        "macro", "there is no [delayed_gcode.{axis}]; known here: {value}", "Correct the name"
+    ),
     "input.unknown-moves": _input(
         "gcode",
         "{value} is unknown here; on other firmware it may move or heat the machine",
         "Replace it by the commands that it stands for",
+    ),
+    "input.no-macro": _input(
+        "gcode",
+        "{value} is unknown here; it is usually a macro, and the machine file has no"
+        " [macros.{value}]",
+        "Add this section with its gcode to the machine file",
     ),
     "input.no-levelling": _input(
         "gcode",

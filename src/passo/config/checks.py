@@ -12,6 +12,7 @@ from typing import Any
 from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_fans, check_heaters, check_pulses
+from passo.config.macro_checks import check_macros
 from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.pin_checks import check_pins
 
@@ -203,6 +204,7 @@ def check_all(
         check_pulses,
         check_drivers,
         check_pins,
+        check_macros,
     ]
     yield from check_link(data)
     yield from check_axes(data, actuators)

@@ -11,10 +11,11 @@ from passo.config.board import Board, Socket
 from passo.config.electronics import Beeper, Fans, Laser, Mains
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
+from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
 from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.pin_names import MAIN, placed
-from passo.config.types import AxisName, ExtruderName, Model, Name, Pair, Uuid
+from passo.config.types import AxisName, CommandName, ExtruderName, Model, Name, Pair, Uuid
 from passo.geometry.base import Point
 from passo.geometry.registry import AnyGeometry
 
@@ -79,6 +80,10 @@ class MachineConfig(Model):
     """The output of M80 and M81, which switches the power supply."""
     beeper: Beeper | None = None
     """The buzzer of M300."""
+    macros: dict[CommandName, Macro] = {}
+    """Commands of your own, and in place of built-in ones."""
+    delayed_gcode: dict[Name, DelayedGcode] = {}
+    """G-code that a served printer carries out after a time."""
     board: Board
     """The main board. Print time is its clock."""
     boards: dict[Name, Board] = {}
@@ -207,6 +212,14 @@ class MachineConfig(Model):
             "laser": self._laser_spec(),
             "boards": 1 + len(self.boards),
             "output_boards": self._output_boards(),
+            "macros": {
+                "names": list(self.macros),
+                "built_in": {
+                    macro.rename_existing: name
+                    for name, macro in self.macros.items()
+                    if macro.rename_existing
+                },
+            },
         }
 
     @property

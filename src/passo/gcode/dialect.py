@@ -257,6 +257,22 @@ TABLE: tuple[Row, ...] = (
         "Steps for a millimetre; H and L tell which layer heights are whole steps of Z's motor.",
     ),
     Row(
+        "SET_GCODE_VARIABLE",
+        _P,
+        _N,
+        "MACRO VARIABLE VALUE",
+        "Sets a variable of a macro, until the program ends.",
+        bare=None,
+    ),
+    Row(
+        "UPDATE_DELAYED_GCODE",
+        _S,
+        _N,
+        "ID DURATION(s)",
+        "Carries out the delayed G-code of this name after this time; with 0 not at all.",
+        bare=None,
+    ),
+    Row(
         "M98",
         _P,
         _N,

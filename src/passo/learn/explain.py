@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.config.pin_names import MAIN
 from passo.errors import InputError, PassoError
+from passo.gcode.command import Command
 from passo.gcode.dialect import row_of
 from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _MOST_COMMANDS = 12
+_MOST_LINES = 40  # of macros
 _BEHIND_S = 1.0  # all commands of a move are done so long after it
 
 
@@ -35,6 +37,12 @@ class _Seen:
     before: _core.Move | None = None
     moves: list[_core.Move] = field(default_factory=list[_core.Move])
     after: _core.Move | None = None
+    calls: list[tuple[Command, str]] = field(default_factory=list[tuple[Command, str]])
+
+    def called(self, command: Command, text: str) -> None:
+        """A macro is called, and becomes this text."""
+        if not self.after and sum(text.count("\n") for _, text in self.calls) < _MOST_LINES:
+            self.calls.append((command, text))
 
     def take(self, moves: list[_core.Move], line: int, *, jumps: bool) -> None:
         """`jumps`: lines may come again, in sub-programs; then the first time is shown."""
@@ -63,7 +71,9 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
         if bad is None or bad <= line:
             raise
         job, seen = _printed(machine, path, line, policy, bad)
-    parts = [f"{path}:{line}: {text}", _commands(job.job)]
+    parts = [f"{path}:{line}: {text}", _commands(job.job, machine)]
+    if seen.calls:
+        parts.append(_became(seen.calls))
     if not seen.moves and any(code == "M98" for code, _, _ in job.job.heard[2]):
         parts.append("The lines of the sub-program move; explain one of them.")
         return "\n\n".join(parts)
@@ -117,6 +127,9 @@ def _printed(
             raise _EnoughError
 
     job.watch(look)
+    job.macros.watch = lambda command, text: (
+        seen.called(command, text) if command.line == line else None
+    )
     job.trace_until(1e9)
     with suppress(_EnoughError):
         job.run(path, end)
@@ -134,7 +147,18 @@ def _line(path: str | os.PathLike[str], line: int) -> str:
     raise InputError.of("input.no-line", str(path), line, value=line, limit=number)
 
 
-def _commands(job: _core.Job) -> str:
+def _became(calls: list[tuple[Command, str]]) -> str:
+    """What macros, and those that they call, became: the lines that are not empty."""
+    rows: list[str] = []
+    for command, text in calls:
+        rows.append(f"{command.code} {command.text}".rstrip() + " became:")
+        rows += [f"  {line.strip()}" for line in text.splitlines() if line.strip()]
+    if len(rows) > _MOST_LINES:
+        rows[_MOST_LINES:] = [f"and {len(rows) - _MOST_LINES} more lines"]
+    return "\n".join(rows)
+
+
+def _commands(job: _core.Job, machine: MachineConfig) -> str:
     number, checked, commands = job.heard
     rows: list[str] = []
     if number:
@@ -144,7 +168,10 @@ def _commands(job: _core.Job) -> str:
         rows.append("There is no command on this line.")
     for code, words, text in commands:
         row = row_of("T" if re.fullmatch(r"T-?\d+", code) else code)
-        if not code:
+        if code in machine.macros:
+            about = machine.macros[code].description
+            rows.append(f"{code}: A macro of the machine file{about and ': ' + about}.")
+        elif not code:
             rows.append("A move in the way of the last one before, G1 if there was none.")
         elif code == "S":
             rows.append("S: The power of laser or spindle.")

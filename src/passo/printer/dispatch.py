@@ -8,12 +8,13 @@ from functools import partial
 
 from passo import _core
 from passo.board.ports import LinkLostError
-from passo.errors import CommandError
+from passo.errors import CommandError, InputError
 from passo.gcode.command import Command, alone
 from passo.gcode.dialect import Kind, row_of
 from passo.motion.motion_queue import MOST_QUEUED
 from passo.printer.commands.program import forced
 from passo.printer.live_rig import LiveRig
+from passo.printer.macros import EmergencyStop
 from passo.printer.state import State
 from passo.printer.unfit_commands import Skips, unfit
 from passo.printer.wait_requests import Handler, Person, Reply, Room, Still, Stopped, Wait
@@ -54,6 +55,8 @@ class Dispatch:
 
     def act(self, command: Command, reply: Reply) -> bool:
         """Carries out a command that acts at once when it comes from there; else False."""
+        if command.code in self._rig.machine.macros:
+            return False
         handler = self.immediate.get(command.code)
         in_order = command.code in self.beside_only and not self._state.beside(reply)
         if in_order or (handler is None and not forced(command)):
@@ -88,9 +91,25 @@ class Dispatch:
     def take_line(self, text: str, reply: Reply) -> Wait | None:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
         goes on. Only with the turn and with room."""
+        return self._take(lambda: self._feed(text), reply)
+
+    def take_delayed(self, name: str, reply: Reply) -> Wait | None:
+        """The same with delayed G-code. Raises CommandError for a template that fails."""
+
+        def insert() -> None:
+            self.select(console=True)
+            commands = self._rig.commands
+            text = commands.macros.delayed(
+                self._rig.job, name, commands.status(), lambda text: _respond(reply, text)
+            )
+            self._rig.job.insert(text.encode("utf-8", "surrogateescape"))
+
+        return self._take(insert, reply)
+
+    def _take(self, feed: Callable[[], None], reply: Reply) -> Wait | None:
         self._tell_of_line(done=False)
         job = self._rig.job
-        self._feed(text)
+        feed()
         before = job.queued, job.clock
         wait = self._go_on(reply)
         self._tell_of_line(done=True)
@@ -100,6 +119,13 @@ class Dispatch:
 
     def take_setting(self, text: str, reply: Reply) -> None:
         """Carries out one line of stored settings, the machine standing, by who has the turn."""
+        self._rig.job.plain = True  # a setting is no call of a macro
+        try:
+            self._settle_line(text, reply)
+        finally:
+            self._rig.job.plain = False
+
+    def _settle_line(self, text: str, reply: Reply) -> None:
         self._feed(text)
         wait = self._go_on(reply)
         while wait is not None:
@@ -128,8 +154,33 @@ class Dispatch:
                 wait = self._go_on(reply)
                 self._tell_of_line(done=True)
         except Exception:
-            self._rig.job.abandon()  # the rest of the line would stand in everybody's way
+            self._forget_line()  # it would stand in everybody's way
             raise
+
+    def _forget_line(self) -> None:
+        """What is left of a console's line, and of the macros that it has called."""
+        self._rig.job.abandon()
+        self._rig.job.forget_macros()
+
+    def _expanded(self, command: Command, reply: Reply) -> bool:
+        """A console calls a macro; False if it fails, which the console has been told then."""
+        try:
+            self.expand(command, reply)
+        except CommandError as error:
+            reply.fail(str(error), error.problems)
+            return False
+        return True
+
+    def expand(self, command: Command, reply: Reply) -> None:
+        """A macro is called, the job reads next what it becomes. Raises CommandError."""
+        try:
+            self._rig.commands.expand(
+                command, lambda text: _respond(reply, text), console=self._from_console
+            )
+        except EmergencyStop as stop:
+            halt = Command(command.line, "M", 112, 0, "", "")
+            self._carried_out(self.planned.get("M112"), halt, reply)
+            raise CommandError.of("macro.raised", axis=command.code, value=str(stop)) from None
 
     def _feed(self, text: str) -> None:
         self.select(console=True)
@@ -168,6 +219,9 @@ class Dispatch:
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
             return Still(partial(self._carried_out, handler, command, reply))
+        surveyed = self._from_console or self._rig.job.macro_depth == 0
+        if not surveyed and (problem := unfit(command, self._skips)):
+            raise InputError([problem])
         wait = self._carried_out(handler, command, reply)
         if self._from_console and (problem := unfit(command, self._skips)):
             levels = problem.code == "input.no-levelling"
@@ -200,7 +254,11 @@ class Dispatch:
         try:
             while True:
                 found = rig.job.advance()
-                if found == status.EVENT:
+                if found == status.MACRO:
+                    if not self._expanded(Command(*rig.job.event), reply):
+                        self._forget_line()
+                        return None
+                elif found == status.EVENT:
                     wait = self.run_command(Command(*rig.job.event), reply)
                     rig.commands.ended = False  # a console has no program to end
                     if wait is not None:
@@ -208,15 +266,21 @@ class Dispatch:
                 elif found == status.ERROR:
                     problem = rig.commands.problem()
                     reply.fail(str(problem), [problem])
-                    rig.job.abandon()
+                    self._forget_line()
                     return None
                 else:
                     return Room() if found == status.FULL else None
         except Exception:
-            rig.job.abandon()
+            self._forget_line()
             raise
         finally:
             rig.drive.after_moves()
+
+
+def _respond(reply: Reply, text: str) -> None:
+    """A macro's answer, as Klipper marks it."""
+    for line in text.splitlines():
+        reply.say(f"// {line}")
 
 
 def _note(code: str, reply: Reply) -> None:

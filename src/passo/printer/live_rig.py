@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from passo.motion.rig import Rig
 from passo.printer.commands.program import Commands, Heat
+from passo.printer.macros import Macros
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 
 class LiveRig(Rig):
@@ -13,12 +18,16 @@ class LiveRig(Rig):
 
     commands: Commands
 
+    def __init__(self, machine: MachineConfig, *, free: bool) -> None:
+        super().__init__(machine, free=free)
+        self.macros = Macros(machine)  # their variables survive a restart
+
     def plan_commands(self, heat: Heat, on_mark: Callable[[int, int], None]) -> None:
         """As `plan`; commands set their temperatures at `heat`."""
         self.plan(on_mark)
         boards = self.connection
         full = [boards.full_scale(output.name) for output in boards.board.outputs]
-        self.commands = Commands(self.machine, self.job, heat, full)
+        self.commands = Commands(self.machine, self.job, heat, full, self.macros)
         self.commands.record_at_once = self.drive.record_at_once
 
     def set_fan(self, fan: str, share: float) -> None:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from passo.board.connection import ABSOLUTE_ZERO_C
 from passo.config.motor_roles import axis_order
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from passo import _core
+    from passo.config.machine import MachineConfig
     from passo.printer.printer import Printer
 
 
@@ -171,6 +176,44 @@ class Status:
     progress: float | None = None
     job: JobStatus | None = None
     last_job: str = ""
+
+
+def planned_status(
+    machine: MachineConfig,
+    job: _core.Job,
+    targets_c: Mapping[str, float],
+    fans: Mapping[str, float],
+) -> Status:
+    """The status of a program that is planned without a printer: `targets_c`, as commands have set
+    them, count as reached."""
+    reached = {name: targets_c.get(name, 0.0) for name in machine.heaters}
+    axes, locked = axis_order(machine.axes), job.locked_axes
+    absolute, absolute_e, feed_mm_s = job.modal
+    return Status(
+        state=PrinterState.PRINTING,
+        halted="",
+        time_s=job.clock / machine.board.clock_hz,
+        position_mm={},
+        homed=frozenset(name for i, name in enumerate(axes) if i not in locked),
+        tool=job.tool,
+        heaters={name: HeaterStatus(c if c > 0 else None, c, 0.0) for name, c in reached.items()},
+        fans={name: fans.get(name, 0.0) for name in machine.fans},
+        speed_factor=job.speed_factor,
+        motion=MotionStatus(
+            speed_mm_s=0.0,
+            filament_mm_s=0.0,
+            queued_s=0.0,
+            max_speed_mm_s=job.limit("speed"),
+            max_accel_mm_s2=job.limit("print_accel"),
+            absolute=absolute,
+            absolute_e=absolute_e,
+            feedrate_mm_s=feed_mm_s if isfinite(feed_mm_s) else 0.0,
+            motors_on=True,
+        ),
+        axes={},
+        boards={},
+        flow_factors=list(job.flows),
+    )
 
 
 def heater_status(printer: Printer, name: str) -> HeaterStatus:

@@ -56,7 +56,8 @@ def unfit(command: Command, skips: Skips) -> Problem | None:
         return Problem("input.no-levelling", line=command.line, values={"value": code})
     if skips.unknown or row_of(code) is not None or not _may_move(command):
         return None
-    return Problem("input.unknown-moves", line=command.line, values={"value": code})
+    unknown = "input.no-macro" if _MACRO.match(command.name) else "input.unknown-moves"
+    return Problem(unknown, line=command.line, values={"value": code})
 
 
 def _may_move(command: Command) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
@@ -13,9 +14,12 @@ from passo.gcode.command import Command
 from passo.job.batch.source import chunks, lines, open_source
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
+from passo.printer.macros import EmergencyStop
 from passo.printer.skipped_commands import Omission
-from passo.printer.unfit_commands import ALL, unfit
-from passo.printer.wait_requests import Homing, Still, Temperatures, Wait
+from passo.printer.unfit_commands import ALL, Skips, unfit
+from passo.printer.wait_requests import Homing, Still, Stop, Temperatures, Wait
+
+_log = logging.getLogger(__name__)
 
 _MOST_MESSAGES = 1 << 15
 _ALLOWED_BY = {  # what a command line can do besides; consoles cannot
@@ -26,6 +30,7 @@ _ALLOWED_BY = {  # what a command line can do besides; consoles cannot
     "input.not-homed": "it for a piece of G-code by --assume-ready",
     "input.cold": "it for a piece of G-code by --assume-ready",
     "input.unknown-moves": "--unknown skip",
+    "input.no-macro": "it to be left out by --unknown skip",
     "input.call": "it to be left out, if the sub-program is missing, by --unknown skip",
     "input.no-levelling": "--levelling skip",
 }
@@ -61,22 +66,31 @@ def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
 
 
 def read_program(
-    job: _core.Job, commands: Commands, pieces: Iterable[bytes], name: str, settle: Settle
+    job: _core.Job,
+    commands: Commands,
+    pieces: Iterable[bytes],
+    name: str,
+    settle: Settle,
+    unsurveyed: Skips = ALL,
 ) -> Iterator[None]:
     """Feeds the pieces to the job and its commands to the printer, to the end.
 
     Yields whenever the job has made progress or has as many messages as it may; whoever takes them
     does so then. At the last yield the job is flushed. Commands that are refused become warnings.
     Raises InputError with `name` as the file, for words without a number, too, and where the
-    commands do not let a refused one pass.
+    commands do not let a refused one pass. `unsurveyed`: what lines of macros may leave out, which
+    no survey has seen.
     """
     status = _core.JobStatus
     source = iter(pieces)
     while not commands.ended:
         found = job.advance(most=_MOST_MESSAGES)
-        if found == status.EVENT:
+        if found == status.MACRO:
+            _expand(job, commands, name, settle)
+        elif found == status.EVENT:
             command = Command(*job.event)
-            if problem := unfit(command, commands.skips):
+            skips = unsurveyed if job.macro_depth else commands.skips
+            if problem := unfit(command, skips):
                 raise InputError([with_option(replace(problem, file=name))])
             try:
                 wait = commands.run(command)
@@ -98,10 +112,23 @@ def read_program(
             raise InputError([with_option(commands.problem(name))])
         elif found == status.END:
             break
-        if found != status.EVENT:
+        if found not in (status.EVENT, status.MACRO):
             yield
     job.flush()
     yield
+
+
+def _expand(job: _core.Job, commands: Commands, name: str, settle: Settle) -> None:
+    """A call becomes lines. Raises InputError with `name` as the file."""
+    command = Command(*job.event)
+    try:
+        commands.expand(command, lambda text: _log.info("%s", text))
+    except CommandError as error:
+        problems = [replace(p, file=name, line=command.line) for p in error.problems]
+        raise InputError(problems) from None
+    except EmergencyStop as stop:
+        _log.error("macro %s: %s", command.code, stop)
+        settle(Stop("M112", command.line))
 
 
 def with_option(problem: Problem) -> Problem:
@@ -125,6 +152,7 @@ def run_program(
     name = str(path)
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
+        unsurveyed = commands.skips
         if source.seekable():
             found = survey(commands.machine, chunks(source, name))
             source.seek(0)
@@ -132,7 +160,7 @@ def run_program(
                 raise InputError([with_option(problem) for problem in wrong])
             commands.skips = ALL
         text = chunks(source, name) if end is None else islice(lines(source), end - 1)
-        for _ in read_program(job, commands, text, name, settle or at_rest(job)):
+        for _ in read_program(job, commands, text, name, settle or at_rest(job), unsurveyed):
             yield min(job.offset / size, 1.0) if size else 0.0
     if end is not None:
         return

@@ -18,6 +18,7 @@ from passo.job.batch.program import heated, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_s
 from passo.printer.commands.program import Commands
+from passo.printer.macros import Macros
 from passo.printer.setup.boards import connect_simulated
 from passo.printer.wait_requests import Stop, Wait
 
@@ -119,6 +120,11 @@ class Print:
         self._trace_s = 0.0
         self._path = ""
         self._cpu_s = thread_cpu_s() - begin_s
+
+    @property
+    def macros(self) -> Macros:
+        """The macros of the program."""
+        return self._commands.macros
 
     def watch(self, watcher: Callable[[], None]) -> None:
         """Before `run`: a function to call whenever the plan has grown."""

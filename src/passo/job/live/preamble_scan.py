@@ -119,10 +119,12 @@ class Past:
     def _take(self, *lines: str) -> None:
         job = self.job
         job.select(True)
+        job.plain = True  # a setting is no call of a macro
         for line in lines:
             job.feed(line.encode() + b"\n")
             while job.advance() == _core.JobStatus.EVENT:
                 self.commands.run(Command(*job.event))
+        job.plain = False
         job.select(False)
 
     def _pieces(self, changes: list[tuple[int, Callable[[], None]]]) -> Iterator[bytes]:

@@ -69,6 +69,7 @@ class Recovery:
         printer.job.adopt(state)
         printer.commands.follow_tool()
         printer.commands.take_tool_temperatures(past.commands)
+        printer.commands.macros.take_variables(past.commands.macros)
         printer.job.set_speed_factor(state.speed_factor)
         printer.commands.speed.kept = past.commands.speed.kept
         printer.offsets.babysteps_mm |= self._moment.babysteps_mm

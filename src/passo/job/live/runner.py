@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 _CHUNK = 1 << 14  # bytes read at a time
-_ADVICE = "Change the file, or print it as it is (M24 U1)"
+_AS_IT_IS = "print it as it is (M24 U1)"
+_ADVICE = f"Change the file, or {_AS_IT_IS}"
 _AHEAD_S = 4.0  # of planned print time in one stretch
 _MOST_MESSAGES = 4096  # and so many for the board
 
@@ -357,7 +358,7 @@ class Runner:
         self._surveyed = reader, job
         wrong = prepare(job, found, self.name, self._skips)
         if begins and wrong:
-            first, *others = (replace(problem, hint=_ADVICE) for problem in wrong)
+            first, *others = (replace(problem, hint=_advice(problem)) for problem in wrong)
             for problem in others:
                 self._printer.state.announce(_log, logging.WARNING, str(problem), problem)
             raise InputError([first])
@@ -485,6 +486,13 @@ class Runner:
             else:
                 job.finish()
             await asyncio.sleep(0)  # much may be read that plans nothing: skipped objects, comments
+        elif found == status.MACRO:
+            command = Command(*job.event)
+            try:
+                printer.dispatch.expand(command, self._reply)
+            except CommandError as error:
+                raise InputError(self._placed(error, command.line)) from None
+            await asyncio.sleep(0)  # macros may do much that plans nothing
         elif found == status.EVENT:
             command = Command(*job.event)
             try:
@@ -551,3 +559,9 @@ class Runner:
         )
         self._printer.state.raise_if_halted()
         return self.state is JobState.PRINTING
+
+
+def _advice(problem: Problem) -> str:
+    if problem.code == "input.no-macro":
+        return f"{problem.entry.action}, or {_AS_IT_IS}"
+    return _ADVICE

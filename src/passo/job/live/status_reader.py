@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot
+from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
@@ -90,8 +90,7 @@ class StatusReader:
 
     def _motion(self) -> MotionStatus:
         printer, job = self._printer, self._printer.job
-        modes = job.modes.split("\n")
-        feed = next((float(m[4:]) for m in modes if m.startswith("G1 F")), 0.0)
+        absolute, absolute_e, feed_mm_s = job.modal
         nozzle, filament = self._speeds()
         return MotionStatus(
             speed_mm_s=nozzle,
@@ -99,9 +98,9 @@ class StatusReader:
             queued_s=max(printer.drive.ahead_s, 0.0),
             max_speed_mm_s=job.limit("speed"),
             max_accel_mm_s2=job.limit("print_accel"),
-            absolute="G90" in modes,
-            absolute_e="M82" in modes,
-            feedrate_mm_s=feed / 60,
+            absolute=absolute,
+            absolute_e=absolute_e,
+            feedrate_mm_s=feed_mm_s if isfinite(feed_mm_s) else 0.0,
             motors_on=bool(printer.motors.on),
         )
 

@@ -20,7 +20,9 @@ from passo.printer.commands.material_presets import Presets
 from passo.printer.commands.ranges import beyond
 from passo.printer.commands.speed_factor import SpeedFactor
 from passo.printer.input_errors import problem, problem_of
+from passo.printer.macros import Macros, Respond
 from passo.printer.skipped_commands import Omission, Omissions
+from passo.printer.status import Status, planned_status
 from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Homing, Person, Still, Stop, Temperatures, Wait
 
@@ -106,13 +108,21 @@ class Commands:
         return cls(machine, job, NoHeat(), [1] * len(machine.timed_outputs))
 
     def __init__(
-        self, machine: MachineConfig, job: _core.Job, heat: Heat, full_scale: list[int]
+        self,
+        machine: MachineConfig,
+        job: _core.Job,
+        heat: Heat,
+        full_scale: list[int],
+        macros: Macros | None = None,
     ) -> None:
+        """`macros` are those of a printer; a program has its own."""
         self._machine, self._job, self._heat = machine, job, heat
+        self.macros = macros or Macros(machine)
         names = machine.timed_outputs
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
         self._tool = 0
         self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
+        self.targets_c: dict[str, float] = {}  # as commands have set them; 0 is off
         self.fans: dict[str, float] = {}  # as last set, 0 to 1
         self._acts_at: dict[str, float] = {}  # clock from which what was planned of them acts
         self._spindle = 0.0
@@ -157,6 +167,16 @@ class Commands:
             self.omitted.count(Omission.PERSON, code, command.line)
             return Person(row.text)
         return None
+
+    def expand(self, command: Command, respond: Respond, *, console: bool = False) -> None:
+        """A macro is called: the job reads next what it becomes. See Macros.expand."""
+        self.macros.expand(self._job, command, self.status(), respond, console=console)
+
+    def status(self) -> Status:
+        """The printer's, or that of the plan, for templates."""
+        if self.macros.status is not None:
+            return self.macros.status()
+        return planned_status(self._machine, self._job, self.targets_c, self.fans)
 
     def knows(self, command: Command) -> bool:
         """Whether a command means anything, if only that it does nothing here."""
@@ -311,6 +331,7 @@ class Commands:
         """Sets a target. Without one the heater goes off; outside of the safe range too, at once,
         and CommandError is raised."""
         heater = self._machine.heaters[name]
+        self.targets_c[name] = max(target or 0.0, 0.0)
         if target is None or target <= 0:
             self._heat.set_target(name, 0.0, at_once=at_once)
         elif heater.min_c <= target <= heater.max_c:
@@ -671,6 +692,7 @@ class Commands:
         "G10": _tool_temperatures,
         "G80": lambda self, c: self.omitted.count(Omission.UNKNOWN, c.code, c.line),
         "SET_VELOCITY_LIMIT": _velocity_limit,
+        "SET_GCODE_VARIABLE": lambda self, c: self.macros.set_variable(c),
         "M486": _cancel_objects,
     }
 

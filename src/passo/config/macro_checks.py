@@ -1,0 +1,77 @@
+"""Checks of macros: names that may be given a meaning, and templates that can be read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from passo.config.findings import Finding, tables
+from passo.gcode.dialect import row_of
+
+# Moves, which are planned without Python; what acts before its line's turn, or belongs to the line
+# protocol; what ends a program or calls its parts; labels of objects, which are read ahead.
+_KEPT = (
+    "G0 G1 G2 G3 M2 M30 M98 M99 EOF M28 M29 M108 M110 M112 M410 M486 M876 M922 M932 M933 M999"
+    " EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE EXCLUDE_OBJECT_START EXCLUDE_OBJECT_END"
+    " SET_GCODE_VARIABLE UPDATE_DELAYED_GCODE"
+)
+_LONGEST = 65_536  # characters of a template
+_LETTERED = re.compile(r"[GMT]\d")
+
+
+def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
+    """Of the raw tables, as all checks."""
+    macros = dict(tables(data, "macros"))
+    taken = dict.fromkeys(macros, "")
+    for name, macro in macros.items():
+        path = ("macros", name)
+        if name in _KEPT.split():
+            limit = "another name: moves, stops and the control of programs stay as they are"
+            yield Finding("config.conflict", path, name, limit)
+            continue
+        yield from _check_template(path, macro)
+        other = macro.get("rename_existing")
+        built_in = _built_in(name)
+        if other is None:
+            if built_in:
+                limit = f"a name for the built-in {name}, by which the macro reaches it"
+                yield Finding("config.missing-key", (*path, "rename_existing"), None, limit)
+            continue
+        path = (*path, "rename_existing")
+        if not isinstance(other, str):
+            continue
+        if not built_in:
+            yield Finding("config.conflict", path, other, f"no such key: {name} is not built in")
+        elif other in taken or _built_in(other):
+            yield Finding("config.conflict", path, other, "a name that no other command has")
+        elif bool(_LETTERED.match(other)) != bool(_LETTERED.match(name)):
+            shape = "a letter and a number" if _LETTERED.match(name) else "a word"
+            yield Finding("config.value", path, other, f"{shape}, as {name} is")
+        taken[other] = name
+    for name, delayed in tables(data, "delayed_gcode"):
+        yield from _check_template(("delayed_gcode", name), delayed)
+
+
+def _built_in(code: str) -> bool:
+    return row_of("T" if re.fullmatch(r"T\d+", code) else code) is not None
+
+
+def _check_template(path: tuple[str, ...], content: Mapping[str, Any]) -> Iterator[Finding]:
+    text = content.get("gcode")
+    if not isinstance(text, str):
+        return
+    if len(text) > _LONGEST:
+        limit = f"a template of at most {_LONGEST:,} characters"
+        yield Finding("config.value", (*path, "gcode"), f"{len(text):,} characters", limit)
+        return
+    from passo.gcode.template import Template, TemplateFault  # 50 ms, for machines with macros
+
+    try:
+        Template(text)
+    except TemplateFault as fault:
+        where = f"line {fault.line} of the template" if fault.line else "the template"
+        lines = text.splitlines()
+        value = lines[fault.line - 1] if fault.line and fault.line <= len(lines) else text[:40]
+        limit = f"G-code with expressions of Jinja2; {where}: {fault.reason}"
+        yield Finding("config.value", (*path, "gcode"), value.strip(), limit)

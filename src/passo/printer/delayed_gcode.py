@@ -1,0 +1,117 @@
+"""G-code of the machine file that a printer carries out after a time."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Sequence
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError, PassoError, Problem
+from passo.gcode.command import Command
+from passo.printer.wait_requests import Handler, Reply, Stopped
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+    from passo.printer.state import State
+
+_log = logging.getLogger(__name__)
+_MOST_S = 1e6
+
+
+class _Everybody:
+    """What delayed G-code answers goes to all who listen."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+        self._noted: set[str] = set()
+
+    def say(self, text: str) -> None:
+        """A line to all."""
+        self._state.tell(text)
+
+    def note(self, about: str, text: str) -> None:
+        """A line to all, once."""
+        if about not in self._noted:
+            self._noted.add(about)
+            self._state.tell(f"echo:{text}")
+
+    def with_ok(self, text: str) -> None:
+        """The same: no `ok` comes."""
+        self._state.tell(text)
+
+    def warming(self, text: str) -> None:
+        """Nothing: consoles ask when they want to know."""
+
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
+        """A command that was not carried out."""
+        problem = problems[0] if problems else None
+        self._state.announce(_log, logging.WARNING, text, problem)
+
+
+class DelayedGcode:
+    """The delayed G-code of one printer. Each waits for its turn among consoles and prints; a
+    halted printer carries none out. Within a running event loop."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._reply = _Everybody(printer.state)
+        self._due: dict[str, asyncio.TimerHandle] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self.planned: dict[str, Handler] = {"UPDATE_DELAYED_GCODE": self._update}
+        for name, delayed in printer.machine.delayed_gcode.items():
+            self._set(name, delayed.initial_duration_s)
+        printer.closers.append(self._close)
+
+    def _update(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        for key in ("ID", "DURATION"):
+            if key not in words:
+                raise CommandError.of("input.missing-word", axis=command.code, value=key)
+        name, known = words["ID"].lower(), self._printer.machine.delayed_gcode
+        if name not in known:
+            listed = ", ".join(known) or "none"
+            raise CommandError.of("macro.no-delay", axis=name, value=listed)
+        try:
+            seconds = float(words["DURATION"])
+        except ValueError:
+            raise CommandError.of("input.number", value=f"DURATION={words['DURATION']}") from None
+        if not (isfinite(seconds) and 0 <= seconds <= _MOST_S):
+            raise CommandError.bad_value("DURATION", seconds, f"0 to {_MOST_S:g} s")
+        self._set(name, seconds)
+
+    def _set(self, name: str, seconds: float) -> None:
+        """Carries it out after so many seconds, and no more when it was to be; 0: not at all."""
+        if (due := self._due.pop(name, None)) is not None:
+            due.cancel()
+        if seconds > 0:
+            loop = asyncio.get_running_loop()
+            self._due[name] = loop.call_later(seconds, self._start, name)
+
+    def _start(self, name: str) -> None:
+        del self._due[name]
+        task = asyncio.get_running_loop().create_task(self._carry_out(name))
+        self._tasks.add(task)  # the loop alone would not keep it
+        task.add_done_callback(self._tasks.discard)
+
+    async def _carry_out(self, name: str) -> None:
+        printer = self._printer
+        await printer.turn.wait()
+        try:
+            hurried = await printer.dispatch.room()
+            if printer.halted:
+                return
+            wait = printer.dispatch.take_delayed(name, self._reply)
+            await printer.dispatch.finish(wait, self._reply, first_ends=hurried)
+        except (Stopped, PassoError) as error:
+            problems = error.problems if isinstance(error, PassoError) else ()
+            self._reply.fail(f"delayed_gcode.{name}: {error}", problems)
+        finally:
+            printer.turn.give()
+
+    def _close(self) -> None:
+        for due in self._due.values():
+            due.cancel()
+        for task in self._tasks:
+            task.cancel()

@@ -1,0 +1,201 @@
+"""Macros of the machine file: what a call becomes, and their variables."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any, cast
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.printer.klipper_objects import Object, Objects, ProgramState, objects
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.gcode.template import Budget, Template
+    from passo.printer.status import Status
+
+MOST_DEPTH = 16  # macros within each other
+_LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
+_LETTERED = re.compile(r"([A-Z])\s*(\"[^\"]*\"|[-+.\d]*)", re.IGNORECASE | re.ASCII)
+
+Respond = Callable[[str], object]
+
+
+class EmergencyStop(Exception):
+    """A template has called action_emergency_stop."""
+
+
+class _Raised(Exception):
+    """A template has called action_raise_error."""
+
+
+class _Tree(Mapping[str, Object]):
+    """`printer` of a template: read-only, an object is made when it is asked for."""
+
+    def __init__(self, found: Objects) -> None:
+        self._found = found
+
+    def __getitem__(self, name: str) -> Object:
+        return self._found[name]()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+
+class Macros:
+    """The macros of one printer or of one program, with the values of their variables. `status` is
+    that of a printer; None of a program that is only planned."""
+
+    def __init__(self, machine: MachineConfig) -> None:
+        self._machine = machine
+        self.status: Callable[[], Status] | None = None
+        self.variables: dict[str, dict[str, Any]] = {
+            name: deepcopy(macro.variables) for name, macro in machine.macros.items()
+        }
+        self._templates: dict[str, Template] = {}
+        self._budgets: dict[bool, Budget] = {}
+        # Called with each call and the text that it becomes.
+        self.watch: Callable[[Command, str], None] | None = None
+
+    def expand(
+        self,
+        job: _core.Job,
+        command: Command,
+        status: Status,
+        respond: Respond,
+        *,
+        console: bool = False,
+    ) -> None:
+        """Lets the job read what the call means next: its `event` after MACRO. `respond` takes
+        lines of action_respond_info; `console`: the call is not of a file. Raises CommandError, and
+        EmergencyStop."""
+        code = command.code
+        depth = job.macro_depth
+        if depth >= MOST_DEPTH:
+            raise CommandError.of("macro.nested", axis=code, limit=MOST_DEPTH)
+        budget = self._budgets.get(console)
+        if depth == 0 or budget is None:
+            from passo.gcode.template import Budget
+
+            budget = self._budgets[console] = Budget()
+        values = {
+            **deepcopy(self.variables[code]),
+            "params": _params(command),
+            "rawparams": command.text,
+            "variables": deepcopy(self.variables[code]),
+        }
+        gcode = self._machine.macros[code].gcode
+        text = self._render(code, gcode, values, self._tree(job, status), budget, respond)
+        if self.watch is not None:
+            self.watch(command, text)
+        job.insert(text.encode("utf-8", "surrogateescape"))
+
+    def delayed(self, job: _core.Job, name: str, status: Status, respond: Respond) -> str:
+        """The lines of delayed G-code. Raises as `expand`."""
+        from passo.gcode.template import Budget
+
+        text = self._machine.delayed_gcode[name].gcode
+        tree = self._tree(job, status)
+        budget = self._budgets[True] = Budget()
+        return self._render(f"delayed_gcode.{name}", text, {}, tree, budget, respond)
+
+    def set_variable(self, command: Command) -> None:
+        """SET_GCODE_VARIABLE. Raises CommandError."""
+        words = command.pairs()
+        for key in ("MACRO", "VARIABLE", "VALUE"):
+            if key not in words:
+                raise CommandError.of("input.missing-word", axis=command.code, value=key)
+        name, variable, written = words["MACRO"].upper(), words["VARIABLE"], words["VALUE"]
+        if name not in self.variables:
+            raise CommandError.of("macro.unknown", axis=name, value=_names(self.variables))
+        if variable not in self.variables[name]:
+            known = _names(self.variables[name])
+            raise CommandError.of("macro.no-variable", axis=name, value=variable, limit=known)
+        try:
+            if len(written) > _LONGEST_VALUE:
+                raise ValueError
+            value = ast.literal_eval(written)
+        except (ValueError, SyntaxError, MemoryError, RecursionError):
+            raise CommandError.of("macro.value", axis=variable, value=written) from None
+        if not _plain(value):
+            raise CommandError.of("macro.value", axis=variable, value=written)
+        self.variables[name][variable] = value
+
+    def take_variables(self, other: Macros) -> None:
+        """Variables have the values that another program has given them."""
+        self.variables = deepcopy(other.variables)
+
+    def _render(
+        self,
+        name: str,
+        text: str,
+        values: Mapping[str, Any],
+        tree: _Tree,
+        budget: Budget,
+        respond: Respond,
+    ) -> str:
+        from passo.gcode.template import Template, TemplateFault
+
+        def respond_info(message: object) -> str:
+            respond(str(message))
+            return ""
+
+        functions: dict[str, Any] = {
+            "action_respond_info": respond_info,
+            "action_raise_error": _raise_error,
+            "action_emergency_stop": _stop,
+        }
+        template = self._templates.get(name)
+        try:
+            if template is None:
+                template = self._templates[name] = Template(text)
+            everything = {"printer": tree, **functions, **values}
+            return template.render(everything, budget)
+        except TemplateFault as fault:
+            where = {"axis": name, "value": fault.reason}
+            if fault.line is None:
+                raise CommandError.of("macro.whole", **where) from None
+            raise CommandError.of("macro.template", **where, limit=fault.line) from None
+        except _Raised as raised:
+            raise CommandError.of("macro.raised", axis=name, value=str(raised)) from None
+
+    def _tree(self, job: _core.Job, status: Status) -> _Tree:
+        program = ProgramState.of(job, status.homed)
+        return _Tree(objects(self._machine, status, program, deepcopy(self.variables)))
+
+
+def _raise_error(message: object = "") -> str:
+    raise _Raised(str(message))
+
+
+def _stop(message: object = "") -> str:
+    raise EmergencyStop(str(message))
+
+
+def _params(command: Command) -> dict[str, str]:
+    """KEY=VALUE of a command with a name; of one with a letter and a number its words by letter."""
+    if command.name:
+        return command.pairs()
+    found = _LETTERED.finditer(command.text)
+    return {match[1].upper(): match[2].strip('"') for match in found}
+
+
+def _names(known: Mapping[str, object]) -> str:
+    return ", ".join(known) or "none"
+
+
+def _plain(value: object) -> bool:
+    """Only what a machine file can hold."""
+    if isinstance(value, dict):
+        content = cast("dict[object, object]", value)
+        return all(isinstance(key, str) and _plain(item) for key, item in content.items())
+    if isinstance(value, list | tuple):
+        return all(_plain(item) for item in cast("list[object]", value))
+    return value is None or isinstance(value, bool | int | float | str)

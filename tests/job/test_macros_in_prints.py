@@ -1,0 +1,108 @@
+"""Macros in files: from the card, without consoles, in estimates; where they fail."""
+
+from __future__ import annotations
+
+import pytest
+from tests.support.macro_machine import macro, with_macros
+from tests.support.scenario import Scenario
+
+from passo.errors import InputError
+from passo.job.batch.estimate import estimate
+from passo.job.batch.policy import Policy
+from passo.job.batch.simulated_print import Print
+from passo.printer.unfit_commands import NOTHING, Skips
+
+MACROS = (
+    macro("START_PRINT", "G28\nG1 X{params.X} F6000\nFILL N=2")
+    + macro("FILL", "{% for i in range(params.N|int) %}\nG1 Y{10 * i + 10}\n{% endfor %}")
+    + macro("T0", "M118 tool\nT0.1\nG1 X55", rename_existing='"T0.1"')
+)
+GOOD = "START_PRINT X=30\nG1 X40\nT0\nG1 Y5\n"
+
+
+def printed(s, name, *, within=120):
+    """The lines that a print of this file has told."""
+    start = len(s.host.heard)
+    s.host.ok(f"M32 {name}")
+    assert s.until(lambda: not s.assembly.runner.active, within)
+    return s.host.heard[start:]
+
+
+def test_a_print_from_the_card_calls_macros(tmp_path):
+    (tmp_path / "a.g").write_text(GOOD)
+    with Scenario(with_macros(MACROS), card=str(tmp_path)) as s:
+        heard = printed(s, "a.g")
+        assert "tool" in heard
+        assert "Done printing file" in heard
+        assert (s.positions()["x"], s.positions()["y"]) == (55, 5)
+
+
+def test_prints_without_consoles_and_estimates_call_macros(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text(GOOD)
+    plain = tmp_path / "plain.g"
+    plain.write_text("G28\nG1 X30 F6000\nG1 Y10\nG1 Y20\nG1 X40\nT0\nG1 X55\nG1 Y5\n")
+    machine = with_macros(MACROS)
+    for checked in (True, False):
+        whole = Print(machine, Policy(checked=checked)).run(path)
+        assert whole.stream_hash == Print(with_macros(""), Policy()).run(plain).stream_hash
+        assert whole.warnings == []
+    planned = estimate(machine, path)
+    assert planned.moving_s == estimate(machine, plain).moving_s
+    assert planned.moves == 6
+
+
+@pytest.mark.parametrize(
+    ("gcode", "told"),
+    [
+        ("G1 X1\n{ 'a' * 10**9 }", "a.g:3: macro BAD, line 2 of its template: it makes more"),
+        ("{ action_raise_error('no filament') }", "a.g:3: macro BAD: no filament"),
+        ("BAD", "a.g:3: macro BAD is called by 16 macros"),
+        ("G1 X50\nG1 X1000", "a.g:3: X 1000.000"),
+        ("FOO_BAR A=1", "a.g:3: FOO_BAR is unknown here; it is usually a macro, and the"),
+        ("G84 X1", "a.g:3: G84 is unknown here"),
+    ],
+)
+def test_a_macro_that_fails_stops_a_print_at_the_line_of_its_call(tmp_path, gcode, told):
+    path = tmp_path / "a.g"
+    path.write_text("G28\nG1 X10 F6000\nBAD\nG1 X20\n")
+    machine = with_macros(macro("BAD", gcode))
+    with Scenario(machine, card=str(tmp_path)) as s:
+        heard = printed(s, "a.g")
+        assert any("Print of a.g stopped" in line and told in line for line in heard)
+        s.passes(5)
+        assert s.positions()["x"] in (10, 50)
+    with pytest.raises(InputError) as caught:
+        Print(machine, Policy(skips=NOTHING)).run(path)
+    assert told in str(caught.value)
+
+
+def test_unknown_commands_of_macros_are_left_out_where_that_is_asked_for(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text("G28\nODD\nG1 X20 F6000\n")
+    machine = with_macros(macro("ODD", "FOO_BAR A=1\nG1 Y7 F6000"))
+    result = Print(machine, Policy(skips=Skips(unknown=True))).run(path)
+    assert [line.split(": ")[1] for line in result.warnings] == [
+        "FOO_BAR is unknown and was skipped (1 time)"
+    ]
+
+
+def test_a_profile_without_its_macro_stops_before_the_first_move(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text("START_PRINT BED=60\nG28\nG1 X20 F6000\nEND_PRINT\n")
+    with pytest.raises(InputError) as caught:
+        Print(with_macros(macro("END_PRINT", "M104 S0")), Policy(skips=NOTHING)).run(path)
+    assert str(caught.value) == (
+        f"{path}:1: START_PRINT is unknown here; it is usually a macro, and the machine file has no"
+        " [macros.START_PRINT]. Add this section with its gcode to the machine file, or allow it to"
+        " be left out by --unknown skip."
+    )
+
+
+def test_an_emergency_stop_in_a_macro_ends_a_print(tmp_path):
+    (tmp_path / "a.g").write_text("G28\nHALT\nG1 X20 F6000\n")
+    with Scenario(
+        with_macros(macro("HALT", "{ action_emergency_stop('smoke') }")), card=str(tmp_path)
+    ) as s:
+        printed(s, "a.g")
+        assert s.printer.halted
