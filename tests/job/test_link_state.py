@@ -40,7 +40,7 @@ def reset_once(s, _):
 
 
 def halted_as_the_place_is_lost(s, _):
-    s.printer.life.watchers.append(
+    s.printer.supervisor.watchers.append(
         lambda _, now: s.printer.halt("by the test") if now is LOST else None
     )
     reset(s)
@@ -76,8 +76,8 @@ WALKS = {
 @pytest.mark.parametrize("happens", WALKS, ids=lambda happens: happens.__name__)
 def test_events_lead_to_link_states(happens, monkeypatch):
     with Scenario(FIRMWARE) as s:
-        seen = [s.printer.life.link]
-        s.printer.life.watchers.append(lambda was, now: seen.append(now))
+        seen = [s.printer.supervisor.link]
+        s.printer.supervisor.watchers.append(lambda was, now: seen.append(now))
         s.host.ok("G28", 60)
         s.host.send("G1 X100 F600")
         s.passes(1)
@@ -93,4 +93,4 @@ def test_these_are_all_ways_of_the_table():
 
 def test_another_way_is_a_fault_of_the_program():
     with Scenario(FIRMWARE) as s, pytest.raises(RuntimeError, match="from CONNECTED to RESTARTING"):
-        s.printer.life._enter(STARTS)
+        s.printer.supervisor._enter(STARTS)

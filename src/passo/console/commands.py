@@ -25,7 +25,7 @@ class ConsoleCommands:
             "M110": _nothing,
             "M112": _nothing,
             "M410": _nothing,
-            "M999": self._revive,
+            "M999": self._restart,
             "M113": self._busy,
             "M118": self._message,
             "M154": self._report_position,
@@ -92,8 +92,8 @@ class ConsoleCommands:
                 f" p:{t.p:.4f} i:{t.i:.4f} d:{t.d:.4f} out:{t.output:.4f}"
             )
 
-    def _revive(self, _: Command, __: Reply) -> Wait | None:
-        self._printer.revive()
+    def _restart(self, _: Command, __: Reply) -> Wait | None:
+        self._printer.request_restart()
         return None
 
     def _strict(self, _: Command, reply: Reply) -> Wait | None:

@@ -316,7 +316,9 @@ class Session:
         if printer.dispatch.act(command, self):
             revives = code == "M999" and bool(printer.halted)
             if revives:
-                self._task = self._loop.create_task(self._revive(line, printer.life.answered()))
+                self._task = self._loop.create_task(
+                    self._await_restart(line, printer.supervisor.answered())
+                )
             return revives
         if self._halted(""):  # not even what stands behind a question
             return False
@@ -365,7 +367,7 @@ class Session:
             self._acknowledge(line.number)
             self._work()
 
-    async def _revive(self, line: Line, answered: asyncio.Future[None]) -> None:
+    async def _await_restart(self, line: Line, answered: asyncio.Future[None]) -> None:
         """M999: what is next finds the printer ready again, or halted as before."""
         self.every("busy", self.busy_s, self._say_busy)
         try:

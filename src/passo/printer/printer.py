@@ -27,7 +27,7 @@ from passo.printer.laser import Laser
 from passo.printer.live_rig import LiveRig
 from passo.printer.motion_lock import Turn
 from passo.printer.recovery.reconnect import Reconnection
-from passo.printer.recovery.supervisor import Life
+from passo.printer.recovery.supervisor import Supervisor
 from passo.printer.setup.boards import connect, reconnected
 from passo.printer.state import State
 from passo.printer.targets import Targets
@@ -116,7 +116,7 @@ class Printer:
             self.drivers.time_passed,
             self.lateness.time_passed,
         ]
-        self.life = Life(
+        self.supervisor = Supervisor(
             rig,
             state,
             self.turn,
@@ -277,7 +277,7 @@ class Printer:
 
     async def run(self) -> None:
         """Keeps the printer alive until cancelled. A failed board halts it, until M999."""
-        await self.life.run()
+        await self.supervisor.run()
 
     def close(self) -> None:
         """Lets go of the board, heaters and laser off, then of all else,
@@ -327,7 +327,7 @@ class Printer:
     def halt(self, cause: PassoError, reason: str = "") -> None:
         """Heaters, motors and everything else off at once, until M999; the reason is shown, by
         default the text of the cause."""
-        self.life.stop()
+        self.supervisor.stop()
         if self.state.halted:
             return
         self.state.halt(cause, reason)
@@ -341,10 +341,10 @@ class Printer:
         stop = MachineError.of("machine.emergency-stop", hint=_MAKE_SAFE)
         self.halt(stop, stop.problems[0].sentence)
 
-    def revive(self) -> None:
+    def request_restart(self) -> None:
         """M999: a halted printer starts again, cold, and without knowing where it is."""
         if self.halted:
-            self.life.revive()
+            self.supervisor.request_restart()
 
     def _halt_by_line(self, _: Command, __: Reply) -> Wait | None:
         """M112 where no console has seen it come: in a file, or behind another command."""

@@ -68,7 +68,7 @@ class StatusReader:
             boards=self._boards(),
             flow_factors=list(job.flows),
             faults=_faults(printer.state.cause.problems) if printer.state.cause else (),
-            link=printer.life.link.name.lower(),
+            link=printer.supervisor.link.name.lower(),
             message=printer.prompts.message,
             power_supply=printer.mains.on,
             files=FilesStatus(self._library.mounted, self._runner.path),

@@ -30,7 +30,7 @@ _SOON_S = 60.0
 _LOOK_S = 0.25  # while it is halted
 
 
-class Life:
+class Supervisor:
     """Runs one printer's motion queue until a failure, and again after a restart. `halt` halts the
     printer; `restart` starts its boards again, and raises what it fails of."""
 
@@ -48,7 +48,7 @@ class Life:
         self._rig, self._state, self._turn = rig, state, turn
         self._lateness, self.reconnection = lateness, reconnection
         self._halt_printer, self._restart = halt, restart
-        self._revived = asyncio.Event()  # M999 was sent, and no M112 since
+        self._restart_asked = asyncio.Event()  # M999 was sent, and no M112 since
         self._asking: list[asyncio.Future[None]] = []  # each waits for the outcome of M999
         self._link = LinkState.CONNECTED
         self.watchers: list[Callable[[LinkState, LinkState], None]] = []  # of what was, and is
@@ -67,9 +67,9 @@ class Life:
         for watcher in self.watchers:
             watcher(was, link)
 
-    def revive(self) -> None:
+    def request_restart(self) -> None:
         """M999: the user has made the halted machine safe."""
-        self._revived.set()
+        self._restart_asked.set()
 
     def answered(self) -> asyncio.Future[None]:
         """Done when the printer is ready again, or M999 has failed."""
@@ -85,7 +85,7 @@ class Life:
 
     def _answer(self) -> None:
         """M999 is done, or has failed."""
-        self._revived.clear()
+        self._restart_asked.clear()
         for asking in self._asking:
             if not asking.done():
                 asking.set_result(None)
@@ -113,7 +113,7 @@ class Life:
                 try:
                     if displaced and self._link is LinkState.HALTED:
                         await self._halt()  # M112 came meanwhile
-                    await self._revive()
+                    await self._restart_boards()
                 finally:
                     self._turn.give()
 
@@ -170,13 +170,13 @@ class Life:
         if state.start_failure is None:  # else each console is told when it opens
             state.tell(f"Error:Printer halted: {state.why_halted}")
         rig.drive.end_waits()
-        await self._until_revived()
+        await self._until_restart_asked()
 
-    async def _until_revived(self) -> None:
+    async def _until_restart_asked(self) -> None:
         """Waits for M999; until then each board is told to stop that has not heard of it."""
-        await stop_boards(self._rig, self._state, self._revived)
-        while not self._revived.is_set():
-            await either(self._revived, _LOOK_S)
+        await stop_boards(self._rig, self._state, self._restart_asked)
+        while not self._restart_asked.is_set():
+            await either(self._restart_asked, _LOOK_S)
             self._rig.drive.stand_by()
 
     def _make_safe(self) -> None:
@@ -194,13 +194,13 @@ class Life:
             rig.drive.end_waits()
             await asyncio.sleep(TICK_S)
 
-    async def _revive(self) -> None:
+    async def _restart_boards(self) -> None:
         """Restarts the boards; as often as M999 is sent, until they can be reached."""
         keeps_warm = self._link is LinkState.PLACE_LOST
         heaters = self._rig.connection.heaters.items()
         warm = {n: h.target for n, h in heaters if keeps_warm and not h.fault}
         if not keeps_warm:
-            await self._until_revived()  # M112 may have come since M999
+            await self._until_restart_asked()  # M112 may have come since M999
         while True:
             self._enter(LinkState.RESTARTING)
             try:
@@ -219,7 +219,7 @@ class Life:
                 self._make_safe()
                 self._state.tell(f"Error:{failure} Then send M999 again")
                 self._answer()
-                await self._until_revived()
+                await self._until_restart_asked()
             else:
                 self._enter(LinkState.CONNECTED)
                 self._answer()
