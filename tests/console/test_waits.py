@@ -78,10 +78,10 @@ def test_a_host_that_leaves_ends_all_waits_of_its_line(s, line):
     other = Host(s)
     other.send(line)
     s.passes(2)
-    assert s.printer.turn.taken
+    assert s.printer.motion_lock.locked
     other.session.close()
     s.passes(0.2)
-    assert not s.printer.turn.taken
+    assert not s.printer.motion_lock.locked
     assert s.host.ok("G92 X20") == ["ok"]
 
 
@@ -139,7 +139,7 @@ def test_the_end_of_the_input_ends_a_wait_for_the_user(s, wait, late):
     s.host.session.end(lambda: done.append(True))
     s.host.expect("the wait for the user ends, too; 2 lines after it are not carried out", 120)
     assert s.until(lambda: bool(done), 10)
-    assert s.until(lambda: not s.printer.turn.taken, 1)
+    assert s.until(lambda: not s.printer.motion_lock.locked, 1)
     s.passes(5)
     assert s.positions()["x"] < 80
     assert "next" not in s.host.heard
@@ -188,7 +188,7 @@ def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, plac
     assert any(FAULT in x for x in answer)
     assert FAULT in s.printer.halted
     s.host.expect("^Error:Printer halted: a fault of the program", 1)
-    assert not s.printer.turn.taken
+    assert not s.printer.motion_lock.locked
     assert s.printer.connection.heaters["bed"].target == 0
     s.host.send("M999")
     s.host.expect("ready again", 3)
@@ -214,7 +214,7 @@ def test_a_fault_as_time_passes_halts(s, line, again):
     s.passes(0.5)
     assert FAULT in s.printer.halted
     assert len(oks(s.host)) == 3  # G92, M140, and this line
-    assert not s.printer.turn.taken
+    assert not s.printer.motion_lock.locked
     assert s.printer.connection.heaters["bed"].target == 0
     assert s.board.output_value("bed") == 0
     faulty[0] = False
@@ -243,7 +243,7 @@ def test_a_fault_behind_a_full_plan_gives_the_turn(s, monkeypatch):
     monkeypatch.setattr(s.printer.dispatch, "take_line", broken)
     s.host.expect(FAULT, 10)
     s.host.expect("^after$", 1)
-    assert not s.printer.turn.taken
+    assert not s.printer.motion_lock.locked
     assert len(oks(s.host)) == 4  # G92, G1, G1, M118
 
 
@@ -320,10 +320,10 @@ def test_a_line_that_no_plan_holds_can_be_stopped(closes):
             s.host.session.close()
             other.send("M108")
             s.passes(5)  # what moves goes on
-            assert s.printer.turn.taken
+            assert s.printer.motion_lock.locked
         other.send("M410")
         s.passes(3)
-        assert not s.printer.turn.taken
+        assert not s.printer.motion_lock.locked
         assert other.ok("G1 X60 F6000", 5) == ["ok"]
         s.passes(3)
         assert s.printer.job.program_position[0] == 60

@@ -98,7 +98,7 @@ def test_cancelled_while_a_console_heats_in_a_pause(start):
     other.expect("^ok", 2)
     s.passes(1)
     assert target(s) == 0
-    assert not s.printer.turn.taken
+    assert not s.printer.motion_lock.locked
     s.host.ok("M24")
     prints_to_its_end(s)
 

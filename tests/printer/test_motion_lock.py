@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from passo.clock import VirtualLoop
-from passo.printer.motion_lock import Turn
+from passo.printer.motion_lock import MotionLock
 
 
 @pytest.fixture
@@ -15,20 +15,20 @@ def run():
     loop.close()
 
 
-def test_the_turn_goes_round_in_the_order_of_asking(run):
+def test_lock_is_granted_in_the_order_of_asking(run):
     order = []
 
-    async def asks(turn, name, times):
+    async def asks(lock, name, times):
         for _ in range(times):
-            await turn.wait()
+            await lock.acquire()
             order.append(name)
             await asyncio.sleep(1)
-            turn.give()
+            lock.release()
 
     async def all_of_them():
-        turn = Turn()
-        await asyncio.gather(*(asks(turn, name, 3) for name in "abc"))
-        assert turn.take()
+        lock = MotionLock()
+        await asyncio.gather(*(asks(lock, name, 3) for name in "abc"))
+        assert lock.try_acquire()
 
     run(all_of_them())
     assert "".join(order) == "abcabcabc"
@@ -36,46 +36,46 @@ def test_the_turn_goes_round_in_the_order_of_asking(run):
 
 def test_nobody_is_overtaken_by_who_only_takes(run):
     async def body():
-        turn = Turn()
-        assert turn.take()
-        assert not turn.take()
-        waiting = asyncio.ensure_future(turn.wait())
+        lock = MotionLock()
+        assert lock.try_acquire()
+        assert not lock.try_acquire()
+        waiting = asyncio.ensure_future(lock.acquire())
         await asyncio.sleep(0)
-        turn.give()
-        assert not turn.take()  # handed over, though its task has not yet run
+        lock.release()
+        assert not lock.try_acquire()  # handed over, though its task has not yet run
         await waiting
-        turn.give()
-        assert turn.take()
+        lock.release()
+        assert lock.try_acquire()
 
     run(body())
 
 
 def test_cancelled_waiter_is_skipped(run):
     async def body():
-        turn = Turn()
-        turn.take()
-        first, second = (asyncio.ensure_future(turn.wait()) for _ in range(2))
+        lock = MotionLock()
+        lock.try_acquire()
+        first, second = (asyncio.ensure_future(lock.acquire()) for _ in range(2))
         await asyncio.sleep(0)
         first.cancel()
         await asyncio.sleep(0)
-        turn.give()
+        lock.release()
         await second
-        assert not turn.take()
+        assert not lock.try_acquire()
 
     run(body())
 
 
 def test_waiter_cancelled_at_its_turn_passes_the_lock_on(run):
     async def body():
-        turn = Turn()
-        turn.take()
-        first, second = (asyncio.ensure_future(turn.wait()) for _ in range(2))
+        lock = MotionLock()
+        lock.try_acquire()
+        first, second = (asyncio.ensure_future(lock.acquire()) for _ in range(2))
         await asyncio.sleep(0)
-        turn.give()
+        lock.release()
         first.cancel()
         await second
         assert first.cancelled()
-        turn.give()
-        assert turn.take()
+        lock.release()
+        assert lock.try_acquire()
 
     run(body())

@@ -80,7 +80,7 @@ def test_another_console_may_look_and_change_while_one_waits(s):
 def test_f_acts_at_once_whoever_has_the_turn(s, waits):
     s.host.send("M104 S200", *waits.split("\n"))
     s.passes(1.5)
-    assert s.printer.turn.taken
+    assert s.printer.motion_lock.locked
     other = Host(s)
     before = s.printer.connection.now
     assert other.ok("M140 S40 F") == ["ok"]
@@ -92,7 +92,7 @@ def test_f_acts_at_once_whoever_has_the_turn(s, waits):
     assert (target(s), target(s, "bed")) == (0, 0)
     s.passes(0.5)
     assert s.board.output_value("part") > 0
-    if s.printer.turn.taken:  # else the wait was for this heater
+    if s.printer.motion_lock.locked:  # else the wait was for this heater
         other.send("M104 S50 F5")
         other.send("M104 S60 (Fan)", "M104 S70 F G4 P1")  # in their turn, too
         s.passes(0.2)

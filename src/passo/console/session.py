@@ -324,7 +324,7 @@ class Session:
             return False
         if given_up and self._was_stopped(code):
             return False
-        if not (printer.dispatch.has_room() and printer.turn.take()):
+        if not (printer.dispatch.has_room() and printer.motion_lock.try_acquire()):
             self._begin(line, code, None, queued=True)
             return True
         wait = None
@@ -332,7 +332,7 @@ class Session:
             wait = printer.dispatch.take_line(line.text, self)
         finally:
             if wait is None:
-                printer.turn.give()
+                printer.motion_lock.release()
         if wait is not None:
             self._begin(line, code, wait)
         return wait is not None
@@ -348,7 +348,7 @@ class Session:
         has_turn, hurried = not queued, False
         try:
             if queued:
-                await printer.turn.wait()
+                await printer.motion_lock.acquire()
                 has_turn = True
                 hurried = await printer.dispatch.room()
                 overtaken = self._overtaken and self._was_stopped(code)
@@ -361,7 +361,7 @@ class Session:
         finally:
             self.every("busy", 0, None)
             if has_turn:
-                printer.turn.give()
+                printer.motion_lock.release()
             self._task, self._working, self._overtaken = None, False, False
         if not self.closed:
             self._acknowledge(line.number)

@@ -78,8 +78,8 @@ class Interrupts(Protocol):
 
 
 class Homer:
-    """Homes the axes of one printer. Its methods must be called by who has the turn, the machine
-    standing; they raise CommandError, and MachineError."""
+    """Homes the axes of one printer. Callers hold the motion lock, and the machine is idle. Methods
+    raise CommandError, and MachineError."""
 
     def __init__(
         self, rig: Rig, interrupts: Interrupts, offsets: Offsets, problem: Callable[[], Problem]

@@ -97,7 +97,7 @@ class DelayedGcode:
 
     async def _carry_out(self, name: str) -> None:
         printer = self._printer
-        await printer.turn.wait()
+        await printer.motion_lock.acquire()
         try:
             hurried = await printer.dispatch.room()
             if printer.halted:
@@ -108,7 +108,7 @@ class DelayedGcode:
             problems = error.problems if isinstance(error, PassoError) else ()
             self._reply.fail(f"delayed_gcode.{name}: {error}", problems)
         finally:
-            printer.turn.give()
+            printer.motion_lock.release()
 
     def _close(self) -> None:
         for due in self._due.values():

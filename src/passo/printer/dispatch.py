@@ -75,7 +75,8 @@ class Dispatch:
     # -- lines of consoles ------------------------------------------------------------------------
 
     def has_room(self) -> bool:
-        """A planned line can be taken in without a wait, by whoever has the turn."""
+        """True if a planned line can be read without a wait by the caller that holds the motion
+        lock."""
         rig, state = self._rig, self._state
         lost = rig.drive.interrupted and not state.halted  # what is held comes first
         if state.host_paused or lost or not rig.job.at_boundary:
@@ -84,13 +85,13 @@ class Dispatch:
         return rig.job.queued <= MOST_QUEUED if state.busy() else not rig.drive.full
 
     async def room(self) -> bool:
-        """Waits, with the turn, until a planned line can be taken in. True if M108 came meanwhile:
-        then it is taken even if the plan is full, and its own wait is over."""
+        """Waits until a planned line can be read; the caller holds the motion lock. True if M108
+        came meanwhile: the line is then read even if the plan is full, and its own wait is over."""
         return await self._waits.room(self.has_room)
 
     def take_line(self, text: str, reply: Reply) -> Wait | None:
-        """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
-        goes on. Only with the turn and with room."""
+        """Reads one line of a console: all of it, or up to a command that waits; `finish` continues
+        after that. The caller holds the motion lock, and `has_room` is true."""
         return self._take(lambda: self._feed(text), reply)
 
     def take_delayed(self, name: str, reply: Reply) -> Wait | None:
@@ -118,7 +119,8 @@ class Dispatch:
         return wait
 
     def take_setting(self, text: str, reply: Reply) -> None:
-        """Carries out one line of stored settings, the machine standing, by who has the turn."""
+        """Carries out one line of stored settings. The machine is idle, and the caller holds the
+        motion lock."""
         self._rig.job.plain = True  # a setting is no call of a macro
         try:
             self._settle_line(text, reply)

@@ -1,4 +1,4 @@
-"""Whose turn it is to move the machine: one at a time, in the order of asking."""
+"""The lock of those who move the machine: one at a time, in the order of asking."""
 
 from __future__ import annotations
 
@@ -6,45 +6,46 @@ import asyncio
 from collections import deque
 
 
-class Turn:
-    """A fair lock. Taking it is free of tasks and delays while nobody holds it."""
+class MotionLock:
+    """A fair lock. Acquiring it takes neither a task nor a delay while it is free."""
 
     def __init__(self) -> None:
-        self._taken = False
-        self._asked: deque[asyncio.Future[None]] = deque()
+        self._locked = False
+        self._waiting: deque[asyncio.Future[None]] = deque()
 
     @property
-    def taken(self) -> bool:
-        """Somebody has the turn."""
-        return self._taken
+    def locked(self) -> bool:
+        """A caller has the lock."""
+        return self._locked
 
-    def take(self) -> bool:
-        """Takes the turn if nobody has it or has asked before."""
-        if self._taken or self._asked:
+    def try_acquire(self) -> bool:
+        """Acquires the lock if it is free and no other caller waits for it; returns whether it
+        did."""
+        if self._locked or self._waiting:
             return False
-        self._taken = True
+        self._locked = True
         return True
 
-    async def wait(self) -> None:
-        """Takes the turn when all who asked before have had it."""
-        if self.take():
+    async def acquire(self) -> None:
+        """Waits until all callers that asked before have released the lock, and acquires it."""
+        if self.try_acquire():
             return
-        asked: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        self._asked.append(asked)
+        waiting: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._waiting.append(waiting)
         try:
-            await asked
+            await waiting
         except asyncio.CancelledError:
-            if asked in self._asked:
-                self._asked.remove(asked)
-            elif asked.done() and not asked.cancelled():
-                self.give()  # it was handed over in the same moment
+            if waiting in self._waiting:
+                self._waiting.remove(waiting)
+            elif waiting.done() and not waiting.cancelled():
+                self.release()  # it was handed over in the same moment
             raise
 
-    def give(self) -> None:
-        """Hands the turn to who has asked first."""
-        while self._asked:
-            asked = self._asked.popleft()
-            if not asked.done():
-                asked.set_result(None)
+    def release(self) -> None:
+        """Hands the lock to the caller that has waited longest, or frees it."""
+        while self._waiting:
+            waiting = self._waiting.popleft()
+            if not waiting.done():
+                waiting.set_result(None)
                 return
-        self._taken = False
+        self._locked = False

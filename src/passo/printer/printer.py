@@ -25,7 +25,7 @@ from passo.printer.commands.user_prompts import PersonCommands
 from passo.printer.dispatch import Dispatch
 from passo.printer.laser import Laser
 from passo.printer.live_rig import LiveRig
-from passo.printer.motion_lock import Turn
+from passo.printer.motion_lock import MotionLock
 from passo.printer.recovery.reconnect import Reconnection
 from passo.printer.recovery.supervisor import Supervisor
 from passo.printer.setup.boards import connect, reconnected
@@ -72,7 +72,7 @@ class Printer:
         connection, self.board = connect(machine)
         self.rig = rig = LiveRig(machine, free=free)
         self.state = state = State()
-        self.turn = Turn()
+        self.motion_lock = MotionLock()
         self.offsets = Offsets(machine)
         self._first_faults: list[HeaterFault] = []
         self.laser = Laser(rig, state)
@@ -98,7 +98,7 @@ class Printer:
         idle = IdleWatch(
             rig,
             state,
-            self.turn,
+            self.motion_lock,
             motors=self.motors,
             laser=self.laser,
             targets=self.targets,
@@ -119,7 +119,7 @@ class Printer:
         self.supervisor = Supervisor(
             rig,
             state,
-            self.turn,
+            self.motion_lock,
             self.lateness,
             Reconnection(
                 rig,

@@ -54,7 +54,8 @@ class Tuning:
 
 @dataclass(frozen=True, slots=True)
 class Procedure:
-    """Until this is done; whoever waits has the turn, and the machine stands at the beginning."""
+    """Until `run` is done. The waiting caller holds the motion lock, and the machine is idle at the
+    start."""
 
     run: Callable[[], Awaitable[None]]
 

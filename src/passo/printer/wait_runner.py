@@ -56,7 +56,7 @@ class _Cooling:
 
 
 class Waiting:
-    """The wait that goes on at one printer: one at a time, by who has the turn."""
+    """Runs the waits of one printer, one at a time, for the caller that holds the motion lock."""
 
     def __init__(
         self,
@@ -245,8 +245,8 @@ class Waiting:
 
     async def warm_again(self) -> None:
         """Reheats the heaters that a long pause or a fault has switched off, unless their targets
-        were changed since; a bed or chamber that fails is done without. With the turn. Raises
-        Stopped, and CommandError where a hotend fails."""
+        were changed since; without a bed or chamber that fails. The caller holds the motion lock.
+        Raises Stopped, and CommandError where a hotend fails."""
         rig, targets = self._rig, self._targets
         cooled, targets.cooled_c = targets.cooled_c, {}
         for name, celsius in cooled.items():

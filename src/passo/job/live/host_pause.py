@@ -40,10 +40,10 @@ class HostPause:
         *,
         rearms: bool = False,
     ) -> None:
-        """Parks (`words`: see `Park.leave`), waits until a person goes on, and comes back. With the
-        turn, or with no line being taken in. Going on `rearms` the heaters that have failed, of
-        which `text` tells. Raises Stopped after a stop or a halt, and when the host is `gone`:
-        nobody would go on where the nozzle came back to."""
+        """Parks (`words`: see `Park.leave`), waits for the user, and returns. The caller holds the
+        motion lock, or no line is being read. Resuming `rearms` the heaters that have failed, which
+        `text` names. Raises Stopped after a stop or a halt, and when the host is `gone`: it would
+        not continue where the nozzle returned to."""
         printer = self._printer
         printer.tell("// action:pause")
         if not printer.job.suspended:

@@ -265,7 +265,7 @@ class JournalKeeper:
 
     async def resume(self, program: Program, moment: Moment) -> None:
         """Brings the machine to where the print was interrupted, and starts it there; the caller
-        has the turn. Raises CommandError, CardError, InputError, MachineError, Stopped."""
+        holds the motion lock. Raises CommandError, CardError, InputError, MachineError, Stopped."""
         self._library.open(program.path)
         reader = self._runner.reader
         assert reader is not None

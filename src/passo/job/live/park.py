@@ -35,10 +35,9 @@ def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
 
 
 class Park:
-    """Lifts the nozzle, takes the filament back a little and goes to the machine's parking place,
-    while the print stands aside. Its methods are called with the turn, the job being suspended.
-    It comes back to where the print was left, or, with `here`, to where the nozzle stands when it
-    leaves."""
+    """Lifts the nozzle, retracts a little filament and moves to the park position of the machine,
+    while the print is suspended. Callers hold the motion lock, and have suspended the job. The
+    nozzle returns to where the print stopped, or, with `here`, to where it is when it leaves."""
 
     def __init__(self, printer: Printer, *, here: bool = False) -> None:
         self._printer, self._here = printer, here

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 class Recovery:
-    """One interrupted print, of a printer that stands and knows nothing. To be run by who has the
-    turn; raises CommandError, MachineError, Stopped."""
+    """One interrupted print, of a printer that is idle and not homed. The caller holds the motion
+    lock. Raises CommandError, MachineError, Stopped."""
 
     def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:
         self._printer, self._program = printer, program

@@ -264,8 +264,8 @@ class Runner:
             raise CommandError.of("input.not-homed", axis=axis)
 
     def stands_aside(self) -> bool:
-        """Whether a pause goes on, or is about to end: what is left of the print is aside. With the
-        turn."""
+        """True while the job is suspended, in a pause or before its end. The caller holds the
+        motion lock."""
         if self.state is JobState.PAUSED:
             self._set_aside()
         return self.active and self._suspended
@@ -322,14 +322,14 @@ class Runner:
                 if self.state is JobState.PAUSED:
                     await self._stand_aside()
                 await self._room()
-                await printer.turn.wait()
+                await printer.motion_lock.acquire()
                 try:
                     ended = await self._stretch()
                     # Nobody else can be served in the middle of a line.
                     while not (ended or printer.job.at_boundary):
                         ended = await self._stretch(rest_of_line=True)
                 finally:
-                    printer.turn.give()
+                    printer.motion_lock.release()
                 if ended:
                     break
         except (Stopped, PassoError) as error:
@@ -401,7 +401,7 @@ class Runner:
     async def _stand_aside(self) -> None:
         """Parks, and waits until the pause is over."""
         printer = self._printer
-        await printer.turn.wait()
+        await printer.motion_lock.acquire()
         try:
             if self.state is JobState.PAUSED:
                 self._set_aside()
@@ -409,7 +409,7 @@ class Runner:
                     self._parked = True
                     await self.park.leave(self._park_words)
         finally:
-            printer.turn.give()
+            printer.motion_lock.release()
         await self._resumed.wait()
 
     async def _room(self) -> None:
@@ -425,7 +425,8 @@ class Runner:
         )
 
     async def _stretch(self, *, rest_of_line: bool = False) -> bool:
-        """Plans as far ahead as is useful; True at the end of the file. With the turn."""
+        """Plans as far ahead as is useful; True at the end of the file. The caller holds the motion
+        lock."""
         printer = self._printer
         job, drive = printer.job, printer.drive
         printer.state.raise_if_halted()

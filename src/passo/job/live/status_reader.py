@@ -85,7 +85,7 @@ class StatusReader:
             return PrinterState.PAUSED
         if self._runner.active:
             return PrinterState.PRINTING
-        busy = printer.turn.taken or not printer.drive.idle
+        busy = printer.motion_lock.locked or not printer.drive.idle
         return PrinterState.BUSY if busy else PrinterState.IDLE
 
     def _motion(self) -> MotionStatus:

@@ -17,7 +17,7 @@ from passo.printer.recovery.stop_boards import stop_boards
 
 if TYPE_CHECKING:
     from passo.motion.rig import Rig
-    from passo.printer.motion_lock import Turn
+    from passo.printer.motion_lock import MotionLock
     from passo.printer.recovery.reconnect import Reconnection
     from passo.printer.state import State
     from passo.printer.watch.late_commands import LatenessWatch
@@ -38,14 +38,14 @@ class Supervisor:
         self,
         rig: Rig,
         state: State,
-        turn: Turn,
+        motion_lock: MotionLock,
         lateness: LatenessWatch,
         reconnection: Reconnection,
         *,
         halt: Callable[[PassoError], None],
         restart: Callable[[], None],
     ) -> None:
-        self._rig, self._state, self._turn = rig, state, turn
+        self._rig, self._state, self._motion_lock = rig, state, motion_lock
         self._lateness, self.reconnection = lateness, reconnection
         self._halt_printer, self._restart = halt, restart
         self._restart_asked = asyncio.Event()  # M999 was sent, and no M112 since
@@ -115,7 +115,7 @@ class Supervisor:
                         await self._halt()  # M112 came meanwhile
                     await self._restart_boards()
                 finally:
-                    self._turn.give()
+                    self._motion_lock.release()
 
     def _has_to_halt(self, failure: PlaceLostError) -> bool:
         """It was halted before, or what it keeps warm may be what resets the board."""
@@ -187,10 +187,10 @@ class Supervisor:
         rig.connection.emergency_stop()
 
     async def _all_have_stopped(self) -> None:
-        """Takes the turn: who had it has heard of the halt by then, and waits for nothing of the
-        old plan any more."""
+        """Acquires the motion lock: the caller that held it has then ended its wait for the old
+        plan."""
         rig = self._rig
-        while not self._turn.take():
+        while not self._motion_lock.try_acquire():
             rig.drive.end_waits()
             await asyncio.sleep(TICK_S)
 

@@ -10,7 +10,7 @@ from passo.printer.commands.motors import Motors
 from passo.printer.commands.user_prompts import PersonCommands
 from passo.printer.laser import Laser
 from passo.printer.live_rig import LiveRig
-from passo.printer.motion_lock import Turn
+from passo.printer.motion_lock import MotionLock
 from passo.printer.state import State
 from passo.printer.targets import Targets
 from passo.printer.wait_runner import Waiting
@@ -27,7 +27,7 @@ class IdleWatch:
         self,
         rig: LiveRig,
         state: State,
-        turn: Turn,
+        motion_lock: MotionLock,
         *,
         motors: Motors,
         laser: Laser,
@@ -36,7 +36,7 @@ class IdleWatch:
         waits: Waiting,
         halt: Callable[[MachineError, str], None],
     ) -> None:
-        self._rig, self._state, self._turn = rig, state, turn
+        self._rig, self._state, self._motion_lock = rig, state, motion_lock
         self._motors, self._laser, self._targets = motors, laser, targets
         self._prompts, self._waits, self._halt = prompts, waits, halt
 
@@ -48,7 +48,7 @@ class IdleWatch:
         waits_for_user = (rig.job.suspended or waits.person) and not waits.heating
         if waits_for_user and 0 < config.heaters_off_s < idle_s:
             self._cool_hotends()
-        if self._state.busy() or self._turn.taken:
+        if self._state.busy() or self._motion_lock.locked:
             return
         # Where something is kept warm a host may only have paused: its print must not lose its
         # place.
