@@ -8,15 +8,18 @@ from passo import catalogue_reference
 from passo.config import board_reference, machine_reference, sensor_names
 from passo.gcode import reference as command_reference
 from passo.toolchain import protocol_reference
+from passo.web import client_stub, http_reference
 
 FOLDER = Path(__file__).parents[1] / "docs" / "reference"
 PAGES = {
     "boards.md": board_reference.reference,
     "errors.md": catalogue_reference.reference,
     "gcode.md": command_reference.reference,
+    "http.md": http_reference.reference,
     "machine-file.md": machine_reference.reference,
     "protocol.md": protocol_reference.reference,
     "sensors.md": sensor_names.reference,
+    "../../src/passo/web/client.pyi": client_stub.stub,
 }
 
 

@@ -13,8 +13,11 @@ if TYPE_CHECKING:
     from passo.live import Printer, run
     from passo.machine import Machine
     from passo.printer.status import Status
+    from passo.web.client import AsyncClient, Client, RequestError
 
 __all__ = [
+    "AsyncClient",
+    "Client",
     "CommandError",
     "ConfigError",
     "InputError",
@@ -22,6 +25,7 @@ __all__ = [
     "MachineError",
     "PassoError",
     "Printer",
+    "RequestError",
     "Status",
     "__version__",
     "run",
@@ -29,8 +33,11 @@ __all__ = [
 
 _ERRORS = ("CommandError", "ConfigError", "InputError", "MachineError", "PassoError")
 _MODULES = dict.fromkeys(_ERRORS, "errors") | {
+    "AsyncClient": "web.client",
+    "Client": "web.client",
     "Machine": "machine",
     "Printer": "live",
+    "RequestError": "web.client",
     "Status": "printer.status",
     "run": "live",
 }

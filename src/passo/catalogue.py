@@ -47,6 +47,10 @@ def _firmware(says: str, action: str, status: ExitStatus = ExitStatus.USAGE) -> 
     return Entry("firmware", says, action, status)
 
 
+def _web(says: str, action: str) -> Entry:
+    return Entry("web", says, action, ExitStatus.USAGE)
+
+
 def _heat(says: str, action: str) -> Entry:
     return Entry("heat", says, f"{action}, then send M922", ExitStatus.MACHINE_FAULT)
 
@@ -283,6 +287,55 @@ CATALOGUE: Mapping[str, Entry] = {
         "upload",
         "the upload goes on at byte {limit}, not at {value}",
         "Ask for its offset, and send what follows it",
+    ),
+    "web.invalid": _web(
+        "the {where} of the request is not valid at {pointer!r}: {value}",
+        "Correct it as the API reference describes it",
+    ),
+    "web.malformed": _web(
+        "the request cannot be read: {value}", "Correct it as the API reference describes it"
+    ),
+    "web.media-type": _web(
+        "the body of the request is {value!r}: expected {limit}", "Set its Content-Type"
+    ),
+    "web.not-found": _web("there is no {value}", "Read what there is, then name one of these"),
+    "web.method": _web(
+        "{value} is not possible here: expected {limit}", "Use one of these methods"
+    ),
+    "web.too-large": _web(
+        "the body of the request is larger than {limit} bytes", "Send less at once"
+    ),
+    "web.log-in": _web(
+        "this needs a log-in or an API key", "Log in, or send a key in the header X-Api-Key"
+    ),
+    "web.role": _web(
+        "{value} may not do that: it needs the role {limit}",
+        "Log in as an account with that role, or ask the administrator",
+    ),
+    "web.host": _web(
+        "the request is for the host {value!r}, which is not a name of this printer",
+        "Use its IP address, or start with --http-name NAME",
+    ),
+    "web.origin": _web(
+        "the request comes from another web page: {value}",
+        "Use the printer's own page; a script sends an API key in the header X-Api-Key",
+    ),
+    "web.too-many": _web(
+        "there were too many attempts to log in: the next one may come in {limit} s",
+        "Wait so long, then try again",
+    ),
+    "web.password": _web(
+        "this needs the password again, entered within the last {limit} minutes",
+        "Confirm the log-in with the password",
+    ),
+    "web.unreachable": _web(
+        "{value} cannot be reached: {limit}", "Check the address, and that `passo serve` runs"
+    ),
+    "web.program": Entry(
+        "web",
+        "an unexpected fault of the program: {value}",
+        "Report it, with the log of the printer",
+        ExitStatus.MACHINE_FAULT,
     ),
     "card.no-name": _card("no file is named", "Name one after the command, as M20 lists it"),
     "card.no-console": _card("only a console can send a file", "Send it from a console"),

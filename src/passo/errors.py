@@ -159,6 +159,10 @@ class CardError(PassoError):
     """A card or a file on it cannot be used as asked."""
 
 
+class WebError(PassoError):
+    """A request to the web interface is refused."""
+
+
 def in_words(error: BaseException) -> PassoError:
     """A PassoError as it is; any other error as a fault of the program, which is its cause."""
     if isinstance(error, PassoError):

@@ -1,15 +1,43 @@
-"""Answers in JSON, and refusals: the sentences of what is wrong, with the status that fits."""
+"""Answers in JSON, and refusals: the sentence of what is wrong, with the status that fits."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import msgspec
+from msgspec import Struct
 from starlette.responses import Response
 
-from passo.errors import PassoError
+from passo.catalogue import ExitStatus
+from passo.errors import PassoError, Problem
 
+JSON = "application/json"
 _STATUS = {
+    "web.log-in": 401,
+    "web.role": 403,
+    "web.host": 403,
+    "web.origin": 403,
+    "web.password": 403,
+    "web.not-found": 404,
+    "web.method": 405,
+    "web.too-large": 413,
+    "web.media-type": 415,
+    "web.too-many": 429,
+    "web.unreachable": 502,
+    "web.program": 500,
+    "heat.unknown": 404,
+    "input.cold": 409,
+    "input.not-homed": 409,
+    "command.aside": 409,
+    "command.failed": 409,
+    "command.fixed": 409,
+    "command.no-mains": 409,
+    "command.halted": 503,
+    "settings.nowhere": 409,
+    "settings.none": 409,
+    "settings.unwritable": 507,
+    "history.unusable": 503,
     "card.absent": 503,
     "card.removed": 503,
     "card.broken": 503,
@@ -20,9 +48,8 @@ _STATUS = {
     "card.exists": 409,
     "card.directory": 409,
     "card.not-directory": 409,
-    "card.not-empty": 409,
     "card.read-only": 409,
-    "job.printing": 409,
+    "card.not-empty": 409,
     "upload.binary": 415,
     "upload.kind": 415,
     "upload.content": 415,
@@ -30,24 +57,56 @@ _STATUS = {
     "upload.slow": 408,
     "upload.too-many": 503,
     "upload.offset": 409,
-    "command.halted": 409,
 }
+
+
+class Fault(Struct):
+    """An error of the catalogue. `message` says what is wrong and where, `action` what to do next;
+    `values` are those in the message."""
+
+    code: str
+    part: str
+    message: str
+    action: str
+    values: dict[str, Any]
+
+
+class Refusal(Struct):
+    """Why a request was not carried out. `others` are further problems that were found."""
+
+    error: Fault
+    others: list[Fault] = []
+
+
+def status_of(code: str) -> int:
+    """The HTTP status that fits an error of the catalogue: 400 where nothing else says more."""
+    if (status := _STATUS.get(code)) is not None:
+        return status
+    if code.startswith("job."):
+        return 409
+    return 503 if Problem(code).entry.status is ExitStatus.MACHINE_FAULT else 400
 
 
 def json(body: object, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
     """An answer of JSON."""
-    return Response(msgspec.json.encode(body), status, headers, "application/json")
+    return Response(msgspec.json.encode(body), status, headers, JSON)
 
 
-def status_of(error: PassoError) -> int:
-    """The HTTP status that fits what is wrong; 400 where none says more."""
-    return _STATUS.get(error.problems[0].code, 400)
+def refusal(error: PassoError, headers: Mapping[str, str] | None = None) -> Response:
+    """What is wrong, as a `Refusal`."""
+    first, *others = [fault(problem) for problem in error.problems]
+    status = status_of(first.code)
+    known = {"WWW-Authenticate": 'Passo realm="printer"'} if status == 401 else {}
+    return json(Refusal(first, others), status, {**known, **(headers or {})})
 
 
-def refusal(error: PassoError) -> Response:
-    """What is wrong, in sentences: `error` is the first, `problems` are all."""
-    problems = [
-        {"code": problem.code, "part": problem.entry.part, "text": str(problem)}
-        for problem in error.problems
-    ]
-    return json({"error": problems[0]["text"], "problems": problems}, status_of(error))
+def fault(problem: Problem) -> Fault:
+    """A problem, as clients get it."""
+    place = f"{problem.place}: " if problem.place else ""
+    values = {name: _plain(value) for name, value in problem.values.items()}
+    action = problem.hint or problem.entry.action
+    return Fault(problem.code, problem.entry.part, place + problem.sentence, action, values)
+
+
+def _plain(value: object) -> object:
+    return value if isinstance(value, str | int | float | bool) else str(value)

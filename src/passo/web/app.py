@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import msgspec
 from starlette.applications import Starlette
 from starlette.responses import Response
 from starlette.routing import Route, WebSocketRoute
 
-from passo.web.deltas import tree
+from passo.web import openapi
+from passo.web.access import Access
+from passo.web.answers import JSON
 from passo.web.feed import Feed
 from passo.web.files.handlers import FileHandlers
 from passo.web.files.uploads import Uploads
+from passo.web.operations import OPERATIONS
+from passo.web.routes import EXCEPTION_HANDLERS, routes
+from passo.web.site import Site
 from passo.web.slicers.octoprint import OctoPrint
 
 if TYPE_CHECKING:
@@ -24,21 +28,23 @@ if TYPE_CHECKING:
 
 def web_app(bridge: Bridge) -> Starlette:
     """The application of one printer."""
+    site = Site(bridge, Access())
+    uploads = Uploads(bridge)
+    described = openapi.encoded(OPERATIONS)
 
-    async def status(_: Request) -> Response:
-        snapshot = bridge.latest()
-        body = {"version": snapshot.version, "status": tree(snapshot.status)}
-        return Response(msgspec.json.encode(body), media_type="application/json")
+    async def description(_: Request) -> Response:
+        return Response(described, media_type=JSON)
 
     async def feed(websocket: WebSocket) -> None:
         await Feed(bridge, websocket).run()
 
-    uploads = Uploads(bridge)
     return Starlette(
         routes=[
-            Route("/api/v1/status", status),
-            WebSocketRoute("/api/v1/feed", feed),
+            *routes(OPERATIONS, site),
             *FileHandlers(bridge, uploads).routes,
             *OctoPrint(bridge, uploads).routes,
-        ]
+            Route(openapi.PATH, description),
+            WebSocketRoute("/api/v1/feed", feed),
+        ],
+        exception_handlers=EXCEPTION_HANDLERS,
     )

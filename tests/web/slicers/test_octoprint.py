@@ -59,7 +59,7 @@ def test_a_busy_printer_keeps_the_file(bridge, client, tmp_path):
 def test_a_refused_file_is_answered_in_json(bridge, client, tmp_path, name, code):
     answer = client.post("/api/files/local", **recorded.prusaslicer(name))
     assert answer.status_code in (400, 415)
-    assert answer.json()["problems"][0]["code"] == code
+    assert answer.json()["error"]["code"] == code
     assert list(tmp_path.iterdir()) == bridge.asked == []
 
 
@@ -67,5 +67,5 @@ def test_a_file_that_is_printed_is_not_replaced(bridge, client, tmp_path):
     (tmp_path / "part.gcode").write_bytes(b"G28\n")
     bridge.answers["create /part.gcode"] = CommandError.of("job.printing", value="part.gcode")
     answer = client.post("/api/files/local", **recorded.prusaslicer())
-    assert (answer.status_code, answer.json()["problems"][0]["code"]) == (409, "job.printing")
+    assert (answer.status_code, answer.json()["error"]["code"]) == (409, "job.printing")
     assert (tmp_path / "part.gcode").read_bytes() == b"G28\n"

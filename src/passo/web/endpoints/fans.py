@@ -1,0 +1,38 @@
+"""Fans that commands turn on."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from passo.errors import WebError
+from passo.gcode.command import numeral
+from passo.web.operation import Call, Role, operation
+
+
+class FanSpeed(Struct, forbid_unknown_fields=True):
+    """The speed of a fan, as a fraction of full speed."""
+
+    speed: Annotated[float, Meta(ge=0, le=1)]
+
+
+@operation("fans.list", "GET", "/fans", Role.VIEWER)
+async def fans(call: Call) -> dict[str, float]:
+    """The speed of each fan as last set, a fraction of full speed."""
+    return call.bridge.latest().status.fans
+
+
+@operation(
+    "fans.set",
+    "PUT",
+    "/fans/{name}/speed",
+    Role.OPERATOR,
+    errors=("web.not-found", "command.halted", "command.failed"),
+)
+async def set_speed(call: Call, name: str, body: FanSpeed) -> None:
+    """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot be set."""
+    found = call.bridge.machine.fans.get(name)
+    if found is None or not found.commanded:
+        raise WebError.of("web.not-found", value=f"fan {name} that commands set")
+    await call.run(f"M106 P{found.number} S{numeral(body.speed * 255)} F")

@@ -1,0 +1,37 @@
+"""The status of the printer, and what serves it."""
+
+from __future__ import annotations
+
+from msgspec import Struct
+
+from passo.printer.status import Status
+from passo.version import __version__
+from passo.web.operation import Call, Role, operation
+
+
+class StatusNow(Struct):
+    """The status, and a number that counts up with each change of it."""
+
+    version: int
+    status: Status
+
+
+class Version(Struct):
+    """The version of Passo, and the name of the machine."""
+
+    passo: str
+    machine: str
+
+
+@operation("status.get", "GET", "/status", Role.VIEWER)
+async def status(call: Call) -> StatusNow:
+    """The printer now: state, positions, heaters, fans, the print, faults. The WebSocket
+    `/api/v1/feed` tells the same as it changes. Numbers that are not finite are null."""
+    snapshot = call.bridge.latest()
+    return StatusNow(snapshot.version, snapshot.status)
+
+
+@operation("status.version", "GET", "/version", Role.VIEWER)
+async def version(call: Call) -> Version:
+    """Which version of Passo serves which machine."""
+    return Version(__version__, call.bridge.machine.name)

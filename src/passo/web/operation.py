@@ -1,0 +1,175 @@
+"""What a row of the table of operations is, and how a handler declares its own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from inspect import getdoc, signature
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_type_hints
+
+from passo.web.answers import JSON
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+    from passo.web.bridge import Bridge
+    from passo.web.site import Site
+
+API = "/api/v1"
+HEADER = "X-Passo-Request"  # that no form of another web page can send
+_MAX_BODY = 1 << 20  # bytes of a request in JSON
+_PARAMETER = re.compile(r"\{(\w+)(?::\w+)?\}")
+
+Method: TypeAlias = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
+
+
+class Role(IntEnum):
+    """Who may do it. Each role may do what those before it may."""
+
+    PUBLIC = 0  # without a log-in
+    VIEWER = 1
+    OPERATOR = 2
+    ADMIN = 3
+
+    def __str__(self) -> str:
+        """The name, in lower case."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True, slots=True)
+class Caller:
+    """Who makes a request. `session` is the key of the log-in; empty of an API key, and of programs
+    of this computer while there is no administrator. `ambient`: a browser may send the request
+    without that its user wants it."""
+
+    name: str
+    role: Role
+    session: str = ""
+    ambient: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A request, as a handler gets it."""
+
+    site: Site
+    caller: Caller
+    request: Request
+
+    @property
+    def bridge(self) -> Bridge:
+        """The printer."""
+        return self.site.bridge
+
+    async def run(self, script: str) -> tuple[str, ...]:
+        """Carries out lines of G-code in the name of the caller, as `Bridge.run`."""
+        return await self.site.bridge.run(script)
+
+
+Handler: TypeAlias = Callable[..., Awaitable[object]]
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """A row: what a client may ask for.
+
+    `name` is `group.verb`, as the Python client calls it. `body` and `query` are the types of the
+    request, None without one; `response` is the type of the answer, None of 204; `status` is that
+    of an answer in JSON. `errors` are codes of the catalogue that this operation has beyond those
+    that all have. A request that does not consume JSON is read by its handler, which also limits
+    its size; one that does not produce JSON answers with a `Response`. `fresh`: the password must
+    have been entered within the last minutes. `compatible`: of another printer's interface, and not
+    in the description.
+    """
+
+    name: str
+    method: Method
+    path: str
+    role: Role
+    handler: Handler
+    body: Any
+    query: Any
+    response: Any
+    parameters: dict[str, type]
+    errors: tuple[str, ...] = ()
+    consumes: str = JSON
+    produces: str = JSON
+    status: int = 200
+    max_body: int = _MAX_BODY
+    fresh: bool = False
+    compatible: bool = False
+
+    @property
+    def group(self) -> str:
+        """The noun: `heaters` of `heaters.set`."""
+        return self.name.partition(".")[0]
+
+    @property
+    def verb(self) -> str:
+        """`set` of `heaters.set`."""
+        return self.name.partition(".")[2]
+
+    @property
+    def text(self) -> str:
+        """What it does, in one paragraph."""
+        return " ".join((getdoc(self.handler) or "").split())
+
+    @property
+    def template(self) -> str:
+        """The path, with the names of its parameters alone in braces."""
+        return _PARAMETER.sub(r"{\1}", self.path)
+
+    @property
+    def writes(self) -> bool:
+        """It changes something."""
+        return self.method != "GET"
+
+
+def operation(
+    name: str,
+    method: Method,
+    path: str,
+    role: Role,
+    *,
+    errors: tuple[str, ...] = (),
+    consumes: str = JSON,
+    produces: str = JSON,
+    status: int = 200,
+    max_body: int = _MAX_BODY,
+    fresh: bool = False,
+    root: str = API,
+) -> Callable[[Handler], Operation]:
+    """Declares the handler below it. The handler takes the call, then the parameters of the path by
+    name, `body` and `query` if it has them. Its annotations are the types of request and answer;
+    its docstring is the text in the reference. A `root` other than the API's is that of another
+    printer's interface."""
+
+    def declare(handler: Handler) -> Operation:
+        hints = get_type_hints(handler, include_extras=True)
+        response = hints.pop("return")
+        taken = list(signature(handler).parameters)[1:]
+        given = _PARAMETER.findall(path)
+        if [p for p in taken if p not in ("body", "query")] != given:
+            raise TypeError(f"{name}: the handler takes {taken}, the path {path} gives {given}")
+        return Operation(
+            name=name,
+            method=method,
+            path=root + path,
+            role=role,
+            handler=handler,
+            body=hints.get("body"),
+            query=hints.get("query"),
+            response=None if response is type(None) else response,
+            parameters={parameter: hints[parameter] for parameter in given},
+            errors=errors,
+            consumes=consumes,
+            produces=produces,
+            status=status,
+            max_body=max_body,
+            fresh=fresh,
+            compatible=root != API,
+        )
+
+    return declare

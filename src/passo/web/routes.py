@@ -1,0 +1,91 @@
+"""Routes of the table of operations: each checks who asks and what it is given, then answers."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from passo.errors import PassoError, WebError
+from passo.web.answers import json, refusal
+from passo.web.deltas import tree
+from passo.web.operation import Call, Operation
+from passo.web.requests import arguments
+
+if TYPE_CHECKING:
+    from starlette.types import Receive, Scope, Send
+
+    from passo.web.site import Site
+
+_log = logging.getLogger(__name__)
+
+
+def routes(operations: Sequence[Operation], site: Site) -> list[Route]:
+    """A route for each path."""
+    paths: dict[str, dict[str, Operation]] = {}
+    for operation in operations:
+        methods = paths.setdefault(operation.path, {})
+        if operation.method in methods:
+            raise ValueError(f"{operation.method} {operation.path} is declared twice")
+        methods[operation.method] = operation
+    return [Route(path, _Endpoint(methods, site)) for path, methods in paths.items()]
+
+
+class _Endpoint:
+    """The operations of one path, as an ASGI application."""
+
+    def __init__(self, methods: dict[str, Operation], site: Site) -> None:
+        self._methods, self._site = methods, site
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        request = Request(scope, receive, send)
+        method = "GET" if request.method == "HEAD" else request.method
+        if (operation := self._methods.get(method)) is None:
+            expected = ", ".join(sorted(self._methods))
+            error = WebError.of("web.method", value=request.method, limit=expected)
+            response = refusal(error, {"Allow": expected})
+        else:
+            response = await self._answer(operation, request)
+        await response(scope, receive, send)
+
+    async def _answer(self, operation: Operation, request: Request) -> Response:
+        access = self._site.access
+        try:
+            caller = access.caller(request)
+            access.permit(caller, operation)
+            given = await arguments(operation, request)
+            answer = await operation.handler(Call(self._site, caller, request), **given)
+        except PassoError as error:
+            return refusal(error)
+        except ClientDisconnect:
+            return Response(status_code=499)  # no client is there to read it
+        except Exception as error:
+            _log.exception("%s %s failed", operation.method, operation.path)
+            return refusal(WebError.of("web.program", value=type(error).__name__))
+        return _response(answer, operation.status)
+
+
+def _response(answer: object, status: int) -> Response:
+    if isinstance(answer, Response):
+        return answer
+    if answer is None:
+        return Response(status_code=204)
+    return json(tree(answer), status)
+
+
+async def _not_found(request: Request, _: Exception) -> Response:
+    return refusal(WebError.of("web.not-found", value=request.url.path))
+
+
+async def _malformed(_: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    return refusal(WebError.of("web.malformed", value=error.detail))
+
+
+# Refusals of the framework, in JSON as all others.
+EXCEPTION_HANDLERS = {404: _not_found, HTTPException: _malformed}

@@ -1,0 +1,139 @@
+"""Requests reach the printer as the table declares them; refusals are errors of the catalogue."""
+
+import asyncio
+
+import pytest
+from starlette.testclient import TestClient
+from tests.web.fake_bridge import FakeBridge
+
+from passo import AsyncClient, Client, RequestError
+from passo.errors import CommandError
+from passo.web.app import web_app
+from passo.web.operation import Role, operation
+from passo.web.operations import OPERATIONS
+from passo.web.server import WebThread, listening
+
+
+@pytest.fixture
+def bridge():
+    return FakeBridge()
+
+
+@pytest.fixture
+def web(bridge):
+    return TestClient(web_app(bridge))
+
+
+@pytest.fixture
+def served(bridge):
+    """Where the bridge's printer is served."""
+    thread, socket = WebThread(), listening("127.0.0.1", 0)
+    port = socket.getsockname()[1]
+    thread.serve(web_app(bridge), socket)
+    yield f"http://127.0.0.1:{port}"
+    thread.close()
+
+
+def test_names_and_paths_are_declared_once():
+    names = [operation.name for operation in OPERATIONS]
+    assert len(names) == len(set(names))
+    places = [(operation.method, operation.path) for operation in OPERATIONS]
+    assert len(places) == len(set(places))
+    assert all(operation.text for operation in OPERATIONS)
+
+
+def test_handler_that_misses_a_part_of_the_path_is_no_operation():
+    async def handler(call) -> None: ...
+
+    with pytest.raises(TypeError, match=r"takes \[\], the path /fans/{name} gives \['name'\]"):
+        operation("fans.set", "PUT", "/fans/{name}", Role.OPERATOR)(handler)
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "script"),
+    [
+        ("heaters/hotend/target", {"celsius": 200}, "M104 T0 S200 F"),
+        ("heaters/bed/target", {"celsius": 60.5}, "M140 P0 S60.5 F"),
+        ("fans/part/speed", {"speed": 0.5}, "M106 P0 S127.5 F"),
+    ],
+)
+def test_what_is_set_becomes_a_command(web, bridge, path, body, script):
+    answer = web.put(f"/api/v1/{path}", json=body)
+    assert (answer.status_code, answer.content) == (204, b"")
+    assert bridge.asked == [script]
+
+
+@pytest.mark.parametrize(
+    ("body", "values"),
+    [
+        (b'{"celsius": -1}', {"pointer": "/celsius", "value": "Expected float >= 0.0"}),
+        (b'{"celsius": 1, "x": 1}', {"pointer": "", "value": "Object contains unknown field x"}),
+        (b"{}", {"pointer": "", "value": "Object missing required field celsius"}),
+    ],
+)
+def test_place_of_a_wrong_value_is_a_json_pointer(web, bridge, body, values):
+    headers = {"Content-Type": "application/json"}
+    answer = web.put("/api/v1/heaters/hotend/target", content=body, headers=headers)
+    error = answer.json()["error"]
+    assert (answer.status_code, error["code"]) == (400, "web.invalid")
+    assert error["values"] == {"where": "body", **values}
+    assert bridge.asked == []
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "content", "kind", "status", "code"),
+    [
+        ("PUT", "heaters/hotend/target", b"{", "application/json", 400, "web.malformed"),
+        ("PUT", "heaters/hotend/target", b"[" * 10000, "application/json", 400, "web.invalid"),
+        ("PUT", "heaters/hotend/target", b"{}", "text/plain", 415, "web.media-type"),
+        ("PUT", "heaters/hotend/target", b"1" * 2**21, "application/json", 413, "web.too-large"),
+        ("PUT", "heaters/none/target", b'{"celsius":1}', "application/json", 404, "web.not-found"),
+        ("DELETE", "heaters", b"", "", 405, "web.method"),
+        ("GET", "nothing", b"", "", 404, "web.not-found"),
+        ("GET", "status?a=1", b"", "", 400, "web.invalid"),
+    ],
+)
+def test_refusals_are_errors_of_the_catalogue(web, method, path, content, kind, status, code):
+    answer = web.request(method, f"/api/v1/{path}", content=content, headers={"Content-Type": kind})
+    error = answer.json()["error"]
+    assert (answer.status_code, error["code"]) == (status, code)
+    assert set(error) == {"code", "part", "message", "action", "values"}
+
+
+def test_refusals_of_the_printer_keep_their_code_and_status(web, bridge):
+    bridge.answers["M104 T0 S200 F"] = CommandError.of("command.halted", value="it was stopped")
+    answer = web.put("/api/v1/heaters/hotend/target", json={"celsius": 200})
+    assert answer.status_code == 503
+    assert answer.json()["error"]["code"] == "command.halted"
+
+
+def test_fault_of_the_program_answers_500_and_is_logged(web, bridge, caplog):
+    bridge.latest = None  # it is called
+    answer = web.get("/api/v1/status")
+    assert (answer.status_code, answer.json()["error"]["code"]) == (500, "web.program")
+    assert "GET /api/v1/status failed" in caplog.text
+
+
+def test_client_calls_operations_with_types(served, bridge):
+    client = Client(served)
+    client.heaters.set("hotend", celsius=200)
+    assert bridge.asked == ["M104 T0 S200 F"]
+    assert client.status.get().status.heaters["bed"].target_c == 60.0
+    with pytest.raises(RequestError, match="no heater none") as refused:
+        client.heaters.set("none", 200)
+    assert (refused.value.status, refused.value.fault.code) == (404, "web.not-found")
+    with pytest.raises(TypeError, match="needs celsius"):
+        client.heaters.set("hotend")
+
+
+def test_client_names_the_address_that_it_cannot_reach():
+    with pytest.raises(RequestError, match=r"127\.0\.0\.1:9 cannot be reached"):
+        Client("http://127.0.0.1:9").status.get()
+
+
+def test_asynchronous_client_calls_the_same(served, bridge):
+    async def main():
+        await AsyncClient(served).fans.set("part", 1)
+
+    asyncio.run(main())
+    assert bridge.asked == ["M106 P0 S255 F"]
