@@ -248,7 +248,7 @@ class Printer:
     @property
     def time_s(self) -> float:
         """Print time since the start or the last restart (M999), seconds."""
-        return max(self._printer.drive.now_s, 0.0)
+        return max(self._printer.queue.now_s, 0.0)
 
     @property
     def start_messages(self) -> tuple[str, ...]:

@@ -226,7 +226,7 @@ def test_a_pause_brakes_parks_and_goes_on_from_the_very_point(folder):
         assert s.until(lambda: s.positions()["e"] > 2, 60)
         before = s.loop.time()
         s.host.ok("M25")
-        assert s.until(lambda: s.printer.drive.standing, 2)
+        assert s.until(lambda: s.printer.queue.standing, 2)
         assert s.loop.time() - before <= 0.25
         stopped = s.positions()
         s.passes(4)
@@ -491,7 +491,7 @@ def test_progress_counts_on_behind_a_line_that_failed(s, folder):
     (folder / "half.g").write_text(f"G28 X\n{way}G1 E10001\n{way}")
     s.host.ok("M32 half.g")
     s.host.expect("Print of half.g stopped", 200)
-    s.until(lambda: s.printer.drive.standing, 10)
+    s.until(lambda: s.printer.queue.standing, 10)
     s.host.ok("M24")
     s.passes(0.1)
     assert float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1]) == pytest.approx(50, abs=5)

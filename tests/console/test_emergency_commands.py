@@ -100,7 +100,7 @@ def test_m410_forgets_all_moves_in_hand(s):
     s.host.send(*(["G1 X20"] * MANY), "M104 S50")
     s.passes(1)
     s.host.send("M410")
-    s.until(lambda: s.printer.drive.standing, 1)
+    s.until(lambda: s.printer.queue.standing, 1)
     at = s.positions()["x"]
     assert 29 < at < 31
     s.passes(2)

@@ -160,7 +160,7 @@ def test_a_stop_of_a_halted_printer_is_answered_and_does_nothing(s, monkeypatch,
     s.passes(seconds)
     s.host.send("M112")
     s.passes(0.1)
-    monkeypatch.setattr(s.printer.drive, "stop", lambda: 1 / 0)
+    monkeypatch.setattr(s.printer.queue, "stop", lambda: 1 / 0)
     assert s.host.ok("M410")[-1] == "ok"
     assert s.printer.halted == "emergency stop by M112"
 

@@ -499,7 +499,7 @@ def test_m108_ends_the_wait_for_moves_and_the_moves_go_on(ready):
     ready.host.send("M108")
     ready.passes(0.03)
     assert len(oks(ready.host)) == 4  # G92, G1, M400, M108
-    assert not ready.printer.drive.standing
+    assert not ready.printer.queue.standing
     ready.host.ok("G1 X20")
     ready.host.ok("M400")
     assert ready.positions()["x"] == 20.0
@@ -517,7 +517,7 @@ def test_m410_stops_the_moves_behind_a_full_backlog(ready, own):
     ready.host.send("G1 X200 F3000", "M400", *["M110"] * (BACKLOG - 2))
     ready.passes(1)
     other.send("M410")
-    ready.until(lambda: ready.printer.drive.standing, 1)
+    ready.until(lambda: ready.printer.queue.standing, 1)
     at = ready.positions()["x"]
     assert 60 < at < 90
     ready.passes(1)

@@ -212,7 +212,7 @@ def test_m410_and_m108_act_in_an_upload_that_has_no_file(bare):
     bare.passes(2)
     bare.host.ok("M410")
     other.expect("^ok", 1)
-    bare.until(lambda: bare.printer.drive.standing, 2)
+    bare.until(lambda: bare.printer.queue.standing, 2)
     at = bare.positions()["x"]
     assert 30 < at < 45
     other.ok("M400")

@@ -56,8 +56,8 @@ def test_a_stall_of_the_interpreter_delays_no_step(
         stall()
         scenario.passes(0.7)
         stall()
-        assert not scenario.printer.drive.standing
-        scenario.until(lambda: scenario.printer.drive.standing, 20.0)
+        assert not scenario.printer.queue.standing
+        scenario.until(lambda: scenario.printer.queue.standing, 20.0)
         ends(scenario)
         assert not [line for line in scenario.host.heard if "The machine waits" in line]
     assert net_steps([cable]) == ZIGZAG_STEPS
@@ -94,12 +94,12 @@ def test_a_board_that_breaks_its_own_dictionary_is_named() -> None:
 def test_a_stall_at_the_end_of_a_few_long_moves_costs_nothing(cable: Cable) -> None:
     """The host's last move comes when the plan is about to run dry, and then nobody looks."""
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
-        host, drive = scenario.host, scenario.printer.drive
+        host, queue = scenario.host, scenario.printer.queue
         host.ok("G92 X0")
         host.send("G1 X10 F600", "G1 X20")
         scenario.passes(0.5)
         for x in (24, 28):
-            scenario.until(lambda: drive.ahead_s < 0.45, 10.0)
+            scenario.until(lambda: queue.ahead_s < 0.45, 10.0)
             host.send(f"G1 X{x}")
             scenario.passes(0.03)
             stall()

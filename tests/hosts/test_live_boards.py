@@ -57,7 +57,7 @@ def test_a_stall_of_the_interpreter_delays_no_step(scenario, cables):
     zigzag(scenario.host)
     scenario.passes(0.8)
     stall()
-    scenario.until(lambda: scenario.printer.drive.standing, 20.0)
+    scenario.until(lambda: scenario.printer.queue.standing, 20.0)
     assert scenario.printer.halted == ""
     assert unplugged(scenario, cables) == ZIGZAG_STEPS
 

@@ -37,10 +37,10 @@ def printing(places) -> Scenario:
 
 def killed(s: Scenario):
     """The board, when it has braked, and its clock."""
-    port, drive = s.printer.connection.main.port, s.printer.drive
+    port, queue = s.printer.connection.main.port, s.printer.queue
     port.unplug()
     s.passes(2)
-    clock = drive.base + drive.now
+    clock = queue.base + queue.now
     s.board.device.poll(clock)
     board = s.board
     s.__exit__()

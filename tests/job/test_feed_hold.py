@@ -34,13 +34,13 @@ def test_a_print_is_at_rest_within_250_ms(machine: str, firmware: str, tmp_path:
             s.board.trace_steps(motor, 0, 2**62)
         for _ in range(40):
             s.passes(chance.uniform(0.3, 1.0))
-            drive = s.printer.drive
-            begun = drive.base + drive.now
+            queue = s.printer.queue
+            begun = queue.base + queue.now
             s.host.ok("M25")
             s.passes(0.3)  # parking begins later
             steps = (array("q", s.board.take_steps(motor, begun, 2**62)[0]) for motor in motors)
             last = max(clocks[-1] for clocks in steps if clocks)
-            longest = max(longest, (last - begun) / drive.hz)
+            longest = max(longest, (last - begun) / queue.hz)
             s.passes(4)
             s.host.ok("M24")
             s.passes(4)

@@ -284,7 +284,7 @@ def test_a_heater_s_fault_pauses_what_a_host_sends(mild):
     fail(s)
     s.passes(10)
     park = s.machine.park
-    assert s.printer.drive.standing
+    assert s.printer.queue.standing
     assert way(before, at(s))[2] == pytest.approx(park.raise_mm, abs=0.02)
     assert actions(s.host)[0] == "pause"
     parked, oks = at(s), s.host.heard.count("ok")

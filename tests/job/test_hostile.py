@@ -34,7 +34,7 @@ def prints_to_its_end(s, seconds=120):
 
 
 def is_paused(s):
-    return s.host.ok("M27")[0].startswith("SD printing") and s.printer.drive.standing
+    return s.host.ok("M27")[0].startswith("SD printing") and s.printer.queue.standing
 
 
 def target(s):
@@ -75,7 +75,7 @@ def test_a_pause_that_is_taken_back_while_axes_home_is_none(start):
 def test_cancelled_on_the_way_to_a_pause_of_its_own(start, command, stop):
     """What was to come behind the moves that were cut does not come: nobody is asked, nor waits."""
     s = start(HEAD + f"G1 X100 Y100 F3000\nG1 X10 F900\n{command}\nG1 X90\n", after=14)
-    assert not s.printer.drive.standing
+    assert not s.printer.queue.standing
     s.host.send(*stop.split())
     s.passes(1)
     at = s.positions()
@@ -163,7 +163,7 @@ def test_cancelled_while_it_brakes_parks_or_returns(start, moment, again):
     s.passes(moment)
     s.host.ok("M524")
     s.passes(2)
-    assert s.printer.drive.standing
+    assert s.printer.queue.standing
     s.host.ok("M24")
     prints_to_its_end(s)
 
@@ -186,7 +186,7 @@ def test_m410_ends_a_print(start, after):
     s.host.send("M410")
     s.host.expect("Print of a.g stopped: M410", 2)
     s.passes(2)
-    assert s.printer.drive.standing
+    assert s.printer.queue.standing
     assert "Not SD" in s.host.ok("M27")[0]
     s.host.ok("M24")  # from its beginning
     prints_to_its_end(s, 300)

@@ -47,7 +47,7 @@ def test_journal_is_at_most_a_second_behind_and_never_ahead(places):
                 (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
                 for m in s.printer.job.take_moves()
             ]
-            now = s.printer.drive.now
+            now = s.printer.queue.now
             under_way = [(at, line) for at, line in starts if at <= now and line]
             found = journal_of(state)
             if found is None:
@@ -59,7 +59,7 @@ def test_journal_is_at_most_a_second_behind_and_never_ahead(places):
                 assert moment.line <= 3
                 continue
             assert moment.line <= max(line for _, line in under_way)
-            second_ago = now - 1.05 * s.printer.drive.hz
+            second_ago = now - 1.05 * s.printer.queue.hz
             before = [line for at, line in under_way if at <= second_ago]
             assert moment.line >= (before[-1] if before and before[-1] > 1 else 0)
         assert looked > 100
@@ -415,11 +415,11 @@ def test_journal_resumes_after_shutdown_without_survive(places):
         s.host.ok("M104 S60")
         s.host.ok("M32 wall.gcode")
         assert s.until(lambda: s.positions()["e"] > 6.5, 200)
-        port, drive = s.printer.connection.main.port, s.printer.drive
+        port, queue = s.printer.connection.main.port, s.printer.queue
         port.unplug()
         s.host.expect("connection to the board has ended", 5)
         assert "connection to the board has ended" in s.printer.halted
-        cut = drive.base + drive.now
+        cut = queue.base + queue.now
         s.board.device.poll(cut + 4 * s.board.board.clock_hz)
         assert s.board.device.fault == "Missed scheduling of next digital out event"
         assert s.board.output_value("hotend") == 0

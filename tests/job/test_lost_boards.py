@@ -92,7 +92,7 @@ def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_b
         s.host.ok("G92 X0 Y0 Z0 E0")
         s.host.send("G1 X150 Y120 Z12 E90 F600", "G1 X0 E0", "M400", "M118 done")
         s.passes(1.0)
-        boards, hz = s.printer.connection, s.printer.drive.hz
+        boards, hz = s.printer.connection, s.printer.queue.hz
         for i in range(30):
             before = len(gone_back)
             s.passes(0.5 + 0.01 * (i % 8))
@@ -183,7 +183,7 @@ def test_pauses_and_limits_beside_it(monkeypatch, undisturbed, seed):
     with scenario(monkeypatch, card, "fast") as s:
 
         def perhaps():
-            if generator.random() < 0.5 and s.printer.drive.now_s > 16:
+            if generator.random() < 0.5 and s.printer.queue.now_s > 16:
                 cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0)))
                 s.passes(5.0)
 

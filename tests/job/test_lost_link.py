@@ -22,11 +22,11 @@ def whole(tmp_path_factory):
 
 def break_link(s, seconds):
     """The cable is out for so long."""
-    port, drive = s.printer.connection.main.port, s.printer.drive
+    port, queue = s.printer.connection.main.port, s.printer.queue
     port.unplug()
     s.passes(seconds)
-    port.plug(drive.base + drive.now)
-    s.board.device.poll(drive.base + drive.now)
+    port.plug(queue.base + queue.now)
+    s.board.device.poll(queue.base + queue.now)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -153,7 +153,7 @@ def test_pauses_and_limits_beside_it(whole, seed):
     with Scenario(FIRMWARE, card=str(card)) as s:
 
         def perhaps():
-            if generator.random() < 0.5 and s.printer.drive.now_s > 14:
+            if generator.random() < 0.5 and s.printer.queue.now_s > 14:
                 break_link(s, generator.choice((0.02, 0.3, 2.0)))
                 s.host.expect("The board is back", 10)
 
@@ -283,9 +283,9 @@ def test_wait_ends_when_its_heater_is_switched_off(tmp_path, word):
         s.until(lambda: s.board.steps("x") > 4000, 300)
         break_link(s, 70)  # heat is off for ten seconds
         s.host.expect("The board is back", 10)
-        assert s.printer.drive.interrupted
+        assert s.printer.queue.interrupted
         s.host.send(word)
-        s.until(lambda: not s.printer.drive.interrupted, 10)
-        assert not s.printer.drive.interrupted
+        s.until(lambda: not s.printer.queue.interrupted, 10)
+        assert not s.printer.queue.interrupted
         s.host.send("M400", "M118 stands")
         s.host.expect("stands", 200)

@@ -62,13 +62,13 @@ def test_a_motor_that_was_turned_by_hand(printing, monkeypatch):
 
 def test_a_board_that_was_reset_while_nobody_heard_it(printing):
     s = printing
-    port, drive = s.printer.connection.main.port, s.printer.drive
+    port, queue = s.printer.connection.main.port, s.printer.queue
     port.unplug()
     s.passes(1)
     reset(s)
     s.passes(1)
-    port.plug(drive.base + drive.now)
-    s.board.device.poll(drive.base + drive.now)
+    port.plug(queue.base + queue.now)
+    s.board.device.poll(queue.base + queue.now)
     s.host.expect("restarted", 10)
     s.host.expect("The printer is ready again", 10)
     s.passes(1)
@@ -77,13 +77,13 @@ def test_a_board_that_was_reset_while_nobody_heard_it(printing):
 
 def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
     s = printing
-    port, drive = s.printer.connection.main.port, s.printer.drive
+    port, queue = s.printer.connection.main.port, s.printer.queue
     port.unplug()
     s.passes(0.5)
     s.board.force_sensor("hotend", 1.0)  # the cable of the sensor breaks as well
     s.passes(4)
-    port.plug(drive.base + drive.now)
-    s.board.device.poll(drive.base + drive.now)
+    port.plug(queue.base + queue.now)
+    s.board.device.poll(queue.base + queue.now)
     s.host.expect("Printer halted: the board shut down: ADC out of range", 10)
     assert s.printer.connection.heaters["hotend"].target == 0.0
     assert "// action:pause" not in s.host.heard

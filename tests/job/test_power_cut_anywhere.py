@@ -81,16 +81,16 @@ class Cuts:
             begun = s.loop.time()
             for number, instant in enumerate(sorted(instants)):
                 s.passes(begun + instant - s.loop.time())
-                s.printer.drive.look()  # the board has come so far, and the host has not seen it
+                s.printer.queue.look()  # the board has come so far, and the host has not seen it
                 shutil.copytree(directory / "cut", directory / str(number))
                 self.left.append((s.positions(), self.filament(s)))
-                self.clocks.append(s.printer.drive.now)
+                self.clocks.append(s.printer.queue.now)
                 self.starts += [
                     (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
                     for m in s.printer.job.take_moves()
                     if m.line
                 ]
-            self.hz = s.printer.drive.hz
+            self.hz = s.printer.queue.hz
 
     def printer(self, state):
         places = {"card": self.directory / "card", "state": self.directory / state}

@@ -150,7 +150,7 @@ def test_only_steps_of_z_that_matter_are_written(places):
         s.host.ok("M32 wall.gcode")
         assert s.until(lambda: s.positions()["e"] > 6.5, 200)
         written = len(Journal(Path(places["state"])).path.read_bytes().split(b"\n"))
-        assert written <= s.printer.drive.now_s + 4
+        assert written <= s.printer.queue.now_s + 4
 
 
 def test_a_long_journal_is_read_to_its_end(tmp_path):
@@ -209,7 +209,7 @@ def test_stored_settings_hold_for_the_rest_of_a_print(machine, stored, tmp_path)
         whole, settings = s.printer.job.machine_position, s.host.ok("M503")
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 200)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 200)
     with Scenario(machine, **places) as s:
         s.host.ok("M1000", 200)
         s.host.expect("Done printing", 200)
@@ -228,7 +228,7 @@ def test_the_nozzle_that_prints_is_filled(tmp_path):
     with Scenario(machine, **places) as s:
         s.host.ok("M302 P1")
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 200)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 200)
     line = recorded(places)[1].line
     with Scenario(machine, **places) as s:
         before = s.positions()
@@ -285,7 +285,7 @@ def cut_and_gone_on(text, places, line, *live, lead=3):
         s.host.ok("M32 a.g")
 
         def at(number):
-            return lambda: s.printer.job.line_at(s.printer.drive.now) >= number
+            return lambda: s.printer.job.line_at(s.printer.queue.now) >= number
 
         assert s.until(at(line - lead), 200)
         for order in live:
@@ -356,7 +356,7 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
         steps = s.positions()
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= last + 4, 300)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= last + 4, 300)
         left = s.positions()
     with Scenario(machine, **places) as s:
         s.board.place("z", left["z"])
@@ -383,7 +383,7 @@ def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
         whole = s.positions()
     with Scenario("i3", **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= last + 4, 300)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= last + 4, 300)
         left = s.positions()
     with Scenario("i3", **places) as s:
         s.board.place("z", left["z"])
@@ -426,7 +426,7 @@ def test_a_print_goes_on_with_what_it_was_begun_with(machine, before, places):
     with Scenario(machine, **places) as s:
         begun(s)
         line = text.count("\n") - 8
-        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= line, 300)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= line, 300)
         left = s.positions()
     (Path(places["state"]) / "settings.json").unlink(missing_ok=True)
     for cut in (True, False):
@@ -435,7 +435,7 @@ def test_a_print_goes_on_with_what_it_was_begun_with(machine, before, places):
                 s.board.place(axis, left[axis])
             s.host.send("M1000")
             if cut:
-                assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= line + 2, 300)
+                assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= line + 2, 300)
                 left = s.positions()
                 continue
             found = ended(s)

@@ -75,7 +75,7 @@ def test_print_with_shared_extruder_paused_ends_at_same_steps(
         with Scenario(sharing(), card=str(tmp_path)) as s:
             s.host.ok("M32 a.g")
             if meanwhile is not None:
-                assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 7, 300)
+                assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 7, 300)
                 assert s.printer.job.tool == 1  # read ahead
                 s.host.ok("M25")
                 s.passes(20)

@@ -26,7 +26,7 @@ def test_records_behind_what_is_held_wait_for_it(tmp_path: Path) -> None:
         s.passes(1.0)
         s.host.send("M25")
         s.passes(3.0)
-        assert s.printer.drive.standing
+        assert s.printer.queue.standing
         assert s.board.take_changes("part") == []
         s.host.send("M24")
         s.passes(10.0)
@@ -80,11 +80,11 @@ def test_a_move_of_a_quarter_of_an_hour_can_be_stopped_and_asked():
         s.host.ok("G28", 60)
         s.host.ok("G1 X1 F0.06")
         s.passes(30)
-        assert s.printer.drive.ahead_s > 900
+        assert s.printer.queue.ahead_s > 900
         assert "Real: X:0.025" in s.host.ok("M114 D", 1)[1]
         s.host.ok("M410", 1)
         s.passes(1)
-        assert s.printer.drive.standing
+        assert s.printer.queue.standing
         s.host.ok("G1 X2 F0.06")
         s.passes(2)
         s.host.ok("M112", 1)
@@ -101,7 +101,7 @@ def test_a_further_axis_that_is_moved_in_a_pause_comes_back(tmp_path: Path) -> N
     def net(moved_mm: float) -> dict[str, int]:
         with Scenario(config.load_text(text), card=str(tmp_path)) as s:
             s.host.ok("M32 a.g")
-            assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 300)
+            assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 300)
             s.host.ok("M25")
             for line in ("G91", f"G1 U{moved_mm:g} F300", "M24"):
                 s.host.ok(line)

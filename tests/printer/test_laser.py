@@ -148,7 +148,7 @@ def test_a_stop_takes_the_laser_s_power(tmp_path, stop):
         assert lit == pytest.approx(0.4, abs=0.005)
         s.host.send(stop)
         s.passes(3.0)
-        assert s.printer.drive.standing
+        assert s.printer.queue.standing
         assert s.board.output_value("laser") == 0
         if stop == "M25":
             beam = Beam(s)

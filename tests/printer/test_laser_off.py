@@ -71,7 +71,7 @@ def test_a_stop_of_a_print_that_stands_harms_nothing(s, file, lines, stop):
     s.passes(5.0)
     s.host.ok(stop)
     s.passes(4.0)
-    assert (s.printer.halted, share(s), s.printer.drive.standing) == ("", 0.0, True)
+    assert (s.printer.halted, share(s), s.printer.queue.standing) == ("", 0.0, True)
 
 
 def test_a_switch_that_is_hit_harms_nothing(s):
@@ -104,7 +104,7 @@ def test_laser_goes_off_with_last_move_of_print(s, file, ended):
     assert s.until(lambda: share(s) == pytest.approx(0.5, abs=0.005), 2.0)
     s.host.expect("Done printing|stopped: .*: S is -1", 10)
     if ended == "failed":
-        assert s.until(lambda: s.printer.drive.standing, 3.0)
+        assert s.until(lambda: s.printer.queue.standing, 3.0)
         s.passes(0.4)
     assert share(s) == 0.0
     s.host.ok("G1 X80 F3000")
@@ -122,7 +122,7 @@ def test_laser_goes_off_after_seconds_at_rest(s):
         s.host.session.close()
 
     s.run(hang_up())
-    assert s.until(lambda: s.printer.drive.standing, 5.0)
+    assert s.until(lambda: s.printer.queue.standing, 5.0)
     s.passes(LASER_OFF_S - 0.3)
     assert share(s) == pytest.approx(0.5, abs=0.005)
     s.passes(0.8)

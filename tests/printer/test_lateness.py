@@ -68,12 +68,12 @@ def printing(request, tmp_path):
         wire = Wire(connection.link, s.board, connection.now)
         connection.wire = wire
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) > FIRST + 20, 60)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) > FIRST + 20, 60)
         yield s, wire
 
 
 def line_now(s: Scenario) -> int:
-    return s.printer.job.line_near(s.printer.drive.now)
+    return s.printer.job.line_near(s.printer.queue.now)
 
 
 def test_retransmissions_are_named_for_late_commands(printing):
@@ -110,7 +110,7 @@ def test_retransmissions_are_named_for_late_commands(printing):
 def test_a_stalled_program_is_told_at_most_every_ten_seconds(printing):
     s, wire = printing
     for _ in range(3):
-        wire.stall = s.printer.drive.hz // 10
+        wire.stall = s.printer.queue.hz // 10
         s.passes(1)
     told = [x for x in s.host.heard if "commands reached" in x]
     assert len(told) == 1

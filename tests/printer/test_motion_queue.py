@@ -58,7 +58,7 @@ def test_moves_that_come_in_drops_go_on_without_a_stop(s):
 def test_moves_that_come_too_late_begin_anew_and_lose_nothing(s):
     for i in range(1, 6):
         s.host.send(f"G1 X{20 + 10 * i} F3000")
-        assert s.until(lambda: s.printer.drive.standing, 2)
+        assert s.until(lambda: s.printer.queue.standing, 2)
         assert s.positions()["x"] == 20 + 10 * i
     s.passes(60)
     s.host.ok("G1 X25")
@@ -71,8 +71,8 @@ def test_a_plan_that_reaches_far_ahead_takes_no_more(s):
     s.passes(0.5)
     acknowledged = sum(x.startswith("ok") for x in s.host.heard) - 1
     assert acknowledged == 4  # the first goes nowhere; the fourth reaches beyond
-    assert s.printer.job.clock + s.printer.job.queued_ticks < s.printer.drive.now + (
-        (BUFFER_S + 1.5) * s.printer.drive.hz
+    assert s.printer.job.clock + s.printer.job.queued_ticks < s.printer.queue.now + (
+        (BUFFER_S + 1.5) * s.printer.queue.hz
     )
 
 
@@ -82,32 +82,32 @@ def test_a_host_that_stops_sending_is_at_rest_soon(s):
         start = len(s.host.heard)
         s.host.send(f"G1 X{20 + i % 2 * 10} F3000")
         assert s.until(lambda: any(x == "ok" for x in s.host.heard[start:]), 3)  # noqa: B023
-    assert s.until(lambda: s.printer.drive.standing, BUFFER_S + 0.5)
+    assert s.until(lambda: s.printer.queue.standing, BUFFER_S + 0.5)
 
 
 def test_free_time_stands_while_nothing_waits():
     with Scenario("i3", free=True) as s:
-        drive = s.printer.drive
+        queue = s.printer.queue
         s.passes(1)
-        before = drive.now
+        before = queue.now
         s.passes(600)
-        assert drive.now == before
+        assert queue.now == before
         assert s.host.ok("M105")[0].startswith("ok T:")
-        assert drive.now == before
+        assert queue.now == before
 
 
 def test_free_time_passes_only_while_something_waits():
     with Scenario("i3", free=True) as s:
-        drive = s.printer.drive
-        start, printed = s.loop.time(), drive.now_s
+        queue = s.printer.queue
+        start, printed = s.loop.time(), queue.now_s
         s.host.ok("M109 S200", 100)
         assert s.loop.time() - start < 1
-        assert drive.now_s - printed > 20
+        assert queue.now_s - printed > 20
         s.host.ok("G28", 100)
         s.host.ok("G4 S1000")
         s.host.ok("M400")
         assert s.loop.time() - start < 2
-        assert drive.now_s - printed > 1020
+        assert queue.now_s - printed > 1020
 
 
 @pytest.mark.parametrize(
@@ -116,29 +116,29 @@ def test_free_time_passes_only_while_something_waits():
 )
 def test_free_time_stands_while_a_person_is_waited_for(lines):
     with Scenario("i3", free=True) as s:
-        drive = s.printer.drive
+        queue = s.printer.queue
         s.host.ok("G28", 100)
         s.host.ok("M109 S200", 100)
         s.host.send(*lines)
         s.host.expect("paused for user", 20)
         s.passes(1)  # the nozzle has left
-        before = drive.now
+        before = queue.now
         s.passes(600)
-        assert drive.now == before
+        assert queue.now == before
         other = Host(s)
         assert other.ok("M105")[0].startswith("ok T:")
-        assert drive.now == before
+        assert queue.now == before
         other.ok("M108")
         s.host.ok("M400", 20)
-        assert s.until(lambda: drive.standing, 1)
+        assert s.until(lambda: queue.standing, 1)
 
 
 def test_free_time_passes_for_a_pause_of_some_seconds():
     with Scenario("i3", free=True) as s:
-        start, printed = s.loop.time(), s.printer.drive.now_s
+        start, printed = s.loop.time(), s.printer.queue.now_s
         s.host.ok("M0 S1000", 20)
         assert s.loop.time() - start < 1
-        assert 1000 < s.printer.drive.now_s - printed < 1001
+        assert 1000 < s.printer.queue.now_s - printed < 1001
 
 
 @pytest.mark.parametrize("line", ["M108", "M410", "M112"])
@@ -172,11 +172,11 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
     """Whatever the board needs for half a second, and for the time that what is planned then takes
     to get there, is handed out; or else all is, for a stop."""
     chance = random.Random(seed)
-    job, drive = s.printer.job, s.printer.drive
+    job, queue = s.printer.job, s.printer.queue
     least = []
 
     def look():
-        ahead = (job.handed_out - drive.now) / drive.hz
+        ahead = (job.handed_out - queue.now) / queue.hz
         if job.queued > 0 and job.handed_out > 0:
             least.append(ahead)
 
@@ -195,21 +195,21 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
 )
 def test_reports_come_at_their_print_time_in_free_time(line, report, every_s):
     with Scenario("i3", free=True) as s:
-        drive, heard_s = s.printer.drive, []
+        queue, heard_s = s.printer.queue, []
         write = s.host.write
 
         def hear(text, *, dispensable=False):
             if re.search(report, text.decode(), re.MULTILINE):
-                heard_s.append(drive.now_s)
+                heard_s.append(queue.now_s)
             write(text, dispensable=dispensable)
 
         s.host.write = hear
-        asked_s = drive.now_s
+        asked_s = queue.now_s
         s.host.ok(line)
         s.host.ok("M190 S60", 100)
         s.host.ok("G4 S60")
         s.host.ok("M400", 10)
-        until_s = drive.now_s
+        until_s = queue.now_s
         count = int((until_s - asked_s) / every_s)
         assert count > 20
         due_s = [asked_s + (i + 1) * every_s for i in range(count)]
@@ -229,9 +229,9 @@ def test_reports_come_at_host_time_while_free_time_stands():
 @pytest.mark.parametrize("free", [False, True])
 def test_a_wait_reports_temperatures_each_second_of_print_time(free):
     with Scenario("i3", free=free) as s:
-        start_s = s.printer.drive.now_s
+        start_s = s.printer.queue.now_s
         s.host.ok("M109 S100", 300)
-        seconds = s.printer.drive.now_s - start_s
+        seconds = s.printer.queue.now_s - start_s
         reports = [line for line in s.host.heard if line.endswith("W:?")]
         assert seconds > 15
         assert len(reports) == pytest.approx(seconds, abs=1.5)

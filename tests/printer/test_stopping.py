@@ -42,8 +42,8 @@ def unplug(s):
 
 def plug(s, seconds=1.0):
     """The cable is back, and the board has lived on since; so much time passes."""
-    drive = s.printer.drive
-    clock = drive.base + drive.now
+    queue = s.printer.queue
+    clock = queue.base + queue.now
     s.printer.connection.main.port.plug(clock)
     s.board.device.poll(clock)
     s.passes(seconds)
@@ -52,7 +52,7 @@ def plug(s, seconds=1.0):
 def live_on(s, seconds):
     """So much time passes, at the unplugged board too."""
     s.passes(seconds)
-    s.board.device.poll(s.printer.drive.base + s.printer.drive.now)
+    s.board.device.poll(s.printer.queue.base + s.printer.queue.now)
 
 
 @pytest.mark.parametrize("lost_s", [0.05, 2.0, 20.0])

@@ -70,8 +70,8 @@ def test_a_change_of_the_plan_keeps_a_target_at_its_end(asks, way_mm):
         s.host.ok("G92 X0 Y0 Z0")
         s.host.ok(f"G1 X{way_mm} Y3 F1800")
         s.host.ok("M104 S200")
-        job, drive, other = s.printer.job, s.printer.drive, Host(s)
-        assert s.until(lambda: job.queued == 0 and job.clock < drive.now + 0.15 * drive.hz, 10)
+        job, queue, other = s.printer.job, s.printer.queue, Host(s)
+        assert s.until(lambda: job.queued == 0 and job.clock < queue.now + 0.15 * queue.hz, 10)
         other.ok(asks)
         s.passes(3)
         assert targets(s)["hotend"] == 200
@@ -81,9 +81,9 @@ def test_a_target_outlasts_a_lost_link(monkeypatch):
     """The link fails just as the target is due."""
     with Scenario() as s:
         s.host.ok("M104 S200")
-        due = s.printer.job.next_mark or s.printer.drive.flush() or s.printer.job.next_mark
-        drive = s.printer.drive
-        run, fails = drive._run, [True]
+        due = s.printer.job.next_mark or s.printer.queue.flush() or s.printer.job.next_mark
+        queue = s.printer.queue
+        run, fails = queue._run, [True]
 
         def fail_once(clock):
             if fails and clock == due[0]:
@@ -91,11 +91,11 @@ def test_a_target_outlasts_a_lost_link(monkeypatch):
                 raise ZeroDivisionError("by the test")
             run(clock)
 
-        monkeypatch.setattr(drive, "_run", fail_once)
+        monkeypatch.setattr(queue, "_run", fail_once)
         with pytest.raises(ZeroDivisionError):
-            drive._pass(due[0])
+            queue._pass(due[0])
         assert targets(s)["hotend"] == 0
-        drive._pass(due[0] + 1)
+        queue._pass(due[0] + 1)
         assert targets(s)["hotend"] == 200
 
 
@@ -108,10 +108,10 @@ def test_off_is_the_last_word_on_a_queued_target(how, tmp_path):
             s.host.send("G1 X50 F6000", "M140 S60", "M140 S20000")
         else:
             s.host.send("M32 a.g")
-            job, drive = s.printer.job, s.printer.drive
+            job, queue = s.printer.job, s.printer.queue
 
             def near():
-                return job.next_mark and job.next_mark[0] < drive.now + 0.1 * drive.hz
+                return job.next_mark and job.next_mark[0] < queue.now + 0.1 * queue.hz
 
             assert s.until(near, 5)
             if how == "M524":

@@ -74,8 +74,8 @@ def test_a_tone_comes_in_its_place_among_the_moves(s):
     """And the moves do not wait for it."""
     hz = s.machine.board.clock_hz
     s.host.send("G1 X50 F1800", "M300 S440 P2000", "G1 X80")
-    s.until(lambda: not s.printer.drive.standing, 1)
-    s.until(lambda: s.printer.drive.standing, 10)
+    s.until(lambda: not s.printer.queue.standing, 1)
+    s.until(lambda: s.printer.queue.standing, 10)
     moved_s = s.printer.connection.now / hz
     s.passes(3)
     ((_, seconds, begin),) = tones(s)
@@ -209,15 +209,15 @@ def test_the_pin_of_a_board_with_firmware_has_these_edges():
 def test_tone_ends_while_link_is_lost(away_s, lines):
     """A board that goes on alone has the end of the tone, at rest and while it brakes."""
     with Scenario(machine(board=OWN)) as s:
-        port, drive = s.printer.connection.main.port, s.printer.drive
+        port, queue = s.printer.connection.main.port, s.printer.queue
         s.host.ok("G92 X20 Y20 Z20")
         s.board.trace_output("beeper")
         s.host.send("G1 F600", *lines)
         s.until(lambda: s.board.output_value("beeper") > 0, 5)
         port.unplug()
         s.passes(away_s)
-        port.plug(drive.base + drive.now)
-        s.board.device.poll(drive.base + drive.now)
+        port.plug(queue.base + queue.now)
+        s.board.device.poll(queue.base + queue.now)
         s.host.expect("The board is back", 10)
         s.passes(10)
         ((pitch, seconds),) = heard(s)

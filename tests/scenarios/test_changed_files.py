@@ -49,7 +49,7 @@ def test_a_file_that_changes_under_its_print_stops_it(s, change, sentence):
     assert s.host.heard.count("Done printing file") == 0
     line = int(said.split("way.g:")[1].split(":")[0])
     assert 100 < line < MOVES
-    s.until(lambda: s.printer.drive.standing, 100)
+    s.until(lambda: s.printer.queue.standing, 100)
     assert s.positions()["x"] == 20 + (line - 3) % 100
     assert s.printer.connection.heaters["hotend"].target == 60
     s.host.ok("M24")  # what is wrong does not go away

@@ -45,7 +45,7 @@ def pushed_s(s, seconds):
 
 def test_beside_a_print_it_acts_at_once(s):
     begun(s)
-    assert s.printer.drive.ahead_s > 4
+    assert s.printer.queue.ahead_s > 4
     before = filament(s)
     s.host.ok("M221 S50")
     s.passes(0.25)

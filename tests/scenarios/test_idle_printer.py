@@ -76,7 +76,7 @@ def test_m410_brakes_on_the_path_and_m400_ends(s):
     other = Host(s)
     other.send("M410")
     s.host.expect("^ok", 1)
-    assert s.until(lambda: s.printer.drive.standing, 1)
+    assert s.until(lambda: s.printer.queue.standing, 1)
     at = s.positions()["x"]
     assert 20 < at < 120
     told = float(re.match(r"X:([\d.]+)", s.host.ok("M114")[0])[1])

@@ -84,8 +84,8 @@ def test_a_dwell_ends_when_somebody_wants_it(s, command, dwell_s, further):
     s.passes(1)
     other.send(command)
     s.passes(0.3)
-    assert s.printer.drive.standing == (command == "M410")
-    assert s.until(lambda: s.printer.drive.standing, 1)
+    assert s.printer.queue.standing == (command == "M410")
+    assert s.until(lambda: s.printer.queue.standing, 1)
     assert s.positions()["x"] == before + further
     assert (s.board.output_value("part") > 0) == (command == "M108")
     assert s.host.ok("G1 X30 F6000") == ["ok"]
@@ -124,7 +124,7 @@ def test_a_whole_circle_ends_where_it_began(s):
 
     def watch():
         widest[0] = max(widest[0], at["x"] - s.positions()["x"])
-        return s.printer.drive.standing and widest[0] > 0
+        return s.printer.queue.standing and widest[0] > 0
 
     s.host.send("G2 X60 Y50 I-10 J0 F1200")
     assert s.until(watch, 20)

@@ -57,8 +57,8 @@ def printing(tmp_path):
     (tmp_path / "a.g").write_text(BOTH)
     with Scenario(machine(), card=str(tmp_path)) as scenario:
         scenario.host.ok("M32 a.g")
-        job, drive = scenario.printer.job, scenario.printer.drive
-        assert scenario.until(lambda: job.line_at(drive.now) >= 8, 300)
+        job, queue = scenario.printer.job, scenario.printer.queue
+        assert scenario.until(lambda: job.line_at(queue.now) >= 8, 300)
         assert job.tool == 0  # read ahead
         yield scenario
 
@@ -175,7 +175,7 @@ def test_filament_of_axes_may_be_pushed_in_a_pause(tmp_path, line):
     own = re.sub(r"\[park\]\n(.+\n)*", "", extruder_axes())
     with Scenario(machine(own), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 300)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 300)
         for command in ("M25", "M400", "G91", line, "M24"):
             s.host.ok(command, 60)
         s.host.expect("Done printing", 60)
@@ -249,8 +249,8 @@ def test_a_pause_about_a_change_of_tools_moves_no_axis_twice(tmp_path, line, too
     (tmp_path / "a.g").write_text(OFFSET)
     with Scenario(machine(), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        job, drive = s.printer.job, s.printer.drive
-        assert s.until(lambda: job.line_at(drive.now) >= line, 300)
+        job, queue = s.printer.job, s.printer.queue
+        assert s.until(lambda: job.line_at(queue.now) >= line, 300)
         for command in ("M25", *tools, "M400", "M24"):
             s.host.ok(command, 60)
         s.host.expect("Done printing", 60)
@@ -264,9 +264,9 @@ def test_speed_change_before_tool_move_keeps_position(tmp_path):
     (tmp_path / "a.g").write_text(OFFSET)
     with Scenario(machine(), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        job, drive = s.printer.job, s.printer.drive
+        job, queue = s.printer.job, s.printer.queue
         for line, speed in ((6, "M220 S50"), (9, "M220 S200"), (11, "M290 Z0.1")):
-            assert s.until(lambda line=line: job.line_at(drive.now) >= line, 300)
+            assert s.until(lambda line=line: job.line_at(queue.now) >= line, 300)
             s.host.ok(speed)
         s.host.expect("Done printing", 60)
         at = s.positions()

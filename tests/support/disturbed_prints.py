@@ -87,6 +87,6 @@ def reset(s, board=MAIN):
     connection = next(c for c in s.printer.connection.connections if c.name == board)
     dictionary, device = connection.dictionary, connection.port.device
     payload = _core.Formats(dictionary.commands).encode(*dictionary.values("reset"))
-    now = s.printer.drive.base + s.printer.drive.now
+    now = s.printer.queue.base + s.printer.queue.now
     for number in range(16):
         device.feed(_core.make_frame(payload, number), now)

@@ -95,7 +95,7 @@ class Observer:
             self._look()
 
     def _time_passed(self) -> None:
-        if self._printer.drive.now_s >= self._print_s:
+        if self._printer.queue.now_s >= self._print_s:
             self._look()
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
@@ -104,7 +104,7 @@ class Observer:
             self._layer = 0
         if was.active and not state.active:
             # On a busy computer the last look may be long past.
-            job, now = self._printer.job, self._printer.drive.passed
+            job, now = self._printer.job, self._printer.queue.passed
             layer = job.layer_near(now) if job.line_at(now) else 0
             for event in self._layers(runner.name, layer, self._progress.layers):
                 self._emit(event)
@@ -122,7 +122,7 @@ class Observer:
 
     def _look(self) -> None:
         self._host_s = self._loop.time() + LOOK_S
-        self._print_s = self._printer.drive.now_s + LOOK_S
+        self._print_s = self._printer.queue.now_s + LOOK_S
         if not (self._listeners or self._event_listeners):
             return
         status, last = self._status.read(), self._last
@@ -132,7 +132,7 @@ class Observer:
         self._report(status)
 
     def _report(self, status: Status) -> None:
-        host_s, print_s = self._loop.time(), self._printer.drive.now_s
+        host_s, print_s = self._loop.time(), self._printer.queue.now_s
         for listener in self._listeners:
             if host_s >= listener.host_s or print_s >= listener.print_s:
                 listener.host_s = host_s + listener.every_s

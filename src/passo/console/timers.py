@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from passo.motion.motion_queue import Alarm, Drive
+    from passo.motion.motion_queue import Alarm, MotionQueue
     from passo.printer.printer import Printer
 
 LEAST_S = 0.1  # between two of the same: more of it would drown the answers
@@ -20,7 +20,7 @@ class _Timer:
     action: Callable[[], None]
     report: bool
     handle: asyncio.TimerHandle
-    alarm: tuple[Drive, Alarm] | None = None
+    alarm: tuple[MotionQueue, Alarm] | None = None
 
 
 class Timers:
@@ -47,17 +47,17 @@ class Timers:
         handle = self._loop.call_later(seconds, self._act, name)
         timer = self._timers[name] = _Timer(seconds, action, report, handle)
         if report:
-            drive = self._printer.drive
-            alarm = drive.call_after(seconds, lambda: self._act(name))
-            timer.alarm = (drive, alarm) if alarm is not None else None
+            queue = self._printer.queue
+            alarm = queue.call_after(seconds, lambda: self._act(name))
+            timer.alarm = (queue, alarm) if alarm is not None else None
 
     def _drop(self, name: str) -> None:
         timer = self._timers.pop(name, None)
         if timer is not None:
             timer.handle.cancel()
             if timer.alarm is not None:
-                drive, alarm = timer.alarm
-                drive.cancel(alarm)
+                queue, alarm = timer.alarm
+                queue.cancel(alarm)
 
     def restart(self, name: str) -> None:
         """The interval begins anew, if there is an action of that name."""

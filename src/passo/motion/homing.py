@@ -131,7 +131,7 @@ class Homer:
         """Back to a machine position."""
         slots = [slot_of_axis(i) for i in range(len(self._axes))]
         reached = go_back(self._rig, {slot: to[slot] for slot in slots}, math.inf)
-        self._rig.drive.flush()
+        self._rig.queue.flush()
         await self._still()
         self._interrupts.raise_if_interrupted()
         if not reached:
@@ -154,8 +154,8 @@ class Homer:
         job.set_axes(list(enumerate(geometry.inverse(before))))
         try:
             a, b, _ = geometry.inverse(target)
-            rig.drive.move({X: a, Y: b}, math.inf, Within.ANYTHING)
-            rig.drive.flush()
+            rig.queue.move({X: a, Y: b}, math.inf, Within.ANYTHING)
+            rig.queue.flush()
             await self._still()
         finally:
             reached = target
@@ -177,7 +177,7 @@ class Homer:
         self._set({name: self._machine.home_mm[name] for name in fixed})
         for start in self.starts:
             start()
-        self._rig.drive.use_commits(False)
+        self._rig.queue.use_commits(False)
         batch: list[_Way] = []
         try:
             for way in self._ways(names, everything=not letters.strip("O")):
@@ -189,7 +189,7 @@ class Homer:
                 await self._together(batch)
         finally:
             if not self._interrupts.halted:
-                self._rig.drive.use_commits(True)
+                self._rig.queue.use_commits(True)
 
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_Way]:
         """Arms first. Z of a delta that has a switch of its own needs them only to know where it
@@ -283,12 +283,12 @@ class Homer:
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
         stops = {s.name: s.steppers for w in ways for s in w.switches}
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
-        drive = rig.drive
+        queue = rig.queue
         if not rig.positions.settled:
             rig.positions.settle()
-        drive.before_moves()
+        queue.before_moves()
         overshoot = Overshoot(rig, self._endstops, joints=self._joints)
-        start = drive.base + int(rig.job.clock - _ARMED_S * drive.hz)
+        start = queue.base + int(rig.job.clock - _ARMED_S * queue.hz)
         self._endstops.arm(stops, start, min(_REST_S, max(1.0 / finest, 5e-5)))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
         passed = 0.0
@@ -299,16 +299,16 @@ class Homer:
                 if time >= end:
                     target[way.slot] = self._at(way.slot) + way.sign * speed * (end - passed)
                     square += speed * speed
-            drive.move(target, math.sqrt(square), Within.ANYTHING)
+            queue.move(target, math.sqrt(square), Within.ANYTHING)
             passed = end
-        rig.drive.flush()
+        rig.queue.flush()
         try:
-            await drive.until(
-                lambda: self._all_hit(overshoot) or drive.standing or self._interrupts.interrupted
+            await queue.until(
+                lambda: self._all_hit(overshoot) or queue.standing or self._interrupts.interrupted
             )
-            if not drive.standing:
-                drive.stop(program=False)
-                await drive.until(lambda: drive.standing or bool(self._interrupts.halted))
+            if not queue.standing:
+                queue.stop(program=False)
+                await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
             self._all_hit(overshoot)
         finally:
             self._endstops.disarm()
@@ -343,18 +343,18 @@ class Homer:
         for way, distance in zip(ways, by, strict=True):
             target[way.slot] = self._at(way.slot) + way.sign * distance
             square += way.config.fast**2
-        rig.drive.move(target, math.sqrt(square), Within.ANYTHING)
-        rig.drive.flush()
+        rig.queue.move(target, math.sqrt(square), Within.ANYTHING)
+        rig.queue.flush()
         await self._still()
         self._interrupts.raise_if_interrupted()
 
     async def _still(self) -> None:
         """Until the machine stands, which somebody may make it do early."""
-        drive = self._rig.drive
-        await drive.until(lambda: drive.standing or self._interrupts.interrupted)
-        if not drive.standing:
-            drive.stop(program=False)
-            await drive.until(lambda: drive.standing or bool(self._interrupts.halted))
+        queue = self._rig.queue
+        await queue.until(lambda: queue.standing or self._interrupts.interrupted)
+        if not queue.standing:
+            queue.stop(program=False)
+            await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
 
     def _steps(self, way: _Way) -> float:
         return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)

@@ -41,7 +41,7 @@ class Alarm:
     action: Callable[[], None]
 
 
-class Drive:
+class MotionQueue:
     """Lets print time pass on one board and one plan. One task runs `run`; all else is called from
     the same event loop.
 

@@ -8,7 +8,7 @@ from passo import _core
 from passo.board.boards import Boards
 from passo.config.machine import MachineConfig
 from passo.config.motor_roles import axis_order
-from passo.motion.motion_queue import Drive
+from passo.motion.motion_queue import MotionQueue
 from passo.motion.positions import Positions
 
 
@@ -16,13 +16,13 @@ class Rig:
     """Parts of a printer keep the rig and ask it for the others each time, since a restart of the
     boards replaces them: `connect` first, then `plan`. To be used within one event loop.
 
-    `connection`: the boards. `job`: the interpreter and the plan. `drive`: the motion queue.
+    `connection`: the boards. `job`: the interpreter and the plan. `queue`: the motion queue.
     `positions`: where the machine is.
     """
 
     connection: Boards
     job: _core.Job
-    drive: Drive
+    queue: MotionQueue
     positions: Positions
 
     def __init__(self, machine: MachineConfig, *, free: bool) -> None:
@@ -37,9 +37,9 @@ class Rig:
         """An empty plan for the boards. `on_mark` is called with the number and the value of each
         mark that print time reaches."""
         self.job = _core.Job(self.machine.core_spec(), True, False, False)
-        self.drive = Drive(self.connection, self.job, free=self._free, on_mark=on_mark)
+        self.queue = MotionQueue(self.connection, self.job, free=self._free, on_mark=on_mark)
         self.positions = Positions(
-            self.machine, self.connection, self.job, lambda: self.drive.passed
+            self.machine, self.connection, self.job, lambda: self.queue.passed
         )
 
     def lock(self, axes: Iterable[str]) -> None:

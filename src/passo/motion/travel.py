@@ -17,15 +17,15 @@ def go_over(rig: Rig, place: Mapping[int, float], speed_mm_s: float) -> bool:
     """Adds the moves that lead over a place, by slot in machine mm. Arms that lift together reach
     only the middle at the top, so the nozzle goes down there first: to the height of parking above
     the place, or to its own where that is too near the top. False if they do not reach it."""
-    machine, drive = rig.machine, rig.drive
+    machine, queue = rig.machine, rig.queue
     across = {slot: mm for slot, mm in place.items() if slot != Z}
     if Z not in place or not machine.geometry.lifts_together:
-        return drive.move(across, speed_mm_s, Within.REACH)
+        return queue.move(across, speed_mm_s, Within.REACH)
     raise_mm = machine.park.raise_mm if machine.park else 0.0
     for height in (place[Z] + raise_mm, place[Z]):
         if rig.job.machine_position[Z] > height:
-            drive.move({Z: height}, math.inf, Within.REACH)
-        if drive.move(across, speed_mm_s, Within.REACH):
+            queue.move({Z: height}, math.inf, Within.REACH)
+        if queue.move(across, speed_mm_s, Within.REACH):
             return True
     return False
 
@@ -33,4 +33,4 @@ def go_over(rig: Rig, place: Mapping[int, float], speed_mm_s: float) -> bool:
 def go_back(rig: Rig, place: Mapping[int, float], speed_mm_s: float) -> bool:
     """Adds the moves that lead over a place and then down to it. False if arms do not reach it."""
     over = go_over(rig, place, speed_mm_s)
-    return over and (Z not in place or rig.drive.move({Z: place[Z]}, math.inf, Within.REACH))
+    return over and (Z not in place or rig.queue.move({Z: place[Z]}, math.inf, Within.REACH))

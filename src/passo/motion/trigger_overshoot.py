@@ -35,7 +35,7 @@ class Overshoot:
         """While the plan still knows where it was when a switch was hit: within a second."""
         for name, clock in self._endstops.hit.items():
             if name not in self._hit_at:
-                found = self._rig.job.position_at(clock - self._rig.drive.base)
+                found = self._rig.job.position_at(clock - self._rig.queue.base)
                 if found is not None:
                     self._hit_at[name] = found
 

@@ -78,11 +78,11 @@ class Dispatch:
         """True if a planned line can be read without a wait by the caller that holds the motion
         lock."""
         rig, state = self._rig, self._state
-        lost = rig.drive.interrupted and not state.halted  # what is held comes first
+        lost = rig.queue.interrupted and not state.halted  # what is held comes first
         if state.host_paused or lost or not rig.job.at_boundary:
             return False
         # Beside a print the plan is always full: a line comes behind what is planned.
-        return rig.job.queued <= MOST_QUEUED if state.busy() else not rig.drive.full
+        return rig.job.queued <= MOST_QUEUED if state.busy() else not rig.queue.full
 
     async def room(self) -> bool:
         """Waits until a planned line can be read; the caller holds the motion lock. True if M108
@@ -132,7 +132,7 @@ class Dispatch:
         wait = self._go_on(reply)
         while wait is not None:
             if isinstance(wait, Still) and wait.then is not None:
-                self._rig.drive.flush()
+                self._rig.queue.flush()
                 wait.then()
             wait = self._go_on(reply)
 
@@ -217,7 +217,7 @@ class Dispatch:
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Carries out a command that the interpreter handed out."""
-        self._rig.drive.before_moves()
+        self._rig.queue.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
             return Still(partial(self._carried_out, handler, command, reply))
@@ -252,7 +252,7 @@ class Dispatch:
 
     def _go_on(self, reply: Reply) -> Wait | None:
         rig, status = self._rig, _core.JobStatus
-        rig.drive.before_moves()
+        rig.queue.before_moves()
         try:
             while True:
                 found = rig.job.advance()
@@ -276,7 +276,7 @@ class Dispatch:
             self._forget_line()
             raise
         finally:
-            rig.drive.after_moves()
+            rig.queue.after_moves()
 
 
 def _respond(reply: Reply, text: str) -> None:

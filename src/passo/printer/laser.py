@@ -23,9 +23,9 @@ class Laser:
     def off(self) -> None:
         """Off when the moves so far are done, until it is switched on again."""
         if self._rig.machine.laser and not self._state.halted:
-            self._rig.drive.before_moves()
+            self._rig.queue.before_moves()
             self._rig.commands.laser_off()
-            self._rig.drive.after_moves()
+            self._rig.queue.after_moves()
 
     @contextmanager
     def dark(self) -> Generator[None]:
@@ -45,6 +45,6 @@ class Laser:
 
     def _shade(self, *, dark: bool) -> None:
         self._dark = dark
-        self._rig.drive.before_moves()
+        self._rig.queue.before_moves()
         self._rig.commands.shade(dark=dark)
-        self._rig.drive.after_moves()
+        self._rig.queue.after_moves()

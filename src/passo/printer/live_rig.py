@@ -28,10 +28,10 @@ class LiveRig(Rig):
         boards = self.connection
         full = [boards.full_scale(output.name) for output in boards.board.outputs]
         self.commands = Commands(self.machine, self.job, heat, full, self.macros)
-        self.commands.record_at_once = self.drive.record_at_once
+        self.commands.record_at_once = self.queue.record_at_once
 
     def set_fan(self, fan: str, share: float) -> None:
         """Sets a fan's speed, 0 to 1, when the moves so far are done."""
-        self.drive.before_moves()
+        self.queue.before_moves()
         self.commands.set_output(fan, share)
-        self.drive.after_moves()
+        self.queue.after_moves()

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.board.faults import HeaterFault
     from passo.config.machine import MachineConfig
-    from passo.motion.motion_queue import Drive
+    from passo.motion.motion_queue import MotionQueue
     from passo.motion.positions import Positions
     from passo.printer.commands.program import Commands
 
@@ -158,9 +158,9 @@ class Printer:
         return self.rig.job
 
     @property
-    def drive(self) -> Drive:
+    def queue(self) -> MotionQueue:
         """The motion queue."""
-        return self.rig.drive
+        return self.rig.queue
 
     @property
     def positions(self) -> Positions:
@@ -218,8 +218,8 @@ class Printer:
             failure = failure or error
         self.state.start_failure = failure
         rig.plan_commands(self.targets, self._mark_reached)
-        rig.drive.on_motion = self._before_motion
-        rig.drive.on_pass = self._time_passed
+        rig.queue.on_motion = self._before_motion
+        rig.queue.on_pass = self._time_passed
         self._stopped_tool = 0
         if connection.adopted:
             # No board tells whether the host before has left them on. So they go off when the
@@ -282,7 +282,7 @@ class Printer:
     def close(self) -> None:
         """Lets go of the board, heaters and laser off, then of all else,
         whatever fails. Nothing may be asked of the printer after that."""
-        self.drive.close()
+        self.queue.close()
         with ExitStack() as last_comes_first:
             for closer in self.closers:
                 last_comes_first.callback(closer)
@@ -334,7 +334,7 @@ class Printer:
         self.targets.cooled_c.clear()
         self.connection.switch_heaters_off()
         self.connection.emergency_stop()
-        self.drive.await_answer()
+        self.queue.await_answer()
 
     def emergency_stop(self) -> None:
         """M112."""
@@ -377,7 +377,7 @@ class Printer:
 
     def stop(self) -> None:
         """Brakes to a stop on the path and forgets all moves that were planned."""
-        self.drive.stop()
+        self.queue.stop()
         self.commands.plan_forgotten()
         self.commands.follow_tool()
         self.targets.cooled_c.clear()
@@ -391,7 +391,7 @@ class Printer:
         """M108: ends the wait under way, for moves, time, temperatures or the user. Moves go on.
         Where only a paused file waits for the user, it goes on."""
         waited = self.waits.busy
-        self.drive.skip_dwell()
+        self.queue.skip_dwell()
         self.waits.end()
         if not waited:
             self.state.end_asking()
@@ -400,7 +400,7 @@ class Printer:
 
     def suspend_job(self) -> None:
         """Brakes to a stop on the path and suspends the rest of the job: other moves may come."""
-        self.drive.hold()
+        self.queue.hold()
         self.job.suspend()
         self.offsets.suspend()
         self._stopped_tool = self.job.tool
@@ -413,12 +413,12 @@ class Printer:
 
     def resume_job(self) -> None:
         """Goes on with the suspended job, the machine being back at its stop position."""
-        self.drive.before_moves()
+        self.queue.before_moves()
         if self.job.suspended:
             self.offsets.resume()
         self.job.resume()
         self.commands.follow_tool()
-        self.drive.after_moves()
+        self.queue.after_moves()
         self.laser.light()
 
     # -- amounts ----------------------------------------------------------------------------------

@@ -26,9 +26,9 @@ class Targets:
         if at_once:
             self._rig.connection.set_target(heater, celsius)
             return
-        self._rig.drive.before_moves()
+        self._rig.queue.before_moves()
         self._rig.job.mark(self._heaters.index(heater), round(celsius * 100))
-        self._rig.drive.after_moves()
+        self._rig.queue.after_moves()
 
     def mark_reached(self, index: int, value: int) -> bool:
         """Print time has reached a mark. True if it was that of a heater."""

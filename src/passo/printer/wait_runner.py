@@ -94,7 +94,7 @@ class Waiting:
             return there() or bool(state.halted) or (self._impatient and rig.job.at_boundary)
 
         try:
-            await rig.drive.until(let_in, idly=True)
+            await rig.queue.until(let_in, idly=True)
         finally:
             self.for_room = False
         return self._impatient
@@ -146,16 +146,16 @@ class Waiting:
     async def _more(self) -> None:
         """Until more can be planned of a line that nobody can end but by a stop."""
         rig, state = self._rig, self._state
-        await rig.drive.until(
-            lambda: not (rig.drive.full or state.host_paused) or bool(state.halted), idly=True
+        await rig.queue.until(
+            lambda: not (rig.queue.full or state.host_paused) or bool(state.halted), idly=True
         )
         state.raise_if_halted()
 
     async def _still(self, aside: Callable[[], bool]) -> bool:
         rig, state = self._rig, self._state
-        rig.drive.flush()
-        await rig.drive.until(
-            lambda: rig.drive.standing or self._impatient or bool(state.halted) or aside()
+        rig.queue.flush()
+        await rig.queue.until(
+            lambda: rig.queue.standing or self._impatient or bool(state.halted) or aside()
         )
         state.raise_if_halted()
         return not aside()
@@ -182,7 +182,7 @@ class Waiting:
     async def _reach(self, wait: Temperatures, reply: Reply) -> None:
         rig, state = self._rig, self._state
         heaters = {name: rig.connection.heaters[name] for name in wait.heaters}
-        told_s = rig.drive.now_s
+        told_s = rig.queue.now_s
         cooling = {name: _Cooling(name, reply) for name in heaters}
 
         cools: dict[tuple[str, float], bool] = {}  # was it too warm for that target?
@@ -196,11 +196,11 @@ class Waiting:
                 return True
             if began_above and not wait.cooling:
                 return False
-            return cooling[name].goes_on(rig.drive.now_s, h.celsius)
+            return cooling[name].goes_on(rig.queue.now_s, h.celsius)
 
         def there() -> bool:
             nonlocal told_s
-            if rig.drive.now_s >= told_s + WARMING_S:
+            if rig.queue.now_s >= told_s + WARMING_S:
                 told_s += WARMING_S
                 reply.warming(f" {self.temperatures()} W:?")
             # Each is looked at: those that cool do so at the same time.
@@ -209,7 +209,7 @@ class Waiting:
 
         self.heating = True
         try:
-            await rig.drive.until(there)
+            await rig.queue.until(there)
         finally:
             self.heating = False
         # The link's thread may have seen a fault of which nobody has been told yet.
@@ -221,20 +221,20 @@ class Waiting:
         self.heating = True
         try:
             # Who has switched the heater off must not find it heating for one step more.
-            await self._rig.drive.until(lambda: self._state.interrupted or wait.step())
+            await self._rig.queue.until(lambda: self._state.interrupted or wait.step())
         finally:
             self.heating = False
             wait.finish()
 
     async def _person(self, wait: Person, reply: Reply) -> None:
-        state, drive = self._state, self._rig.drive
+        state, queue = self._state, self._rig.queue
         reply.say("echo:busy: paused for user")
-        end = drive.now + wait.seconds * drive.hz
+        end = queue.now + wait.seconds * queue.hz
         self.person = True
         try:
             with self._prompts.waited_for(for_ever=wait.seconds <= 0):
-                await drive.until(
-                    lambda: state.interrupted or (wait.seconds > 0 and drive.now >= end),
+                await queue.until(
+                    lambda: state.interrupted or (wait.seconds > 0 and queue.now >= end),
                     idly=wait.seconds <= 0,
                 )
         finally:
@@ -252,7 +252,7 @@ class Waiting:
         for name, celsius in cooled.items():
             rig.connection.set_target(name, celsius)
         if cooled:
-            rig.drive.before_moves()  # it stands idle no longer
+            rig.queue.before_moves()  # it stands idle no longer
         waited: list[str] = list(cooled)
         while waited:
             try:

@@ -42,7 +42,7 @@ class _Halt:
     ) -> None:
         self.when = datetime.now().astimezone()
         self.host_s = host_s
-        self.print_s = printer.drive.now_s
+        self.print_s = printer.queue.now_s
         self.why = printer.state.why_halted
         self.cause = cause
         self.job = job
@@ -83,7 +83,7 @@ class HaltReports:
         return JobMoment(
             runner.state.name.lower(),
             runner.name,
-            printer.job.line_at(printer.drive.passed) if runner.active else 0,
+            printer.job.line_at(printer.queue.passed) if runner.active else 0,
             runner.offset if runner.reader else 0,
             runner.size,
             self._progress.printed_s,

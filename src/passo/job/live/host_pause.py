@@ -110,7 +110,7 @@ class HostPause:
         try:
             printer.tell("echo:busy: paused for user")
             with printer.prompts.waited_for():
-                await printer.drive.until(lambda: printer.state.interrupted, idly=True)
+                await printer.queue.until(lambda: printer.state.interrupted, idly=True)
         finally:
             printer.prompts.answered()
         printer.state.raise_if_halted()
@@ -134,7 +134,7 @@ class HostPause:
         printer = self._printer
         if printer.state.busy() or printer.halted or printer.state.host_paused:
             return
-        if not printer.waits.busy and printer.drive.idle_s > RECENT_S:
+        if not printer.waits.busy and printer.queue.idle_s > RECENT_S:
             printer.tell("// action:pause")
             return
         printer.state.host_paused = True
@@ -144,7 +144,7 @@ class HostPause:
         printer = self._printer
         text = f"Heater {fault.heater} failed; repair it, then M108 continues and rearms it"
         try:
-            await printer.drive.until(
+            await printer.queue.until(
                 lambda: not printer.waits.busy or bool(printer.halted), idly=True
             )
             mended = printer.connection.heaters[fault.heater].fault is None  # in another pause

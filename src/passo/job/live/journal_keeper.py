@@ -101,8 +101,8 @@ class JournalKeeper:
     def _has_moved(self) -> bool:
         """A move of the print has begun, or is to come though it stands."""
         printer = self._printer
-        line = self._recorded.line or printer.job.line_at(printer.drive.passed)
-        return line > 1 or not printer.drive.standing
+        line = self._recorded.line or printer.job.line_at(printer.queue.passed)
+        return line > 1 or not printer.queue.standing
 
     def _begin(self) -> None:
         """Before the first line of a print is read."""
@@ -117,7 +117,7 @@ class JournalKeeper:
         self._overrides.begin()
         self._settings.begin()
         # One that was stopped by a line goes on behind it.
-        line = self._printer.job.line_at(self._printer.drive.passed) or self._runner.first_line
+        line = self._printer.job.line_at(self._printer.queue.passed) or self._runner.first_line
         self._recorded = self._moment(line, self._seen_z_mm)
         read = reader.tell()  # more than was planned of it
         try:
@@ -151,14 +151,14 @@ class JournalKeeper:
 
     def _follow_print(self) -> None:
         printer = self._printer
-        drive = printer.drive
+        queue = printer.queue
         # Of the time up to which targets have been set: the line of a later move would be recorded
         # with a heater's target from before it. Asked often: it forgets what is past.
-        line = printer.job.line_at(drive.passed)
+        line = printer.job.line_at(queue.passed)
         before, self._seen_z_mm = self._seen_z_mm, self._z()
         settlings = printer.positions.settlings
         elsewhere, self._settlings = settlings != self._settlings, settlings
-        early = drive.passed / drive.hz < self._recorded.print_s + EVERY_S
+        early = queue.passed / queue.hz < self._recorded.print_s + EVERY_S
         if early and not elsewhere and not self._z_matters(before):
             return
         last = self._recorded
@@ -239,14 +239,14 @@ class JournalKeeper:
 
     def _z(self) -> float:
         job = self._printer.job
-        return (job.position_at(self._printer.drive.passed) or job.machine_position)[2]
+        return (job.position_at(self._printer.queue.passed) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
         printer = self._printer
         babysteps_mm = printer.offsets.of_program_mm(suspended=printer.job.suspended)
         return Moment(
             line if line > 1 else 0,
-            round(printer.drive.passed / printer.drive.hz, 3),
+            round(printer.queue.passed / printer.queue.hz, 3),
             round(z_mm, 6),
             {n: h.target for n, h in printer.connection.heaters.items()},
             self._overrides.held,

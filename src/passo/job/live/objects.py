@@ -45,7 +45,7 @@ class PrintObjects:
         if not self._runner.active:
             return None
         job = self._printer.job
-        number = job.object_of_line(job.line_at(self._printer.drive.passed))
+        number = job.object_of_line(job.line_at(self._printer.queue.passed))
         return number if number >= 0 else None
 
     @property

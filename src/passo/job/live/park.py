@@ -67,12 +67,12 @@ class Park:
         self._left = printer.job.machine_position if self._here else None
         if park is None or printer.job.locked_axes:
             return
-        await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
+        await printer.queue.until(lambda: printer.queue.standing or bool(printer.halted))
         printer.state.raise_if_halted()
         if not printer.job.suspended:
             return  # cancelled meanwhile
         self._take_tool()
-        drive, at = printer.drive, self._place()
+        queue, at = printer.queue, self._place()
         extrudes = printer.can_extrude()
         self._retracted_mm = abs(words.get("E", park.retract_mm)) if extrudes else 0.0
         self._load_mm = abs(words.get("L", 0.0))
@@ -80,10 +80,10 @@ class Park:
         top = printer.machine.axes["z"].max_mm
         self._away = True
         self._push(-self._retracted_mm, park.retract_mm_s)
-        drive.move({Z: min(at[Z] + lift_mm, max(top, at[Z]))}, math.inf)
+        queue.move({Z: min(at[Z] + lift_mm, max(top, at[Z]))}, math.inf)
         place = dict(zip((X, Y), park.position_mm or (), strict=False))
         place |= {slot: words[letter] for slot, letter in ((X, "X"), (Y, "Y")) if letter in words}
-        if place and not drive.move(place, park.speed_mm_s):
+        if place and not queue.move(place, park.speed_mm_s):
             problem = printer.commands.problem()
             text = f"The nozzle stays over the print: {problem}"
             printer.state.announce(_log, logging.WARNING, text, problem)
@@ -110,7 +110,7 @@ class Park:
         """So much filament out of the nozzle."""
         if mm:
             at = self._printer.job.machine_position[E]
-            self._printer.drive.move({E: at + mm}, speed_mm_s)
+            self._printer.queue.move({E: at + mm}, speed_mm_s)
 
     async def come_back(self) -> None:
         """To that place, over it first and then down. A babystep meanwhile moves where the print
@@ -169,5 +169,5 @@ class Park:
 
     async def _still(self) -> None:
         printer = self._printer
-        printer.drive.flush()
-        await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
+        printer.queue.flush()
+        await printer.queue.until(lambda: printer.queue.standing or bool(printer.halted))

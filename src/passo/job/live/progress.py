@@ -33,13 +33,13 @@ class Stopwatch:
     @property
     def seconds(self) -> float:
         """Time counted so far."""
-        running = 0.0 if self._since_s is None else self._printer.drive.now_s - self._since_s
+        running = 0.0 if self._since_s is None else self._printer.queue.now_s - self._since_s
         return self._sum_s + running
 
     def start(self) -> None:
         """Counts from now on, beside what it has counted before."""
         if self._since_s is None:
-            self._since_s = self._printer.drive.now_s
+            self._since_s = self._printer.queue.now_s
 
     def pause(self) -> None:
         """Counts no more, until started."""
@@ -197,7 +197,7 @@ class Progress:
         if not found or not found.seconds:
             return None
         total = found.seconds
-        ahead = max(0.0, self._printer.drive.ahead_s)
+        ahead = max(0.0, self._printer.queue.ahead_s)
         done = found.before_s + self._printer.planned_s() - self._planned_s - ahead
         return min(max(done, 0.0), total), total
 

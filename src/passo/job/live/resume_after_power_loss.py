@@ -84,8 +84,8 @@ class Recovery:
         if printer.positions.restore(self._moment.origins):
             z = printer.job.machine_position[Z]
             top = max(machine.axes["z"].max_mm, z)
-            if printer.drive.move({Z: min(z + raise_mm, top)}, math.inf):
-                printer.drive.flush()
+            if printer.queue.move({Z: min(z + raise_mm, top)}, math.inf):
+                printer.queue.flush()
             return
         if machine.geometry.lifts_together:
             await printer.homer.home("")
@@ -134,13 +134,13 @@ class Recovery:
         await self._go({Z: at[Z]}, math.inf)
 
     async def _go(self, target: dict[int, float], speed_mm_s: float) -> None:
-        reached = self._printer.drive.move(target, speed_mm_s, Within.REACH)
+        reached = self._printer.queue.move(target, speed_mm_s, Within.REACH)
         await self._arrive(reached=reached)
 
     async def _arrive(self, *, reached: bool) -> None:
         printer = self._printer
         if not reached:
             raise CommandError.of("job.other-file", self._program.path)
-        printer.drive.flush()
-        await printer.drive.until(lambda: printer.drive.standing or printer.state.interrupted)
+        printer.queue.flush()
+        await printer.queue.until(lambda: printer.queue.standing or printer.state.interrupted)
         printer.state.raise_if_interrupted()

@@ -297,9 +297,9 @@ class Runner:
         """Heaters and fans off."""
         printer = self._printer
         printer.targets.switch_off(printer.machine.heaters)
-        printer.drive.before_moves()
+        printer.queue.before_moves()
         printer.commands.fans_off()
-        printer.drive.after_moves()
+        printer.queue.after_moves()
 
     def _refuse_if_active(self) -> None:
         if self.engaged:
@@ -414,10 +414,10 @@ class Runner:
 
     async def _room(self) -> None:
         """Until the plan no longer reaches far enough ahead."""
-        printer, drive = self._printer, self._printer.drive
-        await drive.until(
+        printer, queue = self._printer, self._printer.queue
+        await queue.until(
             lambda: (
-                not (drive.full or printer.state.host_paused or drive.interrupted)
+                not (queue.full or printer.state.host_paused or queue.interrupted)
                 or not self.state.prints
                 or bool(printer.halted)
             ),
@@ -428,7 +428,7 @@ class Runner:
         """Plans as far ahead as is useful; True at the end of the file. The caller holds the motion
         lock."""
         printer = self._printer
-        job, drive = printer.job, printer.drive
+        job, queue = printer.job, printer.queue
         printer.state.raise_if_halted()
         if self.state is JobState.PAUSED:
             self._set_aside()
@@ -440,13 +440,13 @@ class Runner:
         printer.state.program = self._reply
         if self._waits_for is not None:
             return await self._wait()
-        drive.before_moves()
+        queue.before_moves()
         try:
-            horizon = drive.now + _AHEAD_S * drive.hz
+            horizon = queue.now + _AHEAD_S * queue.hz
             found = job.advance(horizon, _MOST_MESSAGES, rest_of_line)
         finally:
-            drive.after_moves()
-        if found == _core.JobStatus.FULL and not rest_of_line and not drive.full:
+            queue.after_moves()
+        if found == _core.JobStatus.FULL and not rest_of_line and not queue.full:
             await asyncio.sleep(TICK_S)  # it is the link that does not keep up
         return await self._answer(found)
 
@@ -548,12 +548,12 @@ class Runner:
 
     async def _finish(self) -> bool:
         """Lets the last moves end, and the laser go off with them; a pause in them still counts."""
-        drive = self._printer.drive
+        queue = self._printer.queue
         self._printer.laser.off()
-        drive.flush()
-        await drive.until(
+        queue.flush()
+        await queue.until(
             lambda: (
-                drive.standing
+                queue.standing
                 or self.state is not JobState.PRINTING  # the pause may be over by now
                 or bool(self._printer.halted)
             )

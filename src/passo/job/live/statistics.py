@@ -51,7 +51,7 @@ class Statistics:
         self._history: History | None = None
         self._missing = CommandError.of("settings.nowhere")
         self._on_s = self._stored_s = 0.0
-        self._seen_s = self._noted_s = printer.drive.now_s
+        self._seen_s = self._noted_s = printer.queue.now_s
         self._job: Print | None = None  # the one that is under way
         self.immediate: dict[str, Handler] = {"M78": self._statistics}
         if directory is None:
@@ -96,7 +96,7 @@ class Statistics:
         self._note(job, how)
 
     def _note(self, job: Print, how: str) -> None:
-        self._noted_s = self._printer.drive.now_s
+        self._noted_s = self._printer.queue.now_s
         if self._history is None:
             return
         printer = self._printer
@@ -108,7 +108,7 @@ class Statistics:
             printer.state.announce(_log, logging.WARNING, text)
 
     def _time_passed(self) -> None:
-        before, self._seen_s = self._seen_s, self._printer.drive.now_s
+        before, self._seen_s = self._seen_s, self._printer.queue.now_s
         self._on_s += max(self._seen_s - before, 0.0)  # the board's clock may begin anew
         if self._job is not None and abs(self._seen_s - self._noted_s) > _PRINT_EVERY_S:
             self._note(self._job, "interrupted")

@@ -56,7 +56,7 @@ class StatusReader:
         return Status(
             state=self._state(),
             halted=printer.halted,
-            time_s=max(printer.drive.now_s, 0.0),
+            time_s=max(printer.queue.now_s, 0.0),
             position_mm=shown,
             homed=homed,
             tool=job.tool,
@@ -85,7 +85,7 @@ class StatusReader:
             return PrinterState.PAUSED
         if self._runner.active:
             return PrinterState.PRINTING
-        busy = printer.motion_lock.locked or not printer.drive.idle
+        busy = printer.motion_lock.locked or not printer.queue.idle
         return PrinterState.BUSY if busy else PrinterState.IDLE
 
     def _motion(self) -> MotionStatus:
@@ -95,7 +95,7 @@ class StatusReader:
         return MotionStatus(
             speed_mm_s=nozzle,
             filament_mm_s=filament,
-            queued_s=max(printer.drive.ahead_s, 0.0),
+            queued_s=max(printer.queue.ahead_s, 0.0),
             max_speed_mm_s=job.limit("speed"),
             max_accel_mm_s2=job.limit("print_accel"),
             absolute=absolute,
@@ -107,10 +107,10 @@ class StatusReader:
     def _speeds(self) -> tuple[float, float]:
         """Of the nozzle and of the filament, mm/s; backwards is less than 0 for the filament."""
         printer, job = self._printer, self._printer.job
-        now = printer.drive.passed
-        if printer.halted or printer.drive.idle:
+        now = printer.queue.passed
+        if printer.halted or printer.queue.idle:
             return 0.0, 0.0
-        then = now - int(_SPEED_OVER_S * printer.drive.hz)
+        then = now - int(_SPEED_OVER_S * printer.queue.hz)
         to, start = job.position_at(now), job.position_at(then)
         if to is None or start is None:
             return 0.0, 0.0
@@ -152,7 +152,7 @@ class StatusReader:
         runner, progress = self._runner, self._progress
         if not runner.active:
             return None
-        job, now = self._printer.job, self._printer.drive.passed
+        job, now = self._printer.job, self._printer.queue.passed
         line = job.line_at(now)  # what lies behind it is forgotten
         return JobStatus(
             file=runner.name,

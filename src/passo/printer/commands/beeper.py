@@ -94,7 +94,7 @@ class Beeper:
     def time_passed(self) -> None:
         """Orders the next tone when the last one has ended."""
         boards = self._rig.connection
-        if self._state.halted or self._rig.drive.interrupted:
+        if self._state.halted or self._rig.queue.interrupted:
             self._due.clear()
         now, per_s = boards.now, boards.board.clock_hz
         while self._due:
@@ -130,11 +130,11 @@ class Beeper:
     def _plan(self, hz: int, ms: int) -> None:
         rig = self._rig
         self._planned += 1
-        rig.drive.before_moves()
+        rig.queue.before_moves()
         rig.job.mark(len(rig.machine.heaters), (self._era * _MARK + hz) * _MARK + ms)
-        rig.drive.after_moves()
+        rig.queue.after_moves()
 
     async def _room(self) -> None:
-        await self._rig.drive.until(
+        await self._rig.queue.until(
             lambda: len(self._due) < _MOST_TONES // 2 or self._state.interrupted
         )

@@ -55,7 +55,7 @@ class Mains:
 
     async def _rise(self) -> None:
         self._switch(self._rig.connection, True)
-        await self._rig.drive.sleep(_RISES_S)
+        await self._rig.queue.sleep(_RISES_S)
 
     def _switch_off(self, _: Command, __: Reply) -> Wait | None:
         self._laser.off()  # before the motors

@@ -67,7 +67,7 @@ class SimulatedFaultCommands:
         """Print time counts on where the boards were restarted."""
         if not self._free:
             return
-        now_s = self._rig.drive.now_s
+        now_s = self._rig.queue.now_s
         self._passed_s += max(now_s - self._seen_s, 0.0)
         self._seen_s = now_s
         due = [order for at_s, order in self._due if at_s <= self._passed_s]

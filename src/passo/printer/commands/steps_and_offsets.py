@@ -155,7 +155,7 @@ class MotionCommands:
         if note:
             reply.say(f"echo:{note}")
         if live:
-            self._rig.drive.replan()
+            self._rig.queue.replan()
         return None
 
     def axis_limit_lines(self, what: str) -> list[str]:
@@ -177,7 +177,7 @@ class MotionCommands:
         if note:
             reply.note(note, note)
         if live:
-            self._rig.drive.replan()
+            self._rig.queue.replan()
         return None
 
     def acceleration_line(self) -> str:
@@ -194,7 +194,7 @@ class MotionCommands:
         if note:
             reply.note(note, note)
         if live:
-            self._rig.drive.replan()
+            self._rig.queue.replan()
         return None
 
     def _velocity_limit(self, command: Command, reply: Reply) -> Wait | None:
@@ -203,7 +203,7 @@ class MotionCommands:
         if note:
             reply.note(note, note)
         if live:
-            self._rig.drive.replan()
+            self._rig.queue.replan()
         return None
 
     def velocity_line(self) -> str:
@@ -331,7 +331,7 @@ class MotionCommands:
         if factor is None:
             reply.say(f"echo:E{tool} Flow: {self._rig.job.flows[extruder] * 100:g}%")
         elif live:
-            self._rig.drive.scale_flow(extruder, factor)
+            self._rig.queue.scale_flow(extruder, factor)
         else:
             self._rig.job.set_flow(extruder, factor)
         return None
@@ -340,7 +340,7 @@ class MotionCommands:
         if self._homer.active:
             raise CommandError.of("input.homing", axis=command.code)
         for axis, mm in self._rig.commands.babysteps(command):
-            if not self._rig.drive.shift(axis, mm):
+            if not self._rig.queue.shift(axis, mm):
                 raise CommandError([self._rig.commands.problem()])
             self.offsets.babysteps_mm["xyz"[axis]] += mm
         return None
@@ -358,5 +358,5 @@ class MotionCommands:
         if note:
             reply.say(f"echo:{note}")
         if live:
-            self._rig.drive.replan()
+            self._rig.queue.replan()
         return None

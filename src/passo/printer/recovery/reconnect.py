@@ -56,7 +56,7 @@ class Reconnection:
         halted meanwhile, PlaceLostError when a board's place cannot be proved, and MachineError
         when one has shut down."""
         held = self.rig.job.holds
-        self.rig.drive.interrupted = True
+        self.rig.queue.interrupted = True
         attempt = _Attempt(self)
         plug = ": plug it in again, or give up with M112" if attempt.silent else ""
         problem = str(lost).partition(".")[0]
@@ -76,9 +76,9 @@ class Reconnection:
                 await asyncio.sleep(_AGAIN_S)
         if self.state.halted:
             raise lost
-        self.rig.drive.interrupted = False
+        self.rig.queue.interrupted = False
         if not held:
-            self.rig.drive.release()
+            self.rig.queue.release()
 
 
 class _Attempt:
@@ -96,7 +96,7 @@ class _Attempt:
     def outlook(self) -> str:
         """What the boards do meanwhile."""
         who = "The board" if len(self._connections) == 1 else "Each board"
-        if not self._rig.drive.commits:
+        if not self._rig.queue.commits:
             return f"Axes were homing: their place is lost. {who} keeps warm for a minute"
         return f"{who} stops by itself and keeps warm for a minute"
 
@@ -108,19 +108,19 @@ class _Attempt:
         """Raises LinkLostError while a board cannot be reached, and again when one is lost
         again."""
         rig, state, parts = self._rig, self._state, self._parts
-        rig.drive.wait()  # none has shut down
+        rig.queue.wait()  # none has shut down
         for connection in [c for c in self._connections if c in self.silent]:
             await connection.reopen()
             self.silent.discard(connection)
             if len(self._connections) > 1:
                 await self._passes(SETTLING_S)
         serials = {c: await self._stood_behind(c) for c in self._connections}
-        rig.drive.wait()  # none has shut down
+        rig.queue.wait()  # none has shut down
         serial = min(serials.values())
         ahead = [c for c in self._connections if serials[c] != serial]
         further = self._further(serial, {serials[c] for c in ahead})
         # One that was not armed yet has not moved yet; while axes home the plan has no commits.
-        if not rig.drive.recover_from(serial):
+        if not rig.queue.recover_from(serial):
             raise PlaceLostError.of("machine.place-unknown")
         self._prove(dict.fromkeys(ahead, further))
         for connection in self._connections:
@@ -136,7 +136,7 @@ class _Attempt:
                 raise BoardAloneError.of("machine.alone")
         if ahead:
             self._prove({})
-        await rig.drive.catch_up()
+        await rig.queue.catch_up()
         for connection in self._connections:
             connection.link.go_on()
         await parts.drivers.reconnected()
@@ -157,7 +157,7 @@ class _Attempt:
             if state.halted:
                 return
             await asyncio.sleep(TICK_S)
-            rig.drive.look()
+            rig.queue.look()
 
     async def _stood_behind(self, connection: Connection) -> int:
         """The last commit of a board whose motors stand."""
@@ -208,7 +208,7 @@ class _Attempt:
 
     async def _passes(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
-        self._rig.drive.wait()
+        self._rig.queue.wait()
 
     @contextmanager
     def _silence_of(self, connection: Connection) -> Generator[None]:

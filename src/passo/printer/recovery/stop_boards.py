@@ -34,7 +34,7 @@ async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
                     await connection.open_again()
                 connection.order_stop()
         await either(given_up, _AGAIN_S)
-        rig.drive.live_on(_AGAIN_S)
+        rig.queue.live_on(_AGAIN_S)
         left = [c for c in left if not c.has_shut_down()]
         # Those that cannot keep warm by themselves have switched all off within three seconds.
         warm = [c for c in left if c.heaters] if rig.connection.survives else []

@@ -129,13 +129,13 @@ class Supervisor:
         printer, too, the board is well: it tells that it has stopped."""
         rig = self._rig
         try:
-            await rig.drive.run()
+            await rig.queue.run()
         except MachineError:
             self._lateness.board_failed()
             raise
         except Exception as error:
             self._halt_printer(in_words(error))
-            await rig.drive.hear_stop()
+            await rig.queue.hear_stop()
 
     async def _reconnect(self, error: Exception) -> Exception | None:
         """After a lost link goes on where the board has stopped by itself; else what halts it."""
@@ -161,7 +161,7 @@ class Supervisor:
         rig.connection.stop_job()
         state.tell(f"Error:{state.halted}")
         state.tell("// action:pause")
-        rig.drive.end_waits()
+        rig.queue.end_waits()
 
     async def _halt(self) -> None:
         """Waits for M999."""
@@ -169,7 +169,7 @@ class Supervisor:
         self._make_safe()
         if state.start_failure is None:  # else each console is told when it opens
             state.tell(f"Error:Printer halted: {state.why_halted}")
-        rig.drive.end_waits()
+        rig.queue.end_waits()
         await self._until_restart_asked()
 
     async def _until_restart_asked(self) -> None:
@@ -177,7 +177,7 @@ class Supervisor:
         await stop_boards(self._rig, self._state, self._restart_asked)
         while not self._restart_asked.is_set():
             await either(self._restart_asked, _LOOK_S)
-            self._rig.drive.stand_by()
+            self._rig.queue.stand_by()
 
     def _make_safe(self) -> None:
         """The board may only have been silent for a moment: it must not go on when it is back."""
@@ -191,7 +191,7 @@ class Supervisor:
         plan."""
         rig = self._rig
         while not self._motion_lock.try_acquire():
-            rig.drive.end_waits()
+            rig.queue.end_waits()
             await asyncio.sleep(TICK_S)
 
     async def _restart_boards(self) -> None:

@@ -69,7 +69,7 @@ class DriverWatch:
         """Waits for all answers, and looks at them."""
         while not self._state.halted and not all(drivers.idle for drivers in self._of_boards):
             await asyncio.sleep(TICK_S)
-            self._rig.drive.look()
+            self._rig.queue.look()
             for drivers in self._of_boards:
                 drivers.poll()
         for motor, state in self.states.items():

@@ -57,7 +57,7 @@ class EndstopWatch:
     def time_passed(self) -> None:
         """Looks for hits, and for switches that have been let go."""
         rig = self._rig
-        if not self._on or self._state.halted or self._homer.active or rig.drive.interrupted:
+        if not self._on or self._state.halted or self._homer.active or rig.queue.interrupted:
             return
         if self._watched:
             self._endstops.all_hit()
@@ -90,7 +90,7 @@ class EndstopWatch:
 
     def _report(self, names: list[str]) -> None:
         """Where the machine was when the switches closed, which is a while ago by now."""
-        base = self._rig.drive.base
+        base = self._rig.queue.base
         clocks = {name: self._endstops.hit_clock(name) - base for name in names}
         self._arm([name for name in self._watched if name not in clocks])
         for name, clock in clocks.items():

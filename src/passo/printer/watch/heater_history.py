@@ -34,7 +34,7 @@ class HeaterHistory:
 
     def time_passed(self) -> None:
         """Takes a sample if one is due."""
-        now_s = self._rig.drive.now_s
+        now_s = self._rig.queue.now_s
         if self._samples and now_s < self._samples[-1][0]:
             self._samples.clear()  # print time begins again
         if not self._samples or now_s >= self._samples[-1][0] + EVERY_S:

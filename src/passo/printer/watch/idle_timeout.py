@@ -43,7 +43,7 @@ class IdleWatch:
     def time_passed(self) -> None:
         """Switches off what has been idle for too long."""
         rig, waits = self._rig, self._waits
-        idle_s, config = rig.drive.idle_s, rig.machine.idle
+        idle_s, config = rig.queue.idle_s, rig.machine.idle
         heaters = rig.connection.heaters
         waits_for_user = (rig.job.suspended or waits.person) and not waits.heating
         if waits_for_user and 0 < config.heaters_off_s < idle_s:

@@ -39,11 +39,11 @@ class LatenessWatch:
     def time_passed(self) -> None:
         """Looks at what has arrived since; tells the least slack of the last ten seconds."""
         rig = self._rig
-        rig.job.line_at(rig.drive.passed)  # what lies behind it is forgotten
+        rig.job.line_at(rig.queue.passed)  # what lies behind it is forgotten
         self.look()
         now = rig.connection.now
         if self._pending is not None and now >= self._next_word:
-            self._next_word = now + int(_AGAIN_S * rig.drive.hz)
+            self._next_word = now + int(_AGAIN_S * rig.queue.hz)
             self._tell()
 
     def look(self) -> None:
@@ -77,7 +77,7 @@ class LatenessWatch:
 
     def _problem(self, connection: Connection, slack: _core.Slack) -> Problem:
         rig, file = self._rig, self.program()
-        clock = connection.main_clock(slack.clock) - rig.drive.base
+        clock = connection.main_clock(slack.clock) - rig.queue.base
         line = rig.job.line_near(clock) if file else 0
         again = sum(c.link.retransmitted_bytes for c in rig.connection.connections)
         return problem_of(connection, slack, again, file, line or None)
