@@ -18,7 +18,7 @@ from passo import config
 from passo.cli.main import main
 from passo.clock import ScaledLoop
 from passo.errors import FirmwareError
-from passo.toolchain.flashing import Person, flash
+from passo.toolchain.flashing import User, flash
 from passo.toolchain.formats import intel_hex as whole_hex
 from passo.toolchain.formats import uf2
 from passo.toolchain.images import About, write_about
@@ -89,11 +89,11 @@ def elf(address: int, content: bytes) -> bytes:
 def flashed(name: str, where: str | None, image: Path, served: Port | None = None) -> list[str]:
     """What was told and asked for, at ten times the speed."""
     said: list[str] = []
-    person = Person(said.append, lambda text: said.append(f"HANDS: {text}"))
+    user = User(said.append, lambda text: said.append(f"HANDS: {text}"))
     with asyncio.Runner(loop_factory=lambda: ScaledLoop(10)) as runner:
         if served:
             served.serve(runner.get_loop())
-        runner.run(flash(name, config.load_board(name), where, image, person))
+        runner.run(flash(name, config.load_board(name), where, image, user))
     return said
 
 
@@ -161,15 +161,15 @@ def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
     image.write_bytes(UF2)
     expected = "expected the folder of its drive, which holds INFO"
     said: list[str] = []
-    person = Person(said.append, said.append)
+    user = User(said.append, said.append)
     with pytest.raises(FirmwareError, match=expected):  # nothing was mounted there
-        asyncio.run(flash("pico", config.load_board("pico"), str(drive), image, person))
+        asyncio.run(flash("pico", config.load_board("pico"), str(drive), image, user))
     assert said[-1].startswith("copy ")
     (drive / "photo.jpg").touch()
     said.clear()
     for wrong in ("/dev/null", str(drive)):  # told before hands do anything
         work = flash(
-            "pico", config.load_board("pico"), wrong, image, Person(said.append, said.append)
+            "pico", config.load_board("pico"), wrong, image, User(said.append, said.append)
         )
         with pytest.raises(FirmwareError, match=expected):
             asyncio.run(work)
@@ -237,7 +237,7 @@ def test_a_program_that_fails(tools: Path, image: Path, port: Port) -> None:
 def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: Path) -> None:
     said: list[str] = []
     work = flash(
-        "melzi", config.load_board("melzi"), "/dev/null", image, Person(said.append, said.append)
+        "melzi", config.load_board("melzi"), "/dev/null", image, User(said.append, said.append)
     )
     with pytest.raises(
         FirmwareError, match="the program avrdude is missing, which melzi"
@@ -446,8 +446,8 @@ def test_a_wrong_port_is_told_before_hands_erase_the_board(tools: Path, tmp_path
     image = tmp_path / "duet-0.6.bin"
     image.write_bytes(SAM_CODE)
     said: list[str] = []
-    person = Person(said.append, said.append)
-    work = flash("duet-0.6", config.load_board("duet-0.6"), "/dev/null", image, person)
+    user = User(said.append, said.append)
+    work = flash("duet-0.6", config.load_board("duet-0.6"), "/dev/null", image, user)
     with pytest.raises(FirmwareError, match="through /dev/null: expected a serial port") as caught:
         asyncio.run(work)
     assert caught.value.status == 2
@@ -459,11 +459,11 @@ def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: P
     image = tmp_path / "duet-0.6.bin"
     image.write_bytes(SAM_CODE)
     link = tmp_path / "port"
-    person = Person(lambda _: None, lambda _: link.exists() or link.symlink_to(port.name))
+    user = User(lambda _: None, lambda _: link.exists() or link.symlink_to(port.name))
     with asyncio.Runner(loop_factory=lambda: ScaledLoop(10)) as runner:
         port.serve(runner.get_loop())
         board = config.load_board("duet-0.6")
-        runner.run(flash("duet-0.6", board, str(link), image, person))
+        runner.run(flash("duet-0.6", board, str(link), image, user))
     assert notes.exists()
 
 

@@ -112,17 +112,17 @@ def _flash(arguments: argparse.Namespace) -> int:
 
     from passo.toolchain.build import build
     from passo.toolchain.flash_plan import plan
-    from passo.toolchain.flashing import Person, flash
+    from passo.toolchain.flashing import User, flash
     from passo.toolchain.targets import target
 
     aim = target(arguments.target)
-    person = Person(_tell, _wait)
+    user = User(_tell, _wait)
     with tempfile.TemporaryDirectory() as folder:
         image = arguments.image
         if image is None:
             plan(aim.name, aim.board, arguments.port, Path(folder))
             image, _ = build(aim, Path(folder))
-        work = flash(aim.name, aim.board, arguments.port, image, person, dry_run=arguments.dry_run)
+        work = flash(aim.name, aim.board, arguments.port, image, user, dry_run=arguments.dry_run)
         asyncio.run(work)
     return ExitStatus.DONE
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from passo.console.aprinter_option_table import Option, options
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral, unescaped
-from passo.printer.wait_requests import Handler, Reply, Silence, Still, Wait
+from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -68,7 +68,7 @@ class OptionCommands:
         return None
 
     def _apply(self, _: Command, reply: Reply) -> Wait | None:
-        return Still(lambda: self._apply_now(reply))
+        return WaitForMoves(lambda: self._apply_now(reply))
 
     def _apply_now(self, reply: Reply) -> None:
         if any(self._options[name].command.startswith("M92 ") for name in self.pending):
@@ -78,6 +78,6 @@ class OptionCommands:
             option = self._options[name]
             before = option.value()
             line = option.command.format(numeral(value * option.scale))
-            self._printer.dispatch.take_setting(line, Silence())
+            self._printer.dispatch.take_setting(line, NullReply())
             if option.value() == before != value:
                 reply.say(f"echo:{option.name} stays at {numeral(before)}; {line} was not taken")

@@ -14,7 +14,7 @@ from passo.job.live.park import check_words
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import spoken
-from passo.printer.wait_requests import Handler, Procedure, Reply, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -146,7 +146,7 @@ class JobCommands:
             else:
                 await self._host_pause.stand_by(text, words, gone)
 
-        return Procedure(stand_by)
+        return WaitForProcedure(stand_by)
 
     def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
         self._printer.tell(f"echo:{text}")

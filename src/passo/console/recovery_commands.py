@@ -9,7 +9,7 @@ from passo.gcode.command import Command
 from passo.job.live.journal import Moment, Program
 from passo.job.live.journal_keeper import JournalKeeper
 from passo.job.live.runner import Runner
-from passo.printer.wait_requests import Handler, Procedure, Reply, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -32,7 +32,7 @@ class RecoveryCommands:
             return None
         if program.machine != self._printer.machine.uuid:
             raise CommandError.of("job.other-machine", program.path)
-        return Procedure(lambda: self._resume(program, moment, reply))
+        return WaitForProcedure(lambda: self._resume(program, moment, reply))
 
     async def _resume(self, program: Program, moment: Moment, reply: Reply) -> None:
         await self._keeper.resume(program, moment)

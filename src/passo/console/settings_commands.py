@@ -10,7 +10,7 @@ from passo.console.aprinter_options import OptionCommands
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command, numeral
 from passo.job.settings_store import Override, Store, commands_of, same, settings_in
-from passo.printer.wait_requests import Handler, Reply, Silence, Still, Wait
+from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 
-class _Collected(Silence):
+class _Collected(NullReply):
     """Collects what stored commands answer: why a value was refused, or brought within limits."""
 
     def __init__(self, said: list[str]) -> None:
@@ -179,16 +179,16 @@ class SettingsCommands:
         stored = self._needed().load()
         if stored is None:
             raise CommandError.of("settings.none")
-        return Still(lambda: self._take("M501", stored, reply))
+        return WaitForMoves(lambda: self._take("M501", stored, reply))
 
     def _reset(self, _: Command, reply: Reply) -> Wait | None:
         self._printer.motion.require_scales("M502")
-        return Still(lambda: self._take("M502", [], reply))
+        return WaitForMoves(lambda: self._take("M502", [], reply))
 
     def _take(self, code: str, stored: list[Override], reply: Reply) -> None:
         """The machine file's values, then those that are stored."""
         self._printer.motion.require_scales(code)  # a pause may have come meanwhile
-        self.restore(self._defaults, Silence())
+        self.restore(self._defaults, NullReply())
         if code == "M502":
             reply.say("echo:Factory Settings Loaded")
             return

@@ -17,8 +17,16 @@ from passo.printer.live_rig import LiveRig
 from passo.printer.macros import EmergencyStop
 from passo.printer.state import State
 from passo.printer.unfit_commands import Skips, unfit
-from passo.printer.wait_requests import Handler, Person, Reply, Room, Still, Stopped, Wait
-from passo.printer.wait_runner import Waiting
+from passo.printer.wait_requests import (
+    Handler,
+    Reply,
+    Stopped,
+    Wait,
+    WaitForMoves,
+    WaitForQueue,
+    WaitForUser,
+)
+from passo.printer.wait_runner import WaitRunner
 
 # What stops a machine at once waits in a file, which is read ahead, for the moves before it.
 _IN_THEIR_TURN = ("M25", "M112", "M410", "M524")
@@ -37,7 +45,7 @@ class Dispatch:
         self,
         rig: LiveRig,
         state: State,
-        waits: Waiting,
+        waits: WaitRunner,
         skips: Skips,
         before_line: Callable[[], None],
     ) -> None:
@@ -131,7 +139,7 @@ class Dispatch:
         self._feed(text)
         wait = self._go_on(reply)
         while wait is not None:
-            if isinstance(wait, Still) and wait.then is not None:
+            if isinstance(wait, WaitForMoves) and wait.then is not None:
                 self._rig.queue.flush()
                 wait.then()
             wait = self._go_on(reply)
@@ -149,7 +157,7 @@ class Dispatch:
         try:
             while wait is not None:
                 await self._waits.wait(wait, reply, ends=first_ends or all_end())
-                if isinstance(wait, Person) and all_end():
+                if isinstance(wait, WaitForUser) and all_end():
                     raise Stopped("no user has confirmed it")
                 first_ends = False
                 self.select(console=True)
@@ -220,7 +228,7 @@ class Dispatch:
         self._rig.queue.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
-            return Still(partial(self._carried_out, handler, command, reply))
+            return WaitForMoves(partial(self._carried_out, handler, command, reply))
         surveyed = self._from_console or self._rig.job.macro_depth == 0
         if not surveyed and (problem := unfit(command, self._skips)):
             raise InputError([problem])
@@ -271,7 +279,7 @@ class Dispatch:
                     self._forget_line()
                     return None
                 else:
-                    return Room() if found == status.FULL else None
+                    return WaitForQueue() if found == status.FULL else None
         except Exception:
             self._forget_line()
             raise

@@ -32,8 +32,8 @@ from passo.printer.setup.boards import connect, reconnected
 from passo.printer.state import State
 from passo.printer.targets import Targets
 from passo.printer.unfit_commands import NOTHING, Skips
-from passo.printer.wait_requests import Reply, Silence, Wait
-from passo.printer.wait_runner import Waiting
+from passo.printer.wait_requests import NullReply, Reply, Wait
+from passo.printer.wait_runner import WaitRunner
 from passo.printer.watch.automatic_fans import FollowingFans
 from passo.printer.watch.driver_status import DriverWatch
 from passo.printer.watch.endstops import EndstopWatch
@@ -87,7 +87,7 @@ class Printer:
         self.endstops = EndstopWatch(rig, state, self.homer, self.stop_by_endstop)
         self.homer.starts.append(self.endstops.pause)
         self.prompts = PersonCommands(state, self.beeper)
-        self.waits = Waiting(rig, state, self.homer, self.prompts, self.laser, self.targets)
+        self.waits = WaitRunner(rig, state, self.homer, self.prompts, self.laser, self.targets)
         self.controls = ControlCommands(rig)
         self.heat = HeatCommands(rig, self.controls)
         self.motion = MotionCommands(rig, state, self.offsets, self.homer)
@@ -244,7 +244,7 @@ class Printer:
         self.endstops.begin()
         state.restarted()
         for line in lines:
-            self.dispatch.take_setting(line, Silence())
+            self.dispatch.take_setting(line, NullReply())
         ready = "The printer is ready again. Home it before you move it"
         state.announce(_log, logging.INFO, ready)
         if greeting := state.greeting():

@@ -11,49 +11,49 @@ from passo.gcode.command import Command
 
 
 class Stopped(Exception):
-    """What was waited for will not come: somebody has stopped or cancelled it."""
+    """The wait was stopped or cancelled: what it waited for does not come."""
 
 
 @dataclass(frozen=True, slots=True)
-class Still:
-    """Until the machine has done all moves so far; `then` is what may be done only now."""
+class WaitForMoves:
+    """Until all moves so far are done; `then` is called after that."""
 
     then: Callable[[], object] | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
-    """Until the plan has room for the rest of the line, an arc of many turns."""
+class WaitForQueue:
+    """Until the plan has free space for the rest of the line, such as an arc of many turns."""
 
 
 @dataclass(frozen=True, slots=True)
-class Temperatures:
-    """Until these heaters have reached their targets, the machine standing still; `cooling` waits
-    for a heater that is too hot as well."""
+class WaitForTemperatures:
+    """Until these heaters have reached their targets, after all moves are done; with `cooling` also
+    a heater that is too hot."""
 
     heaters: tuple[str, ...]
     cooling: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
-    """Until somebody says go on, or `seconds` (0: for ever) have passed."""
+class WaitForUser:
+    """Until the user continues (M108), or `seconds` have passed; 0: for ever."""
 
     message: str
     seconds: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
-class Tuning:
-    """Until `step`, which is called as time passes, is true; then, or when the wait is ended,
-    `finish`."""
+class WaitForTuning:
+    """Until `step`, which is called as time passes, returns true. `finish` is called then, and also
+    when the wait is ended."""
 
     step: Callable[[], bool]
     finish: Callable[[], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Procedure:
+class WaitForProcedure:
     """Until `run` is done. The waiting caller holds the motion lock, and the machine is idle at the
     start."""
 
@@ -61,8 +61,8 @@ class Procedure:
 
 
 @dataclass(frozen=True, slots=True)
-class Homing:
-    """Until these axes (letters; all if none) are at home."""
+class WaitForHoming:
+    """Until these axes are homed: letters, all axes if there are none."""
 
     letters: str
 
@@ -76,7 +76,16 @@ class Stop:
     line: int
 
 
-Wait: TypeAlias = Still | Room | Temperatures | Person | Tuning | Procedure | Homing | Stop
+Wait: TypeAlias = (
+    WaitForMoves
+    | WaitForQueue
+    | WaitForTemperatures
+    | WaitForUser
+    | WaitForTuning
+    | WaitForProcedure
+    | WaitForHoming
+    | Stop
+)
 
 
 class Reply(Protocol):
@@ -86,23 +95,23 @@ class Reply(Protocol):
         """A line of answer."""
 
     def note(self, about: str, text: str) -> None:
-        """A line of answer, once for whatever it is about."""
+        """A line of answer, once for each `about`."""
 
     def with_ok(self, text: str) -> None:
-        """Text that stands behind `ok` in the same line."""
+        """Text after `ok` in the same line."""
 
     def warming(self, text: str) -> None:
         """The temperatures, once a second while a command waits for them."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """The command was not carried out: why, in words, and the problems if they are known."""
+        """The command was not carried out: the reason as a sentence, and its problems if known."""
 
 
 Handler: TypeAlias = Callable[[Command, Reply], Wait | None]
 
 
-class Silence:
-    """Nobody listens: answers are dropped."""
+class NullReply:
+    """No console listens: answers are dropped."""
 
     def say(self, text: str) -> None:
         """Drops the text."""

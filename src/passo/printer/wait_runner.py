@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 from passo.board.faults import HeaterFault
 from passo.errors import CommandError
 from passo.printer.wait_requests import (
-    Homing,
-    Person,
-    Procedure,
+    NullReply,
     Reply,
-    Room,
-    Silence,
-    Still,
     Stopped,
-    Temperatures,
-    Tuning,
     Wait,
+    WaitForHoming,
+    WaitForMoves,
+    WaitForProcedure,
+    WaitForQueue,
+    WaitForTemperatures,
+    WaitForTuning,
+    WaitForUser,
 )
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class _Cooling:
         return not self._over
 
 
-class Waiting:
+class WaitRunner:
     """Runs the waits of one printer, one at a time, for the caller that holds the motion lock."""
 
     def __init__(
@@ -111,22 +111,22 @@ class Waiting:
         has not begun, if the moves before it stand `aside`. Raises Stopped when it was halted
         meanwhile."""
         within_another, self.busy = self.busy, True
-        if isinstance(wait, Person):
+        if isinstance(wait, WaitForUser):
             self._prompts.ask(wait.message)
         try:
             return await self._wait(wait, reply, ends, aside)
         finally:
             self.busy, self._firm = within_another, False
-            if isinstance(wait, Person):
+            if isinstance(wait, WaitForUser):
                 self._prompts.answered()
 
     async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
-        if isinstance(wait, Room):
+        if isinstance(wait, WaitForQueue):
             await self._more()
             return True
-        self._firm = isinstance(wait, Still) and wait.then is not None
+        self._firm = isinstance(wait, WaitForMoves) and wait.then is not None
         self._state.ended = self._impatient = ends and not self._firm
-        if isinstance(wait, Still):
+        if isinstance(wait, WaitForMoves):
             if not await self._still(aside):
                 return False
             if wait.then is not None:
@@ -137,7 +137,7 @@ class Waiting:
                 if not await self._still(aside):
                     return False
                 # Who is tired of the moves still wants what comes behind them, unless it homes.
-                if isinstance(wait, Homing) or not self._impatient:
+                if isinstance(wait, WaitForHoming) or not self._impatient:
                     self._raise_if_ended()
                 await self._at_rest(wait, reply)
         self._state.raise_if_halted()
@@ -162,15 +162,15 @@ class Waiting:
 
     async def _at_rest(self, wait: Wait, reply: Reply) -> None:
         rig = self._rig
-        if isinstance(wait, Temperatures):
+        if isinstance(wait, WaitForTemperatures):
             await self._reach(wait, reply)
-        elif isinstance(wait, Procedure):
+        elif isinstance(wait, WaitForProcedure):
             await wait.run()
-        elif isinstance(wait, Tuning):
+        elif isinstance(wait, WaitForTuning):
             await self._tune(wait)
-        elif isinstance(wait, Person):
+        elif isinstance(wait, WaitForUser):
             await self._person(wait, reply)
-        elif isinstance(wait, Homing):
+        elif isinstance(wait, WaitForHoming):
             rig.job.abandon()
             await self._homer.home(wait.letters)
 
@@ -179,7 +179,7 @@ class Waiting:
             self._rig.job.abandon()
             raise Stopped("it was stopped")
 
-    async def _reach(self, wait: Temperatures, reply: Reply) -> None:
+    async def _reach(self, wait: WaitForTemperatures, reply: Reply) -> None:
         rig, state = self._rig, self._state
         heaters = {name: rig.connection.heaters[name] for name in wait.heaters}
         told_s = rig.queue.now_s
@@ -217,7 +217,7 @@ class Waiting:
             if heater.fault is not None and not state.halted:
                 raise CommandError([HeaterFault.of(name, heater.fault).problem])
 
-    async def _tune(self, wait: Tuning) -> None:
+    async def _tune(self, wait: WaitForTuning) -> None:
         self.heating = True
         try:
             # Who has switched the heater off must not find it heating for one step more.
@@ -226,7 +226,7 @@ class Waiting:
             self.heating = False
             wait.finish()
 
-    async def _person(self, wait: Person, reply: Reply) -> None:
+    async def _person(self, wait: WaitForUser, reply: Reply) -> None:
         state, queue = self._state, self._rig.queue
         reply.say("echo:busy: paused for user")
         end = queue.now + wait.seconds * queue.hz
@@ -256,7 +256,7 @@ class Waiting:
         waited: list[str] = list(cooled)
         while waited:
             try:
-                await self.wait(Temperatures(tuple(waited)), Silence())
+                await self.wait(WaitForTemperatures(tuple(waited)), NullReply())
                 return
             except CommandError:
                 failed = {n for n in waited if rig.connection.heaters[n].fault is not None}

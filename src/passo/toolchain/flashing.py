@@ -25,7 +25,7 @@ _DRIVE_MARK = "INFO_UF2.TXT"
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
+class User:
     """Who flashes: `tell` shows a line, `wait` shows one and returns when it has been done."""
 
     tell: Callable[[str], None]
@@ -33,7 +33,7 @@ class Person:
 
 
 async def flash(
-    name: str, board: Board, port: str | None, image: Path, person: Person, *, dry_run: bool = False
+    name: str, board: Board, port: str | None, image: Path, user: User, *, dry_run: bool = False
 ) -> None:
     """Flashes `image` onto the board called `name` at `port`, and reads back who it is then.
 
@@ -46,43 +46,43 @@ async def flash(
     steps = plan(name, board, port, image)
     checked = check_image(image, name, board, suffixes)
     if dry_run:
-        _tell_doubts(image, checked.unknown, person)
-        _tell_obstacles(name, port, steps, person)
+        _tell_doubts(image, checked.unknown, user)
+        _tell_obstacles(name, port, steps, user)
         for number, step in enumerate(steps, 1):
-            person.tell(f"{number}. {step}")
+            user.tell(f"{number}. {step}")
         return
     _check_tools(name, steps)
     _check_port(port, partial(_check_serial, name), name, steps)
-    _tell_doubts(image, checked.unknown, person)
+    _tell_doubts(image, checked.unknown, user)
     touched = False  # another opening at that rate would start the loader once more
     for step in steps:
         match step:
             case Hands():
-                person.wait(str(step))
+                user.wait(str(step))
             case Touch():
                 await _touch(name, step)
                 touched = True
             case Run():
                 if port is not None and not touched:
                     _check_serial(name, port)
-                person.tell(str(step))
+                user.tell(str(step))
                 await _run(name, step)
             case Copy():
-                person.tell(str(step))
+                user.tell(str(step))
                 _copy(name, step)
-    await _read_back(name, board, port, checked.carried, person)
+    await _read_back(name, board, port, checked.carried, user)
 
 
-def _tell_doubts(image: Path, unknown: tuple[str, ...], person: Person) -> None:
+def _tell_doubts(image: Path, unknown: tuple[str, ...], user: User) -> None:
     if unknown:
         beside, what = about_path(image).name, " and ".join(unknown)
-        person.tell(f"{image}: without the {beside} of its build nobody knows that it {what}.")
+        user.tell(f"{image}: without the {beside} of its build nobody knows that it {what}.")
 
 
-def _tell_obstacles(name: str, port: str | None, steps: list[Step], person: Person) -> None:
+def _tell_obstacles(name: str, port: str | None, steps: list[Step], user: User) -> None:
     """Tells why the steps could not be done now."""
     if port is not None and not Path(port).exists():
-        person.tell(f"{port}: nothing is there now.")
+        user.tell(f"{port}: nothing is there now.")
 
     def look(path: str) -> None:
         if not stat.S_ISCHR(Path(path).stat().st_mode):  # opening it would reset many boards
@@ -92,7 +92,7 @@ def _tell_obstacles(name: str, port: str | None, steps: list[Step], person: Pers
         try:
             check(name, steps)
         except FirmwareError as error:
-            person.tell(f"As things are, {error}")
+            user.tell(f"As things are, {error}")
 
 
 def _check_tools(name: str, steps: list[Step]) -> None:
@@ -172,11 +172,11 @@ def _copy(name: str, step: Copy) -> None:
 
 
 async def _read_back(
-    name: str, board: Board, port: str | None, carried: Carried | None, person: Person
+    name: str, board: Board, port: str | None, carried: Carried | None, user: User
 ) -> None:
     console = board.console
     if console is None or console.connector != "serial" or port is None:
-        person.tell(f"{name}: written. It speaks on {_console(board)}, so it was not asked.")
+        user.tell(f"{name}: written. It speaks on {_console(board)}, so it was not asked.")
         return
     try:
         found = await identify(port, console.baud)
@@ -190,7 +190,7 @@ async def _read_back(
         why = f"its dictionary is of version {versions}"
         raise _problem("firmware.other", axis=name, value=why)
     version, count = found.dictionary.version, len(found.dictionary.commands)
-    person.tell(f"{name}: written, and it answers: version {version}, {count} commands.")
+    user.tell(f"{name}: written, and it answers: version {version}, {count} commands.")
 
 
 def _console(board: Board) -> str:

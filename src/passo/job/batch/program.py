@@ -17,7 +17,7 @@ from passo.printer.commands.program import Commands
 from passo.printer.macros import EmergencyStop
 from passo.printer.skipped_commands import Omission
 from passo.printer.unfit_commands import ALL, Skips, unfit
-from passo.printer.wait_requests import Homing, Still, Stop, Temperatures, Wait
+from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves, WaitForTemperatures
 
 _log = logging.getLogger(__name__)
 
@@ -42,11 +42,11 @@ def at_rest(job: _core.Job) -> Settle:
     """Waits of a plan alone: homing sets positions, all else only stops the machine."""
 
     def settle(wait: Wait) -> None:
-        if isinstance(wait, Homing):
+        if isinstance(wait, WaitForHoming):
             job.settle_position()
         else:
             job.flush()
-        if isinstance(wait, Still) and wait.then is not None:
+        if isinstance(wait, WaitForMoves) and wait.then is not None:
             wait.then()
 
     return settle
@@ -57,7 +57,7 @@ def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
     rest = at_rest(job)
 
     def settle(wait: Wait) -> None:
-        if isinstance(wait, Temperatures):
+        if isinstance(wait, WaitForTemperatures):
             wait_for(list(wait.heaters))
         else:
             rest(wait)

@@ -13,7 +13,7 @@ from passo.job.batch.program import with_option
 from passo.motion.endstops import axes_lost, homed_axes, named_axes, named_motors
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.program import Commands, Heat
-from passo.printer.wait_requests import Homing, Still, Wait
+from passo.printer.wait_requests import Wait, WaitForHoming, WaitForMoves
 
 if TYPE_CHECKING:
     from passo import _core
@@ -74,7 +74,7 @@ class RehearsedCommands(Commands):
 
     def settled(self, wait: Wait) -> None:
         """What was waited for has come."""
-        if not isinstance(wait, Homing):
+        if not isinstance(wait, WaitForHoming):
             return
         names, point = named_axes(self._machine, wait.letters), self._machine.home_mm
         numbers = [number for number, name in enumerate(self._axes) if name in names]
@@ -149,7 +149,7 @@ class RehearsedCommands(Commands):
             self.catch_up()
             self.cold.set(command.words())
 
-        return Still(take)
+        return WaitForMoves(take)
 
     def _lock(self, names: set[str]) -> None:
         if self._machine.unhomed_moves == "refuse":

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError, PassoError
 from passo.job.live.park import Park
-from passo.printer.wait_requests import Procedure, Silence, Stopped
+from passo.printer.wait_requests import NullReply, Stopped, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.board.faults import HeaterFault
@@ -150,9 +150,9 @@ class HostPause:
             mended = printer.connection.heaters[fault.heater].fault is None  # in another pause
             if not (printer.halted or mended):
                 printer.suspend_job()
-                pause = Procedure(lambda: self.stand_by(text, {}, rearms=True))
+                pause = WaitForProcedure(lambda: self.stand_by(text, {}, rearms=True))
                 try:
-                    await printer.waits.wait(pause, Silence())
+                    await printer.waits.wait(pause, NullReply())
                 except Stopped:
                     pass  # who has stopped it has been told
                 except PassoError as error:

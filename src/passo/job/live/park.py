@@ -14,7 +14,7 @@ from passo.config.motor_roles import axis_order
 from passo.errors import CommandError
 from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
 from passo.motion.travel import go_back
-from passo.printer.wait_requests import Silence, Temperatures
+from passo.printer.wait_requests import NullReply, WaitForTemperatures
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -155,7 +155,7 @@ class Park:
             return
         hotend = printer.commands.heater("hotend")
         if printer.connection.heaters[hotend].target > 0:
-            await printer.waits.wait(Temperatures((hotend,)), Silence())
+            await printer.waits.wait(WaitForTemperatures((hotend,)), NullReply())
         if printer.job.suspended and not printer.can_extrude():
             raise CommandError.of("input.cold")
 
@@ -164,7 +164,7 @@ class Park:
         printer = self._printer
         hotend = printer.commands.heater("hotend")
         printer.targets.set_target(hotend, celsius, at_once=True)
-        await printer.waits.wait(Temperatures((hotend,), cooling=True), Silence())
+        await printer.waits.wait(WaitForTemperatures((hotend,), cooling=True), NullReply())
         self._celsius = None
 
     async def _still(self) -> None:

@@ -17,7 +17,7 @@ from passo.job.live.reader import Reader
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.unfit_commands import ALL
-from passo.printer.wait_requests import Homing, Wait
+from passo.printer.wait_requests import Wait, WaitForHoming
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -73,7 +73,7 @@ class Past:
         rest = at_rest(job)
 
         def settle(wait: Wait) -> None:
-            if isinstance(wait, Homing):
+            if isinstance(wait, WaitForHoming):
                 self._home(wait.letters)
             else:
                 rest(wait)

@@ -14,7 +14,7 @@ from passo.job.live.reader import Reader
 from passo.motion.axis_slots import E, X, Y, Z
 from passo.motion.travel import go_over
 from passo.printer.input_errors import problem_of
-from passo.printer.wait_requests import Silence, Temperatures
+from passo.printer.wait_requests import NullReply, WaitForTemperatures
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -42,10 +42,10 @@ class Recovery:
         """Brings the machine to where the print goes on; returns the offset to read from."""
         printer = self._printer
         for line in self._program.settings:
-            printer.dispatch.take_setting(line, Silence())
+            printer.dispatch.take_setting(line, NullReply())
         if self._moment.line == 0:
             for line in self._program.modes:
-                printer.dispatch.take_setting(line, Silence())
+                printer.dispatch.take_setting(line, NullReply())
             return 0
         offset = offset_of_line(self._reader, self._moment.line)
         past = Past(printer, self._program, self._reader, offset, self._moment.overrides)
@@ -58,13 +58,13 @@ class Recovery:
         state.flush()
         at = state.machine_position
         for line in past.settings:
-            printer.dispatch.take_setting(line, Silence())
+            printer.dispatch.take_setting(line, NullReply())
         printer.offsets.home_mm |= past.homed_mm
         await self._lift_and_home()
         printer.offsets.home_mm |= past.home_offset_mm
         await self._warm(past.commands.fans)
         if state.tool != printer.job.tool:
-            printer.dispatch.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
+            printer.dispatch.take_setting(f"T{state.tool}", NullReply())  # its nozzle is filled
         await self._approach(at)
         printer.job.adopt(state)
         printer.commands.follow_tool()
@@ -114,7 +114,7 @@ class Recovery:
         for name in printer.machine.heaters:
             target = self._moment.targets_c.get(name, 0.0)
             printer.targets.set_target(name, target, at_once=True)
-        await printer.waits.wait(Temperatures(hot), Silence())
+        await printer.waits.wait(WaitForTemperatures(hot), NullReply())
         printer.state.raise_if_interrupted()
         for fan in printer.commands.commanded_fans:
             printer.rig.set_fan(fan, fans.get(fan, 0.0))

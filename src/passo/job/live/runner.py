@@ -22,7 +22,7 @@ from passo.job.preflight import prepare, survey_beside
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
 from passo.printer.unfit_commands import Skips
-from passo.printer.wait_requests import Person, Reply, Stopped, Temperatures, Wait
+from passo.printer.wait_requests import Reply, Stopped, Wait, WaitForTemperatures, WaitForUser
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -519,8 +519,10 @@ class Runner:
                 if not await printer.waits.wait(wait, self._reply, aside=lambda: self._suspended):
                     return False
             except CommandError as error:
-                heaters = wait.heaters if isinstance(wait, Temperatures) else ()
-                heaters = tuple(printer.machine.heaters) if isinstance(wait, Person) else heaters
+                heaters = wait.heaters if isinstance(wait, WaitForTemperatures) else ()
+                heaters = (
+                    tuple(printer.machine.heaters) if isinstance(wait, WaitForUser) else heaters
+                )
                 if not self._pauses_for(heaters):
                     raise
                 text = f"Print of {self.name} is paused: {error}"

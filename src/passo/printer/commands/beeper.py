@@ -10,7 +10,7 @@ from passo.config.pin_names import MAIN, placed
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.printer.state import State
-from passo.printer.wait_requests import Handler, Procedure, Reply, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -125,7 +125,7 @@ class Beeper:
         if ms >= 1:
             self._plan(round(hz), int(min(ms, longest_ms)))
         full = self._planned + len(self._due) >= _MOST_TONES
-        return Procedure(self._room) if full else None
+        return WaitForProcedure(self._room) if full else None
 
     def _plan(self, hz: int, ms: int) -> None:
         rig = self._rig

@@ -15,7 +15,7 @@ from passo.printer.commands.heater_control import ControlCommands, with_gains
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
 from passo.printer.targets import Targets
-from passo.printer.wait_requests import Handler, Reply, Tuning, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForTuning
 
 _STEP_RESPONSE = len(RULES)  # R behind those of the relay's rules: the model, whatever controls
 _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
@@ -64,7 +64,9 @@ class TuneCommands:
         apply = asked and fits
         for line in tune.begin(" Apply result" if apply else ""):
             reply.say(line)
-        return Tuning(lambda: self._run(name, tune, reply), lambda: self._end(name, tune, apply))
+        return WaitForTuning(
+            lambda: self._run(name, tune, reply), lambda: self._end(name, tune, apply)
+        )
 
     def _run(self, name: str, tune: RelayTune | StepTune, reply: Reply) -> bool:
         """Feeds what the sensor has said since the last call; True when the tune is over."""

@@ -10,7 +10,7 @@ from passo.motion.endstops import axes_lost, named_motors
 from passo.motion.rig import Rig
 from passo.printer.laser import Laser
 from passo.printer.setup.boards import enable_outputs
-from passo.printer.wait_requests import Handler, Reply, Still, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForMoves
 
 
 class Motors:
@@ -81,4 +81,4 @@ class Motors:
             return None
         steppers = self.named(command.text)
         self._laser.off()
-        return Still(lambda: self._set(steppers, on=False))
+        return WaitForMoves(lambda: self._set(steppers, on=False))

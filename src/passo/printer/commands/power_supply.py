@@ -10,7 +10,7 @@ from passo.motion.rig import Rig
 from passo.printer.commands.motors import Motors
 from passo.printer.laser import Laser
 from passo.printer.targets import Targets
-from passo.printer.wait_requests import Handler, Procedure, Reply, Still, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForMoves, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -51,7 +51,7 @@ class Mains:
         if "S" in command.text.upper():
             reply.say(f"PS:{int(self.on)}")
             return None
-        return None if self.on else Procedure(self._rise)
+        return None if self.on else WaitForProcedure(self._rise)
 
     async def _rise(self) -> None:
         self._switch(self._rig.connection, True)
@@ -59,7 +59,7 @@ class Mains:
 
     def _switch_off(self, _: Command, __: Reply) -> Wait | None:
         self._laser.off()  # before the motors
-        return Still(self._all_off)
+        return WaitForMoves(self._all_off)
 
     def _all_off(self) -> None:
         self._targets.switch_off_at_once()

@@ -24,7 +24,14 @@ from passo.printer.macros import Macros, Respond
 from passo.printer.skipped_commands import Omission, Omissions
 from passo.printer.status import Status, planned_status
 from passo.printer.unfit_commands import ALL
-from passo.printer.wait_requests import Homing, Person, Still, Stop, Temperatures, Wait
+from passo.printer.wait_requests import (
+    Stop,
+    Wait,
+    WaitForHoming,
+    WaitForMoves,
+    WaitForTemperatures,
+    WaitForUser,
+)
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -165,7 +172,7 @@ class Commands:
             self.omitted.count(Omission.SERVED, code, command.line)
         elif row.kind is Kind.PERSON:
             self.omitted.count(Omission.PERSON, code, command.line)
-            return Person(row.text)
+            return WaitForUser(row.text)
         return None
 
     def expand(self, command: Command, respond: Respond, *, console: bool = False) -> None:
@@ -219,7 +226,7 @@ class Commands:
 
     def _home(self, command: Command) -> Wait:
         self.laser_off()  # homing runs over what lies there
-        return Homing(command.text)
+        return WaitForHoming(command.text)
 
     def _set_position(self, command: Command) -> Wait:
         return self._placed(place_of_axes(command, self._machine, self._job))
@@ -233,11 +240,11 @@ class Commands:
 
     def _placed(self, places: dict[int, float]) -> Wait:
         """Once the machine stands: a plan that is under way could not be planned anew."""
-        return Still(lambda: self._job.set_axes(list(places.items())))
+        return WaitForMoves(lambda: self._job.set_axes(list(places.items())))
 
     def _end(self, _: Command) -> Wait:
         self.ended = True
-        return Still()
+        return WaitForMoves()
 
     def _call(self, command: Command) -> None:
         """M98 of a sub-program that is missing, where that may be left out."""
@@ -363,7 +370,7 @@ class Commands:
         target = self._celsius(words, kind)
         if target is not None:
             self._heat_to(name, target)
-        return Temperatures((name,), cooling="R" in words)
+        return WaitForTemperatures((name,), cooling="R" in words)
 
     def _reach_all(self, command: Command) -> Wait | None:
         """M116 waits for all heaters that it names, without letters for every one."""
@@ -371,7 +378,7 @@ class Commands:
             self.heater(_KINDS[letter.upper()], int(number or 0))
             for letter, number in _LETTERED.findall(command.text)
         ]
-        return Temperatures(tuple(names or self._machine.heaters), cooling=True)
+        return WaitForTemperatures(tuple(names or self._machine.heaters), cooling=True)
 
     def _tool_temperatures(self, command: Command) -> None:
         """G10 P: the temperature of a tool at work (S) and on standby (R). The tool at work takes
@@ -669,9 +676,9 @@ class Commands:
         "M4": _spindle_start,
         "M5": _spindle_stop,
         "S": _spindle_power,
-        "M18": lambda self, _: Still(),
-        "M84": lambda self, _: Still(),
-        "M400": lambda self, _: Still(),
+        "M18": lambda self, _: WaitForMoves(),
+        "M84": lambda self, _: WaitForMoves(),
+        "M400": lambda self, _: WaitForMoves(),
         "M104": lambda self, c: self._set_temperature(c, "hotend"),
         "M140": lambda self, c: self._set_temperature(c, "bed"),
         "M141": lambda self, c: self._set_temperature(c, "chamber"),

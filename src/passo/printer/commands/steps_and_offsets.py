@@ -13,7 +13,7 @@ from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
-from passo.printer.wait_requests import Handler, Reply, Still, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForMoves
 
 
 class MotionCommands:
@@ -99,7 +99,7 @@ class MotionCommands:
                 raise CommandError.of("command.nothing-moves", axis=letter, limit=limit)
             changes += [(i, value) for i in places]
         self.require_scales("M92")
-        return Still(lambda: self._rescale(changes))
+        return WaitForMoves(lambda: self._rescale(changes))
 
     def _layers(self, words: dict[str, float]) -> str:
         """Heights of layers that Z's motor reaches in whole steps, on which it stands best."""

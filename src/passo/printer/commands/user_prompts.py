@@ -10,7 +10,7 @@ from passo.errors import CommandError
 from passo.gcode.command import Command, numeral, words_of
 from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
-from passo.printer.wait_requests import Handler, Person, Reply, Wait
+from passo.printer.wait_requests import Handler, Reply, Wait, WaitForUser
 
 # Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3".
 _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
@@ -42,7 +42,7 @@ class PersonCommands:
         words = dict(words_of(head))
         seconds = words.get("S", words.get("P", 0.0) / 1000)
         text = command.text[len(head) :].strip() or "Waiting; go on with M108"
-        return Person(text, max(seconds, 0.0))
+        return WaitForUser(text, max(seconds, 0.0))
 
     def ask(self, text: str, *, awaited: bool = True) -> None:
         """Hosts show the text and a button that goes on; a beeper beeps. `awaited`: a wait ends

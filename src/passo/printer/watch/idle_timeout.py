@@ -13,7 +13,7 @@ from passo.printer.live_rig import LiveRig
 from passo.printer.motion_lock import MotionLock
 from passo.printer.state import State
 from passo.printer.targets import Targets
-from passo.printer.wait_runner import Waiting
+from passo.printer.wait_runner import WaitRunner
 
 _log = logging.getLogger(__name__)
 
@@ -33,7 +33,7 @@ class IdleWatch:
         laser: Laser,
         targets: Targets,
         prompts: PersonCommands,
-        waits: Waiting,
+        waits: WaitRunner,
         halt: Callable[[MachineError, str], None],
     ) -> None:
         self._rig, self._state, self._motion_lock = rig, state, motion_lock
