@@ -398,6 +398,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "objects cannot be cancelled on a machine with a laser, which would burn where it stands",
         "Cancel the print (M524)",
     ),
+    "job.other-macros": _input(
+        "job",
+        "the macros of the machine file have changed since the print began, so its place cannot be"
+        " found",
+        "Restore the macros as they were, then send M1000",
+    ),
     "job.no-part": _input(
         "job",
         "needs {value}, which is missing from the machine file",
