@@ -331,11 +331,14 @@ class Printer:
         there, and ImportError without the extra."""
         from passo.web.app import web_app
         from passo.web.server import WebThread, listening
+        from passo.web.temperature_history import TemperatureHistory
 
         socket = listening(host, port)
         if self._web is None:
             self._web = WebThread()
-        self._web.serve(web_app(self._bridge), socket)
+        temperatures = TemperatureHistory()
+        self._web.start(temperatures.record(self._bridge), endless=True)
+        self._web.serve(web_app(self._bridge, temperatures), socket)
         host, port = socket.getsockname()[:2]
         return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 

@@ -8,6 +8,7 @@ from tests.web.fake_bridge import FakeBridge
 
 from passo import AsyncClient, Client, RequestError
 from passo.errors import CommandError
+from passo.gcode.dialect import TABLE
 from passo.web.app import web_app
 from passo.web.operation import Role, operation
 from passo.web.operations import OPERATIONS
@@ -137,3 +138,44 @@ def test_asynchronous_client_calls_the_same(served, bridge):
 
     asyncio.run(main())
     assert bridge.asked == ["M106 P0 S255 F"]
+
+
+def test_machine_has_its_parts_and_limits(web):
+    machine = web.get("/api/v1/machine").json()
+    assert machine["name"] == "i3"
+    assert machine["heaters"]["hotend"] == {"kind": "hotend", "max_c": 285.0}
+    assert machine["fans"] == ["part"]
+    assert machine["tools"] == [{"extruder": "e", "heater": "hotend"}]
+
+
+def test_script_is_carried_out_and_answered(web, bridge):
+    bridge.answers["M115"] = ("FIRMWARE_NAME:Passo",)
+    answer = web.post("/api/v1/console", json={"script": "M115"})
+    assert answer.json() == {"lines": ["FIRMWARE_NAME:Passo"]}
+
+
+@pytest.mark.parametrize(
+    ("path", "asked"),
+    [
+        ("stop", "emergency stop"),
+        ("restart", "restart"),
+        ("job/pause", "pause"),
+        ("job/resume", "resume"),
+        ("job/cancel", "cancel"),
+    ],
+)
+def test_buttons_reach_the_printer(web, bridge, path, asked):
+    assert web.post(f"/api/v1/{path}").status_code == 204
+    assert bridge.asked == [asked]
+
+
+def test_print_is_started_by_its_path(web, bridge):
+    assert web.post("/api/v1/job", json={"path": "a/b.gcode"}).status_code == 204
+    assert bridge.asked == ["print a/b.gcode"]
+
+
+def test_console_offers_each_command_with_its_text(web):
+    commands = web.get("/api/v1/console/commands").json()
+    assert len(commands) == len(TABLE)
+    home = next(command for command in commands if command["code"] == "G28")
+    assert home["text"].startswith("Homes")

@@ -15,9 +15,11 @@ from passo.web.feed import Feed
 from passo.web.files.handlers import FileHandlers
 from passo.web.files.uploads import Uploads
 from passo.web.operations import OPERATIONS
+from passo.web.pages import page_routes
 from passo.web.routes import EXCEPTION_HANDLERS, routes
 from passo.web.site import Site
 from passo.web.slicers.octoprint import OctoPrint
+from passo.web.temperature_history import TemperatureHistory
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -26,9 +28,9 @@ if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
 
-def web_app(bridge: Bridge) -> Starlette:
-    """The application of one printer."""
-    site = Site(bridge, Access())
+def web_app(bridge: Bridge, temperatures: TemperatureHistory | None = None) -> Starlette:
+    """The application of one printer, with what is kept of its temperatures."""
+    site = Site(bridge, Access(), temperatures or TemperatureHistory())
     uploads = Uploads(bridge)
     described = openapi.encoded(OPERATIONS)
 
@@ -45,6 +47,7 @@ def web_app(bridge: Bridge) -> Starlette:
             *OctoPrint(bridge, uploads).routes,
             Route(openapi.PATH, description),
             WebSocketRoute("/api/v1/feed", feed),
+            *page_routes(),
         ],
         exception_handlers=EXCEPTION_HANDLERS,
     )

@@ -5,7 +5,16 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from passo.web.endpoints import fans, heaters, status
+from passo.web.endpoints import (
+    console,
+    emergency,
+    fans,
+    heaters,
+    history,
+    job,
+    machine,
+    status,
+)
 from passo.web.operation import Operation
 
 
@@ -13,7 +22,7 @@ def _declared(module: ModuleType) -> list[Operation]:
     return [value for value in vars(module).values() if isinstance(value, Operation)]
 
 
-_MODULES = (status, heaters, fans)
+_MODULES = (status, machine, emergency, console, job, heaters, fans, history)
 OPERATIONS: tuple[Operation, ...] = tuple(
     operation for module in _MODULES for operation in _declared(module)
 )

@@ -50,13 +50,16 @@ class WebThread:
         self._loop.run_until_complete(self._loop.shutdown_default_executor())
         self._loop.close()
 
-    def start(self, main: Coroutine[Any, Any, None]) -> None:
-        """Runs a coroutine until it ends or the thread is closed."""
+    def start(self, main: Coroutine[Any, Any, None], *, endless: bool = False) -> None:
+        """Runs a coroutine until it ends or the thread is closed, which cancels an endless one at
+        once."""
 
         def begin() -> None:
             task = self._loop.create_task(main)
             self._tasks.add(task)
             task.add_done_callback(self._ended)
+            if endless:
+                self._closers.append(lambda: self._loop.call_soon_threadsafe(task.cancel))
 
         self._loop.call_soon_threadsafe(begin)
 

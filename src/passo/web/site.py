@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from passo.web.access import Access
     from passo.web.bridge import Bridge
+    from passo.web.temperature_history import TemperatureHistory
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """One printer and who may use it."""
+    """One printer, who may use it, and what is kept of its past."""
 
     bridge: Bridge
     access: Access
+    temperatures: TemperatureHistory

@@ -1,0 +1,18 @@
+"""Emergency stop, and the start after it."""
+
+from __future__ import annotations
+
+from passo.web.operation import Call, Role, operation
+
+
+@operation("emergency.stop", "POST", "/stop", Role.OPERATOR)
+async def stop(call: Call) -> None:
+    """Switches heaters, motors and fans off at once (M112). The print is lost, and positions are
+    not certain any more."""
+    call.bridge.emergency_stop()
+
+
+@operation("emergency.restart", "POST", "/restart", Role.OPERATOR, errors=("command.failed",))
+async def restart(call: Call) -> None:
+    """Starts a halted printer again (M999); answers when it runs."""
+    await call.bridge.restart()

@@ -1,0 +1,54 @@
+"""What the server has kept of the printer's past."""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from passo.web.operation import Call, Role, operation
+
+
+class Span(Struct):
+    """How far back, in seconds."""
+
+    span_s: Annotated[float, Meta(gt=0, le=86400)] = 3600.0
+
+
+class HeaterPast(Struct):
+    """A value for each time; null where the sensor had not reported."""
+
+    celsius: list[float | None]
+    target_c: list[float | None]
+    power: list[float | None]
+
+
+class Temperatures(Struct):
+    """`ages_s` are the times of the samples, in seconds before the answer, oldest first."""
+
+    ages_s: list[float]
+    heaters: dict[str, HeaterPast]
+
+
+@operation("history.temperatures", "GET", "/history/temperatures", Role.VIEWER)
+async def temperatures(call: Call, query: Span) -> Temperatures:
+    """Temperatures, targets and power of all heaters: one sample a second of the last 15 minutes,
+    one each 15 s of the day before."""
+    now_s = time.monotonic()
+    samples = call.site.temperatures.since(now_s - query.span_s)
+    return Temperatures(
+        ages_s=[round(now_s - sample.host_s, 2) for sample in samples],
+        heaters={
+            name: HeaterPast(
+                [_rounded(sample.heaters[name].celsius, 2) for sample in samples],
+                [_rounded(sample.heaters[name].target_c, 2) for sample in samples],
+                [_rounded(sample.heaters[name].power, 3) for sample in samples],
+            )
+            for name in call.bridge.machine.heaters
+        },
+    )
+
+
+def _rounded(value: float | None, digits: int) -> float | None:
+    return None if value is None else round(value, digits)

@@ -1,0 +1,56 @@
+"""The machine: what its parts are."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from msgspec import Struct
+
+from passo.config.heater_numbers import heater_of
+from passo.web.operation import Call, Role, operation
+
+
+class HeaterOfMachine(Struct):
+    """A heater. `max_c` is the temperature above which it is switched off."""
+
+    kind: Literal["hotend", "bed", "chamber"]
+    max_c: float
+
+
+class ToolOfMachine(Struct):
+    """A tool: its extruder and its heater, null where it has none."""
+
+    extruder: str | None
+    heater: str | None
+
+
+class Machine(Struct):
+    """A machine as its file describes it. `fans` are those that commands set; `tools` are what T0,
+    T1, … select."""
+
+    name: str
+    description: str
+    axes: list[str]
+    heaters: dict[str, HeaterOfMachine]
+    fans: list[str]
+    tools: list[ToolOfMachine]
+
+
+@operation("machine.get", "GET", "/machine", Role.VIEWER)
+async def machine(call: Call) -> Machine:
+    """The parts of the machine, which stay the same while it is served."""
+    config = call.bridge.machine
+    return Machine(
+        name=config.name,
+        description=config.description,
+        axes=list(config.axes),
+        heaters={
+            name: HeaterOfMachine(heater.kind, heater.max_c)
+            for name, heater in config.heaters.items()
+        },
+        fans=[name for name, fan in config.fans.items() if fan.commanded],
+        tools=[
+            ToolOfMachine(tool.extruder, heater_of(config, "hotend", number))
+            for number, tool in enumerate(config.all_tools)
+        ],
+    )

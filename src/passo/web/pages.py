@@ -1,0 +1,101 @@
+"""The page: what `make web` has built, as static files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from mimetypes import guess_type
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from starlette.responses import Response
+from starlette.routing import Route
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+_BUILT = Path(__file__).with_name("static")
+_INDEX = "index.html"
+_HASHED = "assets/"  # their names hold a hash of their content
+_CSP = "; ".join(
+    (
+        "default-src 'self'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "object-src 'none'",
+        "base-uri 'none'",
+        "form-action 'self'",
+        "frame-ancestors 'none'",
+    )
+)
+_SECURITY = {
+    "Content-Security-Policy": _CSP,
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+_NOT_BUILT = b"""<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<title>Passo</title>
+<h1>The page is not built</h1>
+<p>This is Passo, and its <a href="api/v1/openapi.json">API</a> works. The page is not built yet:
+run <code>make web</code> in the sources, then start Passo again.</p>
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _File:
+    data: bytes
+    packed: bytes | None  # by gzip
+    headers: Mapping[str, str]
+
+    def answer(self, request: Request) -> Response:
+        """The file, compressed for a client that can read that."""
+        headers = dict(self.headers)
+        if headers["ETag"] == request.headers.get("if-none-match"):
+            return Response(status_code=304, headers=headers)
+        data = self.data
+        if self.packed is not None:
+            headers["Vary"] = "Accept-Encoding"
+            if "gzip" in request.headers.get("accept-encoding", ""):
+                data = self.packed
+                headers["Content-Encoding"] = "gzip"
+        return Response(data, headers=headers)
+
+
+def page_routes(built: Path = _BUILT) -> list[Route]:
+    """A route for each file of the page, read once; without the page, one that says how to build
+    it."""
+    files = {
+        path.relative_to(built).as_posix(): path
+        for path in built.rglob("*")
+        if path.is_file() and path.suffix != ".gz" and not path.name.startswith(".")
+    }
+    if _INDEX not in files:
+        missing = _File(_NOT_BUILT, None, _headers("text/html; charset=utf-8", "no-store", ""))
+        return [_route("/", missing)]
+    routes = [_route(f"/{name}", _read(name, path)) for name, path in files.items()]
+    return [_route("/", _read(_INDEX, files[_INDEX])), *routes]
+
+
+def _read(name: str, path: Path) -> _File:
+    packed = path.with_name(path.name + ".gz")
+    kind = guess_type(name)[0] or "application/octet-stream"
+    if kind.startswith("text/") or kind.endswith(("javascript", "json")):
+        kind += "; charset=utf-8"
+    kept = "public, max-age=31536000, immutable" if name.startswith(_HASHED) else "no-cache"
+    stat = path.stat()
+    headers = _headers(kind, kept, f'"{stat.st_mtime_ns:x}-{stat.st_size:x}"')
+    return _File(path.read_bytes(), packed.read_bytes() if packed.exists() else None, headers)
+
+
+def _headers(kind: str, kept: str, tag: str) -> dict[str, str]:
+    return {"Content-Type": kind, "Cache-Control": kept, "ETag": tag, **_SECURITY}
+
+
+def _route(path: str, file: _File) -> Route:
+    async def answer(request: Request) -> Response:
+        return file.answer(request)
+
+    return Route(path, answer)
