@@ -1,7 +1,9 @@
 # make demo   print an example on the simulated printer
+# make serve  the page in the browser, with a simulated printer
 # make test   every test             make check  linters, types, layers, formatting
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make corpus DIR=...                print a folder of real files
+# make web    builds the page             make wheel  a wheel with the page, in dist/
 # make sizes  docs/reference/firmware.md: how large the firmware is
 # make reference  writes the generated pages of docs/reference/
 # Each sets up what it needs: .venv, the build, and what must come from Debian.
@@ -22,13 +24,29 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo test check bench fuzz corpus sizes reference stub format clean
+.PHONY: demo serve web wheel test check bench fuzz corpus sizes reference stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
 	$(BIN)/passo print build/$(DEMO).gcode --machine i3
+	@echo "To see it in the browser: make serve"
 
-test: .venv/.built .venv/.dev .venv/hosts/.installed
+serve: .venv/.built web build/card/demo.gcode
+	$(BIN)/passo serve --machine i3 --sd build/card
+
+# The page, in src/passo/web/static: built where its sources have changed.
+web: .venv/.run
+	@$(BIN)/python tools/build_page.py
+
+wheel: web
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pip wheel -q --disable-pip-version-check --no-deps \
+	  --no-build-isolation -w dist .
+
+build/card/demo.gcode: build/demo.gcode
+	@mkdir -p $(@D)
+	cp $< $@
+
+test: .venv/.built .venv/.dev web .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm
 	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts
@@ -38,6 +56,7 @@ check: .venv/.built .venv/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright --pythonpath $(BIN)/python
+	$(BIN)/python tools/build_page.py --check
 	$(BIN)/lint-imports
 	$(STUB) build/_core.pyi && diff src/passo/_core.pyi build/_core.pyi
 	$(BIN)/clang-format --dry-run --Werror $(CORE) $(filter %.c %.h,$(FIRMWARE)) \

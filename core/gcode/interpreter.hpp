@@ -282,8 +282,6 @@ class Interpreter {
   void insert(std::string_view text);
   // How many macros are under way within each other.
   size_t macro_depth() const { return frames_of(FrameKind::macro); }
-  // What is left of the program's macro is no part of it any more: `mine` has it, as a console's.
-  void hand_over_macro(Interpreter& mine);
   // What a console's macros have not done yet is not done.
   void forget_macros() { frames_[1].clear(); }
   uint64_t arcs() const { return arcs_; }

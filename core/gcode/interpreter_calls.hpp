@@ -80,17 +80,6 @@ inline void Interpreter::insert(std::string_view text) {
   push(FrameKind::macro, text);
 }
 
-inline void Interpreter::hand_over_macro(Interpreter& mine) {
-  auto& frames = frames_[0];
-  const auto macro = std::find_if(frames.begin(), frames.end(), [](const Frame& frame) {
-    return frame.kind == FrameKind::macro;
-  });
-  if (macro == frames.end()) return;
-  mine.frames_[1].assign(std::make_move_iterator(macro), std::make_move_iterator(frames.end()));
-  frames.erase(macro, frames.end());
-  next_word_ = 0;  // of a line of the macro
-}
-
 inline void Interpreter::fail_call(CallFault fault, const std::string& call) {
   fail(Fault::call, call, double(int(fault)), double(kDeepest));
 }

@@ -1,0 +1,9 @@
+import { mount } from "svelte";
+import "./styles/fonts.css";
+import "./styles/tokens.css";
+import "./styles/base.css";
+import App from "./App.svelte";
+
+const target = document.getElementById("page");
+if (!target) throw new Error("The page has no place for its content.");
+mount(App, { target });

@@ -1,0 +1,66 @@
+/** The printer as the page knows it: the last status that arrived, and whether it is live. */
+
+import { openFeed } from "../api/feed";
+import { merge } from "../api/merge";
+import type { FeedMessage, PrinterEvent, Status } from "../api/status";
+
+type EventListener = (event: PrinterEvent) => void;
+
+class Printer {
+  /** Undefined until the first status has arrived. */
+  status = $state<Status>();
+  connected = $state(false);
+  /** When the last message arrived. */
+  heard = $state(new Date());
+  #listeners = new Set<EventListener>();
+
+  /** Follows the printer until the function that it returns is called. */
+  follow(): () => void {
+    return openFeed({
+      message: (message) => this.take(message),
+      connected: (yes) => {
+        this.connected = yes;
+      },
+    });
+  }
+
+  take(message: FeedMessage): void {
+    this.heard = new Date();
+    if (message.type === "status") {
+      this.status = message.status;
+    } else if (message.type === "changes" && this.status) {
+      merge(this.status as unknown as Record<string, unknown>, message.changes);
+    } else if (message.type === "event") {
+      for (const listener of this.#listeners) listener(message.event);
+    }
+  }
+
+  onEvent(listener: EventListener): () => void {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  }
+
+  /** Nothing moves or heats until it is started again. */
+  get halted(): boolean {
+    return this.status?.state === "H";
+  }
+
+  /** A file is printed, or its print is paused. */
+  get printing(): boolean {
+    return this.status?.job != null;
+  }
+
+  /** The board is software. */
+  get simulated(): boolean {
+    return Object.values(this.status?.boards ?? {}).some((board) => board.simulated);
+  }
+
+  /** Why the machine must not be moved by hand now; undefined if it may. */
+  get lock(): "offline" | "halted" | "printing" | undefined {
+    if (!this.status || !this.connected) return "offline";
+    if (this.halted) return "halted";
+    return this.status.state === "P" ? "printing" : undefined;
+  }
+}
+
+export const printer = new Printer();

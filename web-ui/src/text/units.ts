@@ -1,0 +1,43 @@
+/** Numbers with units, for people. */
+
+const NONE = "–";
+
+/** A temperature in °C with one decimal, without the unit. */
+export function celsius(value: number | null | undefined): string {
+  return value == null ? NONE : value.toFixed(1);
+}
+
+/** A length in mm, without the unit. */
+export function millimetres(value: number | null | undefined, decimals = 2): string {
+  if (value == null) return NONE;
+  const text = value.toFixed(decimals);
+  return Number(text) === 0 ? text.replace("-", "") : text;
+}
+
+/** A fraction in whole percent. */
+export function percent(fraction: number | null | undefined): string {
+  return fraction == null ? NONE : `${Math.round(fraction * 100)} %`;
+}
+
+/** A time: `45 s`, `12 min`, `3 h 05 min`. */
+export function duration(seconds: number | null | undefined): string {
+  if (seconds == null) return NONE;
+  if (seconds < 59.5) return `${Math.round(seconds)} s`;
+  const minutes = Math.round(seconds / 60);
+  if (minutes < 60) return `${minutes} min`;
+  return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, "0")} min`;
+}
+
+/** A time of day, with the weekday if it is not today. */
+export function clockTime(at: Date, now: Date): string {
+  const options: Intl.DateTimeFormatOptions = { hour: "2-digit", minute: "2-digit" };
+  if (at.toDateString() !== now.toDateString()) options.weekday = "short";
+  return at.toLocaleTimeString(undefined, options);
+}
+
+/** A size in kB or MB of 1000. */
+export function bytes(size: number): string {
+  if (size < 1000) return `${size} B`;
+  if (size < 1e6) return `${(size / 1e3).toFixed(0)} kB`;
+  return size < 1e9 ? `${(size / 1e6).toFixed(1)} MB` : `${(size / 1e9).toFixed(1)} GB`;
+}
