@@ -115,12 +115,12 @@ def test_a_stop_in_the_change_brings_nothing_back(s, stop):
     s.passes(10)
     s.host.send("M600")
     s.passes(20)
-    aside = at(s)
+    suspended = at(s)
     other = Host(s)
     other.send(stop)
     s.host.expect("it was stopped", 5)
     s.passes(20)
-    assert at(s) == aside
+    assert at(s) == suspended
     if stop == "M410":  # the file is still paused
         other.ok("M24")
         s.host.expect("^Done printing file$", 120)

@@ -143,7 +143,7 @@ def test_a_bed_that_has_failed_is_done_without(s, from_card, on):
     assert s.board.output_value("bed") == 0
 
 
-def test_a_hotend_whose_sensor_lies_when_the_print_stands_aside(s):
+def test_hotend_with_wrong_sensor_while_print_is_suspended(s):
     """A short circuit says that it is hot: it need not be so again."""
     other = begin(s, "M109 S60")
     s.passes(3)

@@ -65,7 +65,7 @@ def test_babysteps_of_a_console_are_not_forgotten(places):
 
 
 @pytest.mark.parametrize("pause", [("M25", "M24"), ("M25", "G28", "M24"), ("M25", "G28 Z", "M24")])
-def test_babysteps_of_what_stands_aside_outlast_homing(places, pause):
+def test_babysteps_of_suspended_job_survive_homing(places, pause):
     left = left_after(places, "M290 Z0.3", *pause)
     assert recorded(places)[1].babysteps_mm == {"z": 0.3}
     assert gone_on(places, left)["z"] == pytest.approx(1.6 + 0.3, abs=0.01)

@@ -61,7 +61,7 @@ class Laser(Model):
     """The maximum power that a move may need. If not given, `power_w`."""
 
 
-class Mains(Model):
+class PowerSupply(Model):
     """The output that switches the power supply of motors and heaters: M80 on, M81 off."""
 
     pin: Pin

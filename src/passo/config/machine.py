@@ -8,7 +8,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from passo.config.board import Board, Socket
-from passo.config.electronics import Beeper, Fans, Laser, Mains
+from passo.config.electronics import Beeper, Fans, Laser, PowerSupply
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.macros import DelayedGcode, Macro
@@ -76,7 +76,7 @@ class MachineConfig(Model):
     """The fans, by name."""
     laser: Laser | None = None
     """The laser or spindle of M3, M4 and M5."""
-    mains: Mains | None = None
+    mains: PowerSupply | None = None
     """The output of M80 and M81, which switches the power supply."""
     beeper: Beeper | None = None
     """The buzzer of M300."""

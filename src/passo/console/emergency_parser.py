@@ -46,7 +46,7 @@ class _Answer:
     done: bool
 
 
-class Ahead:
+class EmergencyParser:
     """Sees the lines of one console as they come in, before those in hand are done."""
 
     def __init__(self, printer: Printer) -> None:

@@ -139,8 +139,8 @@ class JobCommands:
             return isinstance(reply, Session) and reply.gone
 
         async def stand_by() -> None:
-            if self._runner.stands_aside():
-                await self._host_pause.step_aside(self._runner.park, text, words, gone)
+            if self._runner.is_suspended():
+                await self._host_pause.park_and_wait(self._runner.park, text, words, gone)
             elif self._runner.active:
                 self._pause_file(text.replace("M108", "M24"), words)
             else:

@@ -62,7 +62,7 @@ class JsonStatus:
             },
             "currentTool": status.tool,
             "params": {
-                "atxPower": int(printer.mains.on),
+                "atxPower": int(printer.power_supply.on),
                 "fanPercent": [round(100 * share, 1) for share in status.fans.values()],
                 "speedFactor": round(100 * status.speed_factor, 1),
                 "extrFactors": [round(100 * flow, 1) for flow in status.flow_factors],

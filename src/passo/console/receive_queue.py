@@ -19,7 +19,7 @@ Heard = tuple[Line, Command, bool] | Refusal
 """A line, its command, and whether `Ahead` saw it; or why it is none."""
 
 
-class InHand:
+class ReceiveQueue:
     """A queue that knows when it holds enough."""
 
     def __init__(self) -> None:

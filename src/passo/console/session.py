@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from passo import _core
-from passo.console.emergency_parser import LIFTS, Ahead, answers, halts
-from passo.console.receive_queue import Heard, InHand
+from passo.console.emergency_parser import LIFTS, EmergencyParser, answers, halts
+from passo.console.receive_queue import Heard, ReceiveQueue
 from passo.console.timers import Timers
 from passo.console.upload import Upload
 from passo.errors import CardError, PassoError, Problem, in_words
@@ -83,13 +83,13 @@ class Session:
         self._protocol = LineProtocol()
         self._shown = printer.state.console_lines
         self.number = self._shown.join()
-        self._lines = InHand()
+        self._lines = ReceiveQueue()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._soon: asyncio.Handle | None = None  # goes on with lines in hand
         self._ok = ""
         self._timers = Timers(printer)
-        self._ahead = Ahead(printer)
+        self._emergency_parser = EmergencyParser(printer)
         self._held = False
         self.strict = False  # M932: after a failure nothing is carried out
         self.failed = False
@@ -137,11 +137,11 @@ class Session:
             self._shown.received(self.number, text)
             if whole:
                 command = command_of(line.text)
-                seen = self._ahead.see(command, line.number, self._upload)
+                seen = self._emergency_parser.see(command, line.number, self._upload)
                 self._lines.append((line, command, seen))
             else:
                 if halts(command := command_of(line.text)):  # no stop waits for a resend
-                    self._ahead.see(command, line.resend, self._upload)
+                    self._emergency_parser.see(command, line.resend, self._upload)
                 self._lines.append(line)
         if heard and self._resting:
             self._work()
@@ -298,15 +298,15 @@ class Session:
         """Carries out a line; True if it has to wait, which a task does."""
         printer, code = self._printer, command.code
         if seen and code in ("M28", "M29"):
-            self._ahead.reached()
-        answered = seen and answers(command) and self._ahead.answered()
-        outdated = seen and code in LIFTS and self._ahead.outdated()
+            self._emergency_parser.reached()
+        answered = seen and answers(command) and self._emergency_parser.answered()
+        outdated = seen and code in LIFTS and self._emergency_parser.outdated()
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
         text = stored and self._upload is not None and self._upload.takes_all
         # What was to be text for a file has become none; an M999 may have come before an M112.
         if not text and (not seen or halts(command)):
-            self._ahead.act(command)
+            self._emergency_parser.act(command)
         if refused or stored or answered or self._halted(code):
             return False
         if outdated:
@@ -381,7 +381,7 @@ class Session:
 
     def _user_wanted(self) -> None:
         """A wait for a user begins. If it is this console's, an answer may be in hand already."""
-        if self._working and self._ahead.take_answer():
+        if self._working and self._emergency_parser.take_answer():
             self._printer.waits.end()
         elif self._working and self._then is not None and self._printer.prompts.for_ever:
             self._end_unanswered()

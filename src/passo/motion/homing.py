@@ -21,7 +21,7 @@ from passo.motion.endstops import (
     switches,
 )
 from passo.motion.travel import go_back
-from passo.motion.trigger_overshoot import Overshoot
+from passo.motion.trigger_overshoot import TriggerOvershoot
 
 if TYPE_CHECKING:
     from passo.config.homing import Homing
@@ -36,7 +36,7 @@ SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _HomingAxis:
     """One axis or arm on its way to its switches, in its own unit: mm, or degrees of an arm. `axis`
     is its number among the axes, or among the actuators; `sign` the direction of its end."""
 
@@ -178,7 +178,7 @@ class Homer:
         for start in self.starts:
             start()
         self._rig.queue.use_commits(False)
-        batch: list[_Way] = []
+        batch: list[_HomingAxis] = []
         try:
             for way in self._ways(names, everything=not letters.strip("O")):
                 if any(way.steppers & other.steppers for other in batch):
@@ -191,7 +191,7 @@ class Homer:
             if not self._interrupts.halted:
                 self._rig.queue.use_commits(True)
 
-    def _ways(self, names: Sequence[str], *, everything: bool) -> list[_Way]:
+    def _ways(self, names: Sequence[str], *, everything: bool) -> list[_HomingAxis]:
         """Arms first. Z of a delta that has a switch of its own needs them only to know where it
         is."""
         machine, homing = self._machine, self._machine.homing
@@ -205,11 +205,11 @@ class Homer:
                 ways.append(self._way(name, self._axes))
         return ways
 
-    def _way(self, name: str, among: Sequence[str]) -> _Way:
+    def _way(self, name: str, among: Sequence[str]) -> _HomingAxis:
         config = self._machine.homing[name]
         sign = 1.0 if config.direction == "max" else -1.0
         own = tuple(s for s in self._switches if s.home == name)
-        return _Way(name, among.index(name), sign, config, own)
+        return _HomingAxis(name, among.index(name), sign, config, own)
 
     def travel(self, name: str) -> float:
         """How far an axis or arm goes at most to find its switch, mm or degrees."""
@@ -224,7 +224,7 @@ class Homer:
         axis = self._machine.axes[name]
         return _OVERRUN * (axis.max_mm - axis.min_mm)
 
-    async def _together(self, ways: Sequence[_Way]) -> None:
+    async def _together(self, ways: Sequence[_HomingAxis]) -> None:
         """Homes axes and arms that share no motor at the same time."""
         rig, job = self._rig, self._rig.job
         arms = any(is_actuator(self._machine, way.name) for way in ways)
@@ -240,7 +240,9 @@ class Homer:
 
         names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
         self._joints = arms
-        moved: list[tuple[_Way, float]] = []  # how far places of axes are off, for the search
+        moved: list[
+            tuple[_HomingAxis, float]
+        ] = []  # how far places of axes are off, for the search
         try:
             job.use_joints(arms)
             travel = [self.travel(way.name) for way in ways]
@@ -277,7 +279,9 @@ class Homer:
             for n in machine.geometry.actuators
         ]
 
-    async def _seek(self, ways: Sequence[_Way], travel: Sequence[float], *, fast: bool) -> None:
+    async def _seek(
+        self, ways: Sequence[_HomingAxis], travel: Sequence[float], *, fast: bool
+    ) -> None:
         """All ways at once, each at its own speed, until each has met all its switches."""
         rig = self._rig
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
@@ -287,7 +291,7 @@ class Homer:
         if not rig.positions.settled:
             rig.positions.settle()
         queue.before_moves()
-        overshoot = Overshoot(rig, self._endstops, joints=self._joints)
+        overshoot = TriggerOvershoot(rig, self._endstops, joints=self._joints)
         start = queue.base + int(rig.job.clock - _ARMED_S * queue.hz)
         self._endstops.arm(stops, start, min(_REST_S, max(1.0 / finest, 5e-5)))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
@@ -329,13 +333,13 @@ class Homer:
             self._place(way, way.home)
         rig.job.set_axes(overshoot.places())
 
-    def _all_hit(self, overshoot: Overshoot) -> bool:
+    def _all_hit(self, overshoot: TriggerOvershoot) -> bool:
         """All switches are hit, or the boards of one have lost each other."""
         done = self._endstops.all_hit() or bool(self._endstops.expired)
         overshoot.look()
         return done
 
-    async def _go(self, by: Sequence[float], ways: Sequence[_Way]) -> None:
+    async def _go(self, by: Sequence[float], ways: Sequence[_HomingAxis]) -> None:
         """A move of all these axes, by so much towards their switches."""
         rig = self._rig
         target: dict[int, float] = {}
@@ -356,13 +360,13 @@ class Homer:
             queue.stop(program=False)
             await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
 
-    def _steps(self, way: _Way) -> float:
+    def _steps(self, way: _HomingAxis) -> float:
         return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)
 
     def _at(self, slot: int) -> float:
         return self._rig.job.machine_position[slot]
 
-    def _place(self, way: _Way, at: float) -> None:
+    def _place(self, way: _HomingAxis, at: float) -> None:
         self._rig.job.set_axes([(way.axis, at)])
 
     def _set(self, places: dict[str, float]) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
 
-class Overshoot:
+class TriggerOvershoot:
     """Counts the steps of one search: from where the plan was when the switch was hit to where the
     motor stopped. So a switch is found as exactly as on the motor's own board; only the stop comes
     later.

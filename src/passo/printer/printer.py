@@ -17,7 +17,7 @@ from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.heater_control import ControlCommands
 from passo.printer.commands.heater_tuning import TuneCommands
 from passo.printer.commands.motors import Motors
-from passo.printer.commands.power_supply import Mains
+from passo.printer.commands.power_supply import PowerSupply
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
 from passo.printer.commands.temperature import HeatCommands
@@ -34,11 +34,11 @@ from passo.printer.targets import Targets
 from passo.printer.unfit_commands import NOTHING, Skips
 from passo.printer.wait_requests import NullReply, Reply, Wait
 from passo.printer.wait_runner import WaitRunner
-from passo.printer.watch.automatic_fans import FollowingFans
+from passo.printer.watch.automatic_fans import AutomaticFans
 from passo.printer.watch.driver_status import DriverWatch
 from passo.printer.watch.endstops import EndstopWatch
 from passo.printer.watch.idle_timeout import IdleWatch
-from passo.printer.watch.late_commands import LatenessWatch
+from passo.printer.watch.late_commands import LateCommandWatch
 
 if TYPE_CHECKING:
     from passo import _core
@@ -76,12 +76,12 @@ class Printer:
         self.offsets = Offsets(machine)
         self._first_faults: list[HeaterFault] = []
         self.laser = Laser(rig, state)
-        self.targets = Targets(rig, lambda: self.mains.require())
+        self.targets = Targets(rig, lambda: self.power_supply.require())
         self.motors = Motors(rig, self.laser)
-        self.mains = Mains(rig, self.laser, self.motors, self.targets)
+        self.power_supply = PowerSupply(rig, self.laser, self.motors, self.targets)
         self.beeper = Beeper(rig, state)
         self.drivers = DriverWatch(rig, state, self.motors, self.halt)
-        self.lateness = LatenessWatch(rig, state)
+        self.lateness = LateCommandWatch(rig, state)
         self._begin(connection, first=True)
         self.homer = Homer(rig, state, self.offsets, lambda: rig.commands.problem())
         self.endstops = EndstopWatch(rig, state, self.homer, self.stop_by_endstop)
@@ -112,7 +112,7 @@ class Printer:
             self.beeper.time_passed,
             self.faults.time_passed,
             self.endstops.time_passed,
-            FollowingFans(rig, state, self.motors).time_passed,
+            AutomaticFans(rig, state, self.motors).time_passed,
             self.drivers.time_passed,
             self.lateness.time_passed,
         ]
@@ -125,7 +125,7 @@ class Printer:
                 rig,
                 state,
                 motors=self.motors,
-                mains=self.mains,
+                power_supply=self.power_supply,
                 drivers=self.drivers,
                 endstops=self.endstops,
             ),
@@ -139,7 +139,14 @@ class Printer:
             dispatch.immediate |= part.immediate
         dispatch.immediate |= self.faults.immediate
         dispatch.planned |= {"M112": self._halt_by_line, "M410": self._stop_by_line}
-        for part in (self.heat, self.motion, self.mains, self.beeper, self.motors, self.prompts):
+        for part in (
+            self.heat,
+            self.motion,
+            self.power_supply,
+            self.beeper,
+            self.motors,
+            self.prompts,
+        ):
             dispatch.planned |= part.planned
         dispatch.planned |= tunes.planned | self.driver_commands.planned
         dispatch.beside_only = self.motion.beside_only
@@ -178,7 +185,7 @@ class Printer:
         return self.state.halted
 
     def tell(self, text: str) -> None:
-        """A line to all who listen."""
+        """A line to all consoles."""
         self.state.tell(text)
 
     # -- start and restart ------------------------------------------------------------------------
@@ -203,7 +210,7 @@ class Printer:
         connection.keep_frames()
         if connection.survives:
             connection.arm(True)  # from here on no word that comes late shuts a board down
-        self.mains.begin(connection)
+        self.power_supply.begin(connection)
         self.beeper.begin(connection)
         failure = self._first_reports(connection)
         if failure is not None and not first:
@@ -295,7 +302,7 @@ class Printer:
             watcher()
 
     def _before_motion(self) -> None:
-        if not self.mains.on:
+        if not self.power_supply.on:
             no_power = MachineError.of("machine.no-power")
             self.halt(no_power, no_power.problems[0].sentence)
         self.drivers.before_motion()

@@ -11,7 +11,7 @@ Counts = Mapping[str, tuple[int, int]]
 """First line and times of each."""
 
 
-class Omission(Enum):
+class SkippedCommand(Enum):
     """Why something was left out: a sentence about it."""
 
     UNKNOWN = "{} is unknown and was skipped"
@@ -24,14 +24,16 @@ class Omission(Enum):
     REFUSED = "{}"
 
 
-class Omissions:
+class SkippedCommands:
     """Counts of one program. Not thread-safe."""
 
     def __init__(self) -> None:
-        self._counts: dict[Omission, dict[str, tuple[int, int]]] = {why: {} for why in Omission}
+        self._counts: dict[SkippedCommand, dict[str, tuple[int, int]]] = {
+            why: {} for why in SkippedCommand
+        }
         self.cut_at = 0  # the line in the middle of which the file ended
 
-    def count(self, why: Omission, what: str, line: int) -> None:
+    def count(self, why: SkippedCommand, what: str, line: int) -> None:
         """It was left out once more."""
         counts = self._counts[why]
         if what not in counts and len(counts) >= _MOST_CODES:
@@ -39,7 +41,7 @@ class Omissions:
         first, times = counts.get(what, (line, 0))
         counts[what] = (first, times + 1)
 
-    def times(self, why: Omission) -> int:
+    def times(self, why: SkippedCommand) -> int:
         """How often that was the reason."""
         return sum(times for _, times in self._counts[why].values())
 

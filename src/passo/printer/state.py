@@ -1,4 +1,4 @@
-"""What all parts of one printer share: whether it runs, and who listens to what happens."""
+"""What all parts of one printer share: whether it is halted or paused, and its subscribers."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ class State:
     """The state of one printer, and the subscriptions to it. It survives a restart (M999).
 
     `halted`: why nothing moves or heats until M999, or empty; `cause`: the same as an error of the
-    catalogue. `failures`: halts and failed heaters
-    so far; what clears one was sent after it. `host_paused`: a host's print is paused, and its
-    lines have to wait. `ended`: the wait under way has to end. `program`: whose moves were planned
-    last. `start_failure`: why the first start failed, until M999.
+    catalogue. `failures`: count of halts and failed heaters; an M999 or M922 that was sent before
+    one does not clear it. `host_paused`: the print of a host is paused, and its lines wait.
+    `ended`: the current wait has to end. `program`: the source of the moves that were planned last.
+    `start_failure`: why the first start failed, until M999.
     """
 
     def __init__(self) -> None:
@@ -69,20 +69,19 @@ class State:
     def announce(
         self, log: logging.Logger, level: int, text: str, problem: Problem | None = None
     ) -> None:
-        """A line to all who listen that a reader of the log wants, too; `problem` is what it is
-        about."""
+        """A line to all consoles and to the log; `problem` gives the record its code and values."""
         log.log(level, "%s", text, extra=problem.log_fields if problem else None)
         self.tell(f"echo:{text}")
 
     def tell(self, text: str) -> None:
-        """A line to all who listen."""
+        """A line to all consoles."""
         self.console_lines.sent(0, text)
         for listener in list(self.listeners):
             listener(text)
 
     def beside(self, reply: Reply) -> bool:
-        """True if `reply` is not the source whose moves are planned: a console beside a print from
-        the card, or beside another console."""
+        """True if `reply` is not the source of the moves being planned: a console during a print
+        from the card, or another console."""
         return reply is not self.program
 
     @property

@@ -69,35 +69,36 @@ class WaitRunner:
     ) -> None:
         self._rig, self._state, self._homer = rig, state, homer
         self._prompts, self._laser, self._targets = prompts, laser, targets
-        self.heating = False  # somebody waits for a temperature
-        self.person = False  # or for a person
+        self.heating = False  # a command waits for a temperature
+        self.person = False  # or for the user
         self.temperatures: Callable[[], str] = str  # a line of them
-        self.busy = False  # a wait goes on
-        self.for_room = False  # a line waits for room in the plan
-        self._impatient = False  # it shall not even wait for moves
-        self._firm = False  # it only waits for moves, to do behind them what was asked for
+        self.busy = False  # a command waits
+        self.for_room = False  # a line waits for free space in the plan
+        self._skip_moves = False  # after M108: not for queued moves either
+        self._uninterruptible = False  # M108 does not end it
 
     def end(self) -> None:
-        """Whoever waits waits no more, except to do something behind the moves. What moves goes
-        on, dwells too."""
-        if not self._firm:
-            self._impatient = self._state.ended = True
+        """Ends the wait under way, unless an action follows its moves. Moves and dwells
+        continue."""
+        if not self._uninterruptible:
+            self._skip_moves = self._state.ended = True
 
     async def room(self, there: Callable[[], bool]) -> bool:
-        """Waits until there is room for a line, or `end` wants it taken without. True if so."""
+        """Waits until there is free space for a line, or `end` is called: the line is then read
+        without. Returns whether it was called."""
         rig, state = self._rig, self._state
-        self._impatient, self.for_room = False, True
+        self._skip_moves, self.for_room = False, True
 
         def let_in() -> bool:
             if state.host_paused:
-                self._impatient = False  # that was for the pause
-            return there() or bool(state.halted) or (self._impatient and rig.job.at_boundary)
+                self._skip_moves = False  # that was for the pause
+            return there() or bool(state.halted) or (self._skip_moves and rig.job.at_boundary)
 
         try:
             await rig.queue.until(let_in, idly=True)
         finally:
             self.for_room = False
-        return self._impatient
+        return self._skip_moves
 
     async def wait(
         self,
@@ -105,60 +106,62 @@ class WaitRunner:
         reply: Reply,
         *,
         ends: bool = False,
-        aside: Callable[[], bool] = lambda: False,
+        suspended: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Waits with the machine at rest, or not at all if it `ends` at once. False, and the wait
-        has not begun, if the moves before it stand `aside`. Raises Stopped when it was halted
-        meanwhile."""
+        """Waits for the moves so far, then for what `wait` says; not at all if it `ends` at once.
+        False if the moves before it are `suspended`: the wait has not begun. Raises Stopped after a
+        halt."""
         within_another, self.busy = self.busy, True
         if isinstance(wait, WaitForUser):
             self._prompts.ask(wait.message)
         try:
-            return await self._wait(wait, reply, ends, aside)
+            return await self._wait(wait, reply, ends, suspended)
         finally:
-            self.busy, self._firm = within_another, False
+            self.busy, self._uninterruptible = within_another, False
             if isinstance(wait, WaitForUser):
                 self._prompts.answered()
 
-    async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
+    async def _wait(
+        self, wait: Wait, reply: Reply, ends: bool, suspended: Callable[[], bool]
+    ) -> bool:
         if isinstance(wait, WaitForQueue):
             await self._more()
             return True
-        self._firm = isinstance(wait, WaitForMoves) and wait.then is not None
-        self._state.ended = self._impatient = ends and not self._firm
+        self._uninterruptible = isinstance(wait, WaitForMoves) and wait.then is not None
+        self._state.ended = self._skip_moves = ends and not self._uninterruptible
         if isinstance(wait, WaitForMoves):
-            if not await self._still(aside):
+            if not await self._wait_for_moves(suspended):
                 return False
             if wait.then is not None:
                 self._raise_if_ended()
                 wait.then()
         else:
             with self._laser.dark():
-                if not await self._still(aside):
+                if not await self._wait_for_moves(suspended):
                     return False
-                # Who is tired of the moves still wants what comes behind them, unless it homes.
-                if isinstance(wait, WaitForHoming) or not self._impatient:
+                # After M108 skips the moves, the command behind them still runs, except homing.
+                if isinstance(wait, WaitForHoming) or not self._skip_moves:
                     self._raise_if_ended()
                 await self._at_rest(wait, reply)
         self._state.raise_if_halted()
         return True
 
     async def _more(self) -> None:
-        """Until more can be planned of a line that nobody can end but by a stop."""
+        """Until more of a line can be planned, which only a stop can end."""
         rig, state = self._rig, self._state
         await rig.queue.until(
             lambda: not (rig.queue.full or state.host_paused) or bool(state.halted), idly=True
         )
         state.raise_if_halted()
 
-    async def _still(self, aside: Callable[[], bool]) -> bool:
+    async def _wait_for_moves(self, suspended: Callable[[], bool]) -> bool:
         rig, state = self._rig, self._state
         rig.queue.flush()
         await rig.queue.until(
-            lambda: rig.queue.standing or self._impatient or bool(state.halted) or aside()
+            lambda: rig.queue.standing or self._skip_moves or bool(state.halted) or suspended()
         )
         state.raise_if_halted()
-        return not aside()
+        return not suspended()
 
     async def _at_rest(self, wait: Wait, reply: Reply) -> None:
         rig = self._rig

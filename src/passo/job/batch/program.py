@@ -15,7 +15,7 @@ from passo.job.batch.source import chunks, lines, open_source
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.macros import EmergencyStop
-from passo.printer.skipped_commands import Omission
+from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.unfit_commands import ALL, Skips, unfit
 from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves, WaitForTemperatures
 
@@ -166,5 +166,5 @@ def run_program(
         return
     if job.ends_in_move:
         commands.omitted.cut_at = job.line
-    if job.commands == commands.omitted.times(Omission.UNKNOWN):
+    if job.commands == commands.omitted.times(SkippedCommand.UNKNOWN):
         raise InputError.of("input.no-known-command" if job.commands else "input.empty", name)

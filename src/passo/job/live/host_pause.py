@@ -1,4 +1,4 @@
-"""A print that a host sends stands aside: the nozzle leaves it, and comes back to the point."""
+"""Pauses of prints that hosts send: the nozzle parks, and returns to where it was."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ RECENT_S = 10.0  # a machine that has stood for longer prints nothing
 
 
 class HostPause:
-    """The pauses of prints that hosts send to one printer; those from the card pause by
-    themselves."""
+    """The pauses of prints that hosts send to one printer; `Runner` pauses those from the card."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -57,15 +56,15 @@ class HostPause:
         printer.resume_job()
         printer.tell("// action:resume")
 
-    async def step_aside(
+    async def park_and_wait(
         self,
         files: Park,
         text: str,
         words: Mapping[str, float],
         gone: Callable[[], bool] = lambda: False,
     ) -> None:
-        """The same in the pause of a file, which goes on behind it: the nozzle leaves the place
-        where it stands, and comes back there. If not, the file's own `files` makes up for it."""
+        """The same in the pause of a file, which continues after it: the nozzle returns to where it
+        is now. If it cannot, the park of the file, `files`, restores what is missing."""
         park = Park(self._printer, here=True)
         try:
             await self._leave_and_return(park, text, words, gone)
@@ -105,7 +104,7 @@ class HostPause:
         self._raise_if_stopped()
 
     async def _answered(self, gone: Callable[[], bool]) -> None:
-        """Waits until a person who was asked goes on."""
+        """Waits until the user continues."""
         printer = self._printer
         try:
             printer.tell("echo:busy: paused for user")

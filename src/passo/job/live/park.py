@@ -89,7 +89,7 @@ class Park:
             printer.state.announce(_log, logging.WARNING, text, problem)
         if extrudes:
             self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
-        await self._still()
+        await self._wait_for_moves()
 
     def owe(self, other: Park) -> None:
         """What another has taken back in this pause, and did not come back from, comes back with
@@ -118,7 +118,9 @@ class Park:
         or arms do not reach it from where they are; it may be tried again."""
         printer = self._printer
         park = printer.machine.park
-        await self._still()  # also until a target that is still queued has reached its heater
+        await (
+            self._wait_for_moves()
+        )  # also until a target that is still queued has reached its heater
         printer.state.raise_if_halted()
         if self._celsius is not None:
             await self._reach(self._celsius)
@@ -145,7 +147,7 @@ class Park:
                 mm = self.owed_mm + (self._retracted_mm if self._away else 0.0)
                 self._push(mm, park.retract_mm_s)
             self._away, self.owed_mm = False, 0.0
-            await self._still()
+            await self._wait_for_moves()
 
     async def _melt(self) -> None:
         """What could push filament when it was left waits until it can again: what is planned is
@@ -167,7 +169,7 @@ class Park:
         await printer.waits.wait(WaitForTemperatures((hotend,), cooling=True), NullReply())
         self._celsius = None
 
-    async def _still(self) -> None:
+    async def _wait_for_moves(self) -> None:
         printer = self._printer
         printer.queue.flush()
         await printer.queue.until(lambda: printer.queue.standing or bool(printer.halted))

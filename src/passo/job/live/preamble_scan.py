@@ -42,7 +42,7 @@ class _Observed(Commands):
         return super().run(command)
 
 
-class Past:
+class PreambleScan:
     """The beginning of a program, `end` bytes of it, read without motion with the settings that the
     printer has, what else it was begun with, and what consoles have changed: where the machine is
     then (`job`), and in which state the program. `settings` are commands for what it has set of the

@@ -9,7 +9,7 @@ from passo._core import Within
 from passo.errors import CommandError
 from passo.job.live.journal import Moment, Program
 from passo.job.live.line_offsets import offset_of_line
-from passo.job.live.preamble_scan import Past
+from passo.job.live.preamble_scan import PreambleScan
 from passo.job.live.reader import Reader
 from passo.motion.axis_slots import E, X, Y, Z
 from passo.motion.travel import go_over
@@ -48,7 +48,7 @@ class Recovery:
                 printer.dispatch.take_setting(line, NullReply())
             return 0
         offset = offset_of_line(self._reader, self._moment.line)
-        past = Past(printer, self._program, self._reader, offset, self._moment.overrides)
+        past = PreambleScan(printer, self._program, self._reader, offset, self._moment.overrides)
         state = past.job
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):

@@ -37,8 +37,8 @@ _MOST_MESSAGES = 4096  # and so many for the board
 
 
 class Runner:
-    """Prints one file at a time, with all consoles alive beside it. To be used within the printer's
-    event loop. `reply` hears what the file's commands answer."""
+    """Prints one file at a time, while all consoles stay in use. To be used within the event loop
+    of the printer. `reply` receives the answers of commands of the file."""
 
     def __init__(self, printer: Printer, reply: Reply) -> None:
         self._printer, self._reply = printer, reply
@@ -70,11 +70,11 @@ class Runner:
 
     @property
     def state(self) -> JobState:
-        """What becomes of the selected file."""
+        """The state of the selected file."""
         return self._state
 
     def _enter(self, state: JobState) -> None:
-        """Goes to another state, of which all watchers hear, or stays."""
+        """Enters another state and notifies all watchers; nothing if it is the same."""
         was = self._state
         if state is was:
             return
@@ -109,7 +109,7 @@ class Runner:
 
     @property
     def progress(self) -> float | None:
-        """Share of the print that is done; None if none is under way."""
+        """Fraction of the print that is done, 0 to 1; None if none is running."""
         return self.offset / self.size if self.active and self.size else None
 
     def printing_from(self, reply: Reply) -> bool:
@@ -123,17 +123,17 @@ class Runner:
 
     @property
     def engaged(self) -> bool:
-        """A print is under way, paused, or about to be gone on with."""
+        """A print is running, paused, or about to resume."""
         return self.active or self.state is JobState.APPROACHING
 
     @property
     def over(self) -> bool:
-        """No print is under way, paused, or failed and to be gone on with."""
+        """No print is running or paused, and none has failed that can be resumed."""
         return not (self.engaged or self.state is JobState.FAILED)
 
     @property
     def stands(self) -> bool:
-        """A line has failed, or the card, in the midst of the print, which goes on behind it."""
+        """A line or the card has failed in the middle of the print, which can continue after it."""
         return self.state is JobState.FAILED and self.offset > 0
 
     # -- what may be done -------------------------------------------------------------------------
@@ -159,7 +159,7 @@ class Runner:
         self._enter(JobState.NONE)
 
     def exchange(self, reader: Reader) -> None:
-        """The same file, of a card that was mounted anew, is read on from where it stands."""
+        """Continues reading the same file from where it is, after its card was mounted again."""
         assert self._reader is not None
         reader.seek(self._reader.tell())
         self._reader.close()
@@ -168,7 +168,7 @@ class Runner:
         self._reader = reader
 
     def seek(self, offset: int) -> None:
-        """The next start begins at this byte. Raises CommandError, and CardError."""
+        """The next start is at this byte. Raises CommandError, and CardError."""
         self._refuse_if_active()
         self._seek(offset)
 
@@ -243,9 +243,9 @@ class Runner:
             self._resumed.clear()
             # Axes that home do so to the end: their moves are not the program's.
             if not self._printer.homer.active:
-                self._set_aside()
+                self._suspend()
 
-    def _set_aside(self) -> None:
+    def _suspend(self) -> None:
         """Brakes and suspends the rest of the print, if it is not suspended since the last
         pause."""
         if not self._suspended:
@@ -258,21 +258,21 @@ class Runner:
             self._printer.suspend_job()
 
     def _require_places(self) -> None:
-        """Raises CommandError for an axis that has forgotten in the pause where it is."""
+        """Raises CommandError for an axis that is not homed any more since the pause began."""
         if lost := set(self._printer.job.locked_axes) - self._locked:
             axis = axis_order(self._printer.machine.axes)[min(lost)].upper()
             raise CommandError.of("input.not-homed", axis=axis)
 
-    def stands_aside(self) -> bool:
+    def is_suspended(self) -> bool:
         """True while the job is suspended, in a pause or before its end. The caller holds the
         motion lock."""
         if self.state is JobState.PAUSED:
-            self._set_aside()
+            self._suspend()
         return self.active and self._suspended
 
     def cancel(self) -> None:
-        """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
-        beginning. One that has failed and could be gone on with is given up."""
+        """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, at its
+        beginning. A failed print cannot be resumed after that."""
         self._again = False
         printer = self._printer
         if not self.active:
@@ -320,7 +320,7 @@ class Runner:
             await self._look_through()
             while self.active:
                 if self.state is JobState.PAUSED:
-                    await self._stand_aside()
+                    await self._pause_print()
                 await self._room()
                 await printer.motion_lock.acquire()
                 try:
@@ -398,13 +398,13 @@ class Runner:
         else:
             printer.tell("Done printing file")
 
-    async def _stand_aside(self) -> None:
+    async def _pause_print(self) -> None:
         """Parks, and waits until the pause is over."""
         printer = self._printer
         await printer.motion_lock.acquire()
         try:
             if self.state is JobState.PAUSED:
-                self._set_aside()
+                self._suspend()
                 if not self._parked:
                     self._parked = True
                     await self.park.leave(self._park_words)
@@ -413,7 +413,7 @@ class Runner:
         await self._resumed.wait()
 
     async def _room(self) -> None:
-        """Until the plan no longer reaches far enough ahead."""
+        """Waits until the plan does not reach far enough ahead."""
         printer, queue = self._printer, self._printer.queue
         await queue.until(
             lambda: (
@@ -431,7 +431,7 @@ class Runner:
         job, queue = printer.job, printer.queue
         printer.state.raise_if_halted()
         if self.state is JobState.PAUSED:
-            self._set_aside()
+            self._suspend()
         if not self.state.prints:
             return False
         if self.state is JobState.RETURNING and not await self._come_back():
@@ -451,8 +451,8 @@ class Runner:
         return await self._answer(found)
 
     async def _come_back(self) -> bool:
-        """Ends a pause; False if there is another one. Of a nozzle that cannot return the print
-        stays paused: what is aside waits until somebody has mended that."""
+        """Ends a pause; False if there is another one. If the nozzle cannot return, the print stays
+        paused and suspended until the user has fixed that."""
         printer = self._printer
         try:
             self._require_places()
@@ -510,13 +510,15 @@ class Runner:
         return False
 
     async def _wait(self) -> bool:
-        """Waits for what the last command waits for; later, if a pause puts moves before it aside.
-        True at the program's end."""
+        """Waits for what the last command waits for; later, if a pause suspends moves before it.
+        True at the end of the program."""
         printer = self._printer
         wait = self._waits_for
         if wait is not None:
             try:
-                if not await printer.waits.wait(wait, self._reply, aside=lambda: self._suspended):
+                if not await printer.waits.wait(
+                    wait, self._reply, suspended=lambda: self._suspended
+                ):
                     return False
             except CommandError as error:
                 heaters = wait.heaters if isinstance(wait, WaitForTemperatures) else ()

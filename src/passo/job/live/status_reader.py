@@ -70,7 +70,7 @@ class StatusReader:
             faults=_faults(printer.state.cause.problems) if printer.state.cause else (),
             link=printer.supervisor.link.name.lower(),
             message=printer.prompts.message,
-            power_supply=printer.mains.on,
+            power_supply=printer.power_supply.on,
             files=FilesStatus(self._library.mounted, self._runner.path),
             progress=self._progress.share_done(),
             job=self._job(),

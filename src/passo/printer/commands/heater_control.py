@@ -47,7 +47,7 @@ class ControlCommands:
     def __init__(self, rig: LiveRig) -> None:
         self._rig = rig
         self._machine = rig.machine
-        self._aside: dict[str, Control] = {}  # of heaters that a tune has for itself
+        self._borrowed: dict[str, Control] = {}  # the controls of heaters that a tune uses
         self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
         self.immediate: dict[str, Handler] = {
             "M301": self._gains,
@@ -78,26 +78,26 @@ class ControlCommands:
 
     def control(self, name: str) -> Control:
         """What controls a heater, as set; during a tune what controls it afterwards."""
-        return self._aside.get(name) or self._rig.connection.heaters[name].control
+        return self._borrowed.get(name) or self._rig.connection.heaters[name].control
 
     def set_control(self, name: str, control: Control) -> None:
         """Takes over at once, or when the heater's tune is over."""
-        if name in self._aside:
-            self._aside[name] = control
+        if name in self._borrowed:
+            self._borrowed[name] = control
         else:
             self._rig.connection.heaters[name].set_control(control)
 
     def lent(self, name: str) -> bool:
         """A tune has the heater."""
-        return name in self._aside
+        return name in self._borrowed
 
     def lend(self, name: str) -> None:
         """A tune takes the heater over: what controls it is kept."""
-        self._aside[name] = self._rig.connection.heaters[name].control
+        self._borrowed[name] = self._rig.connection.heaters[name].control
 
     def take_back(self, name: str) -> None:
         """The tune is over: what was kept controls the heater again."""
-        control = self._aside.pop(name, None)
+        control = self._borrowed.pop(name, None)
         if control is not None:
             self._rig.connection.heaters[name].set_control(control)
 

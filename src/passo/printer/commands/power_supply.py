@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _RISES_S = 2.5  # until there is power, and every driver with registers has been asked and set up
 
 
-class Mains:
+class PowerSupply:
     """M80 and M81 of one printer. Without a pin the mains are always on. A board that shuts down
     switches them off."""
 

@@ -21,7 +21,7 @@ from passo.printer.commands.ranges import beyond
 from passo.printer.commands.speed_factor import SpeedFactor
 from passo.printer.input_errors import problem, problem_of
 from passo.printer.macros import Macros, Respond
-from passo.printer.skipped_commands import Omission, Omissions
+from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
 from passo.printer.status import Status, planned_status
 from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import (
@@ -139,7 +139,7 @@ class Commands:
         self.presets = Presets(machine)
         self.speed = SpeedFactor(job)
         self.ended = False
-        self.omitted = Omissions()
+        self.omitted = SkippedCommands()
         self.skips = ALL  # what a print without consoles may leave out
 
         def record(index: int, value: int) -> float:
@@ -154,7 +154,7 @@ class Commands:
         CommandError where it is refused, WordError for a word without a number."""
         if command.letter == "T":
             if command.minor:
-                self.omitted.count(Omission.TOOL, f"T{command.number}", command.line)
+                self.omitted.count(SkippedCommand.TOOL, f"T{command.number}", command.line)
             else:
                 self.tool_changed(command.number)
             return None
@@ -165,13 +165,13 @@ class Commands:
             return handler(self, command)
         row = row_of(code)
         if row is None:
-            self.omitted.count(Omission.UNKNOWN, code, command.line)
+            self.omitted.count(SkippedCommand.UNKNOWN, code, command.line)
         elif row.kind is Kind.NOT_BUILT:
-            self.omitted.count(Omission.NOT_BUILT, code, command.line)
+            self.omitted.count(SkippedCommand.NOT_BUILT, code, command.line)
         elif row.kind is Kind.SERVED:
-            self.omitted.count(Omission.SERVED, code, command.line)
+            self.omitted.count(SkippedCommand.SERVED, code, command.line)
         elif row.kind is Kind.PERSON:
-            self.omitted.count(Omission.PERSON, code, command.line)
+            self.omitted.count(SkippedCommand.PERSON, code, command.line)
             return WaitForUser(row.text)
         return None
 
@@ -195,7 +195,7 @@ class Commands:
     def refuse(self, command: Command, error: CommandError, file: str) -> None:
         """A command of `file` that was not carried out, in a print that continues."""
         del file
-        self.omitted.count(Omission.REFUSED, f"{command.code}: {error}", command.line)
+        self.omitted.count(SkippedCommand.REFUSED, f"{command.code}: {error}", command.line)
 
     @property
     def machine(self) -> MachineConfig:
@@ -233,7 +233,7 @@ class Commands:
 
     def _set_actuators(self, command: Command) -> Wait | None:
         if not _BY_INTERPRETER.fullmatch(command.text):  # somebody has written G92.1
-            self.omitted.count(Omission.UNKNOWN, command.code, command.line)
+            self.omitted.count(SkippedCommand.UNKNOWN, command.code, command.line)
             return None
         places = place_of_actuators(command, self._machine, self._job)
         return self._placed(places) if places else None
@@ -248,18 +248,18 @@ class Commands:
 
     def _call(self, command: Command) -> None:
         """M98 of a sub-program that is missing, where that may be left out."""
-        self.omitted.count(Omission.UNKNOWN, f"M98 {command.text}", command.line)
+        self.omitted.count(SkippedCommand.UNKNOWN, f"M98 {command.text}", command.line)
 
     def _return(self, command: Command) -> Wait | None:
         """M99 outside of a sub-program: other machines begin again."""
         if command.text:
-            self.omitted.count(Omission.NOT_BUILT, "M99", command.line)
+            self.omitted.count(SkippedCommand.NOT_BUILT, "M99", command.line)
             return None
-        self.omitted.count(Omission.REPEAT, "M99", command.line)
+        self.omitted.count(SkippedCommand.REPEAT, "M99", command.line)
         return self._end(command)
 
     def _stop(self, command: Command) -> Wait:
-        self.omitted.count(Omission.STOP, command.code, command.line)
+        self.omitted.count(SkippedCommand.STOP, command.code, command.line)
         return Stop(command.code, command.line)
 
     def fans_off(self) -> None:
@@ -458,7 +458,7 @@ class Commands:
 
     def _noted(self, note: str, command: Command) -> None:
         if note:
-            self.omitted.count(Omission.REFUSED, note, command.line)
+            self.omitted.count(SkippedCommand.REFUSED, note, command.line)
 
     def _axis_limits(self, command: Command, what: str) -> None:
         self._noted(self.axis_limits(command.code, command.words(), what), command)
@@ -697,7 +697,7 @@ class Commands:
         "M221": _flow,
         "M290": _babystep,
         "G10": _tool_temperatures,
-        "G80": lambda self, c: self.omitted.count(Omission.UNKNOWN, c.code, c.line),
+        "G80": lambda self, c: self.omitted.count(SkippedCommand.UNKNOWN, c.code, c.line),
         "SET_VELOCITY_LIMIT": _velocity_limit,
         "SET_GCODE_VARIABLE": lambda self, c: self.macros.set_variable(c),
         "M486": _cancel_objects,

@@ -21,7 +21,7 @@ from passo.motion.motion_queue import TICK_S
 if TYPE_CHECKING:
     from passo.motion.rig import Rig
     from passo.printer.commands.motors import Motors
-    from passo.printer.commands.power_supply import Mains
+    from passo.printer.commands.power_supply import PowerSupply
     from passo.printer.state import State
     from passo.printer.watch.driver_status import DriverWatch
     from passo.printer.watch.endstops import EndstopWatch
@@ -42,12 +42,12 @@ class Reconnection:
         state: State,
         *,
         motors: Motors,
-        mains: Mains,
+        power_supply: PowerSupply,
         drivers: DriverWatch,
         endstops: EndstopWatch,
     ) -> None:
         self.rig, self.state = rig, state
-        self.motors, self.mains = motors, mains
+        self.motors, self.power_supply = motors, power_supply
         self.drivers, self.endstops = drivers, endstops
 
     async def reconnect(self, lost: LinkLostError) -> None:
@@ -127,7 +127,7 @@ class _Attempt:
             connection.command("survive_arm")
             connection.renew()
         parts.motors.renew()
-        parts.mains.renew()
+        parts.power_supply.renew()
         for connection in ahead:
             connection.move_evenly({name: -n for name, n in further.items()}, _BACK_S, serial)
         for connection in ahead:

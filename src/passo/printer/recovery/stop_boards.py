@@ -1,4 +1,4 @@
-"""After a halt: each board has to hear of it, also one whose link is lost."""
+"""After a halt: repeats the emergency stop until all boards, also unreachable ones, confirm it."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ _AGAIN_S = 0.5  # between two tries; whoever hears the first has answered by the
 
 
 async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
-    """Orders every board to shut down until all have said that they have, or it is `given_up`. The
-    port of one that is not heard is opened again and again."""
+    """Orders every board to shut down until all have confirmed it, or `given_up` is set. Reopens
+    the port of a silent board again and again."""
     left = [c for c in rig.connection.connections if not c.link.shut_down]
     warned = False
     while left and not given_up.is_set():

@@ -1,4 +1,4 @@
-"""Halts the printer when a board or the program fails, and restarts it on M999."""
+"""Printer supervisor: halts when a board or the program fails, and restarts on M999."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from passo.printer.motion_lock import MotionLock
     from passo.printer.recovery.reconnect import Reconnection
     from passo.printer.state import State
-    from passo.printer.watch.late_commands import LatenessWatch
+    from passo.printer.watch.late_commands import LateCommandWatch
 
 
 _log = logging.getLogger(__name__)
@@ -31,15 +31,15 @@ _LOOK_S = 0.25  # while it is halted
 
 
 class Supervisor:
-    """Runs one printer's motion queue until a failure, and again after a restart. `halt` halts the
-    printer; `restart` starts its boards again, and raises what it fails of."""
+    """Runs the motion queue of one printer until a failure, and again after each restart. `halt`
+    halts the printer; `restart` starts its boards again, and raises if it fails."""
 
     def __init__(
         self,
         rig: Rig,
         state: State,
         motion_lock: MotionLock,
-        lateness: LatenessWatch,
+        lateness: LateCommandWatch,
         reconnection: Reconnection,
         *,
         halt: Callable[[PassoError], None],
@@ -56,7 +56,7 @@ class Supervisor:
 
     @property
     def link(self) -> LinkState:
-        """What the boards do."""
+        """The state of the links to the boards."""
         return self._link
 
     def _enter(self, link: LinkState) -> None:
@@ -78,13 +78,13 @@ class Supervisor:
         return asking
 
     def stop(self) -> None:
-        """M112, also before the printer restarts, by itself or after M999."""
+        """M112, also while a restart is pending."""
         if self._link is LinkState.PLACE_LOST:
             self._enter(LinkState.HALTED)
         self._answer()
 
     def _answer(self) -> None:
-        """M999 is done, or has failed."""
+        """Tells the consoles that wait for M999 that it is done, or has failed."""
         self._restart_asked.clear()
         for asking in self._asking:
             if not asking.done():
@@ -92,7 +92,7 @@ class Supervisor:
         self._asking.clear()
 
     async def run(self) -> None:
-        """Lets time pass until cancelled."""
+        """Runs the printer until cancelled."""
         state = self._state
         while True:
             try:
@@ -118,15 +118,16 @@ class Supervisor:
                     self._motion_lock.release()
 
     def _has_to_halt(self, failure: PlaceLostError) -> bool:
-        """It was halted before, or what it keeps warm may be what resets the board."""
+        """True if the printer was halted already, or if its heaters may be what resets the
+        board."""
         if not isinstance(failure, BoardResetError):
             return bool(self._state.halted)
         before, self._reset_s = self._reset_s, asyncio.get_running_loop().time()
         return bool(self._state.halted) or self._reset_s - before < _SOON_S
 
     async def _drive(self) -> None:
-        """Lets time pass until the board fails. After a fault of the program, which halts the
-        printer, too, the board is well: it tells that it has stopped."""
+        """Runs the motion queue until a board fails. A fault of the program halts the printer, too;
+        the board works, and confirms the stop."""
         rig = self._rig
         try:
             await rig.queue.run()
@@ -138,7 +139,8 @@ class Supervisor:
             await rig.queue.hear_stop()
 
     async def _reconnect(self, error: Exception) -> Exception | None:
-        """After a lost link goes on where the board has stopped by itself; else what halts it."""
+        """After a lost link resumes where the boards have braked by themselves, and returns None;
+        else returns the failure that halts the printer."""
         rig, state = self._rig, self._state
         if state.halted or not isinstance(error, LinkLostError):
             return error
@@ -156,7 +158,7 @@ class Supervisor:
         return None
 
     def _pause(self) -> None:
-        """Nothing is wrong, but the positions of the motors are unknown."""
+        """Pauses: the boards work, but the positions of the motors are unknown."""
         rig, state = self._rig, self._state
         rig.connection.stop_job()
         state.tell(f"Error:{state.halted}")
@@ -173,14 +175,15 @@ class Supervisor:
         await self._until_restart_asked()
 
     async def _until_restart_asked(self) -> None:
-        """Waits for M999; until then each board is told to stop that has not heard of it."""
+        """Waits for M999; until then repeats the stop to each board that has not confirmed it."""
         await stop_boards(self._rig, self._state, self._restart_asked)
         while not self._restart_asked.is_set():
             await either(self._restart_asked, _LOOK_S)
             self._rig.queue.stand_by()
 
     def _make_safe(self) -> None:
-        """The board may only have been silent for a moment: it must not go on when it is back."""
+        """Stops all boards and heaters. A board that was silent for a moment must not continue when
+        it is back."""
         rig = self._rig
         rig.connection.switch_heaters_off()
         rig.connection.stop_job()
@@ -195,7 +198,7 @@ class Supervisor:
             await asyncio.sleep(TICK_S)
 
     async def _restart_boards(self) -> None:
-        """Restarts the boards; as often as M999 is sent, until they can be reached."""
+        """Restarts the boards after M999, each time that it is sent, until they can be reached."""
         keeps_warm = self._link is LinkState.PLACE_LOST
         heaters = self._rig.connection.heaters.items()
         warm = {n: h.target for n, h in heaters if keeps_warm and not h.fault}

@@ -20,7 +20,7 @@ _log = logging.getLogger(__name__)
 _AGAIN_S = 10.0  # between two lines on the consoles
 
 
-class LatenessWatch:
+class LateCommandWatch:
     """The slack of one printer's link. `program` names the file that is printed; `worst` is what
     there is to say of the print that is under way, or was the last one."""
 
