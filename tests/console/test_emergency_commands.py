@@ -13,11 +13,11 @@ from tests.support.scenario import Host, Scenario
 from passo import config
 from passo.app import assembled
 from passo.clock import VirtualLoop
-from passo.console.receive_queue import MOST_BYTES, MOST_LINES
+from passo.console.receive_queue import MAX_BYTES, MAX_LINES
 from passo.console.session import AT_ONCE
 from passo.console.transports.serial import open_pty
 from passo.console.transports.streams import open_tcp
-from passo.motion.motion_queue import MOST_QUEUED
+from passo.motion.motion_queue import MAX_QUEUED
 
 MANY = 20_000  # lines, of 0.3 MB
 
@@ -108,7 +108,7 @@ def test_m410_forgets_all_moves_in_hand(s):
     assert oks(s.host, start) == MANY + 3
     assert s.printer.connection.heaters["hotend"].target == 50
     refused = [x for x in s.host.heard if "it was in hand when the machine was stopped" in x]
-    assert len(refused) >= MANY - MOST_QUEUED
+    assert len(refused) >= MANY - MAX_QUEUED
 
 
 def test_m108_ends_the_wait_in_front_of_many_lines(s):
@@ -135,7 +135,7 @@ def test_consoles_share_time_while_many_lines_run(s):
 
 
 @pytest.mark.parametrize(
-    ("line", "most"), [("M110", MOST_LINES), ("M117 " + "x" * 1019, MOST_BYTES // 1024)]
+    ("line", "most"), [("M110", MAX_LINES), ("M117 " + "x" * 1019, MAX_BYTES // 1024)]
 )
 def test_receive_queue_is_bounded(s, line, most):
     """A sender is held up, and let go on when half of it is done."""

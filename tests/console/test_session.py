@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.support.scenario import Host, Scenario
 
-from passo.console.receive_queue import BACKLOG, MOST_LINES
+from passo.console.receive_queue import BACKLOG, MAX_LINES
 
 
 @pytest.fixture
@@ -418,11 +418,11 @@ def test_lines_in_hand_are_carried_out_in_order(ready):
 
 def test_a_host_that_sends_too_much_is_held_up_and_loses_nothing(ready):
     start = len(ready.host.heard)
-    ready.host.send("G4 S1", "M400", *["M110"] * (MOST_LINES + 1))
+    ready.host.send("G4 S1", "M400", *["M110"] * (MAX_LINES + 1))
     assert ready.host.held
     ready.passes(2)
     assert not ready.host.held
-    assert len(oks(ready.host, start)) == MOST_LINES + 3
+    assert len(oks(ready.host, start)) == MAX_LINES + 3
 
 
 def test_two_consoles_move_the_machine_in_turn(ready):

@@ -25,7 +25,7 @@ from passo.console.transports import streams as wires
 from passo.console.transports.serial import open_pty, open_serial
 from passo.console.transports.streams import ConsoleError, open_tcp
 
-PATIENCE_S = 60
+TIMEOUT_S = 60
 
 
 class Client:
@@ -104,7 +104,7 @@ def served(test):
 
     def run(**fixtures):
         async def body():
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 path = fixtures.get("tmp_path")
                 serving = Served(None if path is None else str(path))
                 try:
@@ -236,7 +236,7 @@ def test_a_serial_device_at_any_rate(baud):
             lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(master, "rb", 0)
         )
         host = Client(reader, lambda data: os.write(master, data), transport.close)
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             assert (await host.ok("M115"))[-1] == "ok"
         await s.end()
         host.close()
@@ -267,7 +267,7 @@ def test_unplugged_serial_device_is_reopened(tmp_path, monkeypatch):
     async def body():
         s = Served()
         try:
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 for i in range(3):
                     host = await plugged(s)
                     assert (await host.ok(f"G92 X{i}"))[-1] == "ok"

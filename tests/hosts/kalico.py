@@ -11,7 +11,7 @@ from pathlib import Path
 
 from tests.hosts.shared_clock import SharedClock
 
-PATIENCE_S = 300
+TIMEOUT_S = 300
 
 
 class Kalico:
@@ -53,7 +53,7 @@ class Kalico:
         self._until(lambda: "!!" not in self._answer("STATUS"), "being ready")
 
     def _until(self, condition, what: str) -> None:
-        end = time.monotonic() + PATIENCE_S
+        end = time.monotonic() + TIMEOUT_S
         while not condition():
             assert self.process.poll() is None and time.monotonic() < end, (what, self.said())
             time.sleep(0.1)
@@ -66,7 +66,7 @@ class Kalico:
 
     def _answer(self, line: str) -> str:
         os.write(self._fd, line.encode() + b"\n")
-        end = time.monotonic() + PATIENCE_S
+        end = time.monotonic() + TIMEOUT_S
         while not (ok := re.search(r"^ok.*\n", self._heard, re.MULTILINE)):
             assert time.monotonic() < end, (line, self._heard, self.said())
             if select.select([self._fd], [], [], 0.1)[0]:

@@ -18,7 +18,7 @@ from passo.config.machine import MachineConfig
 from passo.console.session import Session
 
 SCALE = 40
-MOST_S = 900.0  # of print time, for the slowest wait
+MAX_S = 900.0  # of print time, for the slowest wait
 SWAYS = tuple(f"G1 X{i % 2 * 9} F600" for i in range(20))
 PAUSES = {
     "M600 S": Waits(("M302 P1", "M109 S50", "M600 S65", "G4 P10"), {"hotend": 65}),
@@ -53,7 +53,7 @@ class Print:
             s.host.ok("G92 X0 Y0 Z0")
             s.host.send("M32 a.g")
             start = s.positions()["x"]
-            assert s.until(lambda: s.positions()["x"] > start + 5, MOST_S)
+            assert s.until(lambda: s.positions()["x"] > start + 5, MAX_S)
             s.passes(3)
         self.command = "M1000"
 
@@ -79,7 +79,7 @@ class Print:
         try:
             self.session = Session(self.printer, self)
             self.session.receive(f"{self.command}\n".encode())
-            async with asyncio.timeout(MOST_S):
+            async with asyncio.timeout(MAX_S):
                 await self.done.wait()
         finally:
             serving.cancel()

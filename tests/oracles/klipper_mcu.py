@@ -21,7 +21,7 @@ _UART_LEAD_S = 200e-6
 # What a board still takes that has shut down.
 _IN_SHUTDOWN = {"identify", "get_config", "get_clock", "get_uptime", "emergency_stop", "reset"}
 _IN_SHUTDOWN |= {"config_reset"}
-_UART_PATIENCE, _UART_TURN = 64, 12  # bits: without an answer, and before one begins
+_UART_TIMEOUT, _UART_TURN = 64, 12  # bits: without an answer, and before one begins
 
 
 @dataclass
@@ -443,7 +443,7 @@ class KlipperMcu:
         heard = [packed(line_bits(answer)) for answer in answers if answer]
         self._demand(len(heard) <= 1, "two chips answer at once")
         line.answer = heard[0][:read] if heard and read else b""
-        waits = _UART_TURN + 8 * read if heard else _UART_PATIENCE
+        waits = _UART_TURN + 8 * read if heard else _UART_TIMEOUT
         bits = 8 * len(write) + (waits if read else 0)
         line.answers_at = self.now + round(_UART_LEAD_S * self.hz) + bits * line.bit_ticks
 

@@ -37,7 +37,7 @@ Values: TypeAlias = dict[str, int | bytes]
 
 _CHUNK, _SHORT_CHUNK = 40, 8
 _STEP_S = 0.01
-_PATIENCE_S = 0.5
+_TIMEOUT_S = 0.5
 _TRIES = 5
 LEAD_S = 0.25  # from a word to what it begins
 _FAREWELL_S = 0.6
@@ -47,7 +47,7 @@ ABSOLUTE_ZERO_C = -273.15  # hosts read it as a number, and nobody takes it for 
 _RESET_S = 0.05  # a board that was sent `reset` has begun to restart by then
 _REOPEN_S = 5.0  # and its port is back by then
 _RESPONSES_KEPT = 1024
-_MOST_STEPS = 0xFFFF  # of one command
+_MAX_STEPS = 0xFFFF  # of one command
 _SURVIVE = 2  # version of the extension
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
@@ -242,7 +242,7 @@ class Connection:
             self.command(f"reset_step_clock oid={oid} clock={clock}")
             self.command(f"set_next_step_dir oid={oid} dir={int((net > 0) != turned)}")
             while left > 0:
-                count = min(left, _MOST_STEPS)
+                count = min(left, _MAX_STEPS)
                 self.command(f"queue_step oid={oid} interval={interval} count={count} add=0")
                 left -= count
         self.command(f"survive_commit serial={serial} clock={clock} rest=1")
@@ -277,7 +277,7 @@ class Connection:
         begin = self.now
         found = self._ask(name, values, answer, same)
         passed = self.now - begin
-        if passed > self._ticks(_PATIENCE_S):
+        if passed > self._ticks(_TIMEOUT_S):
             # It was repeated: the answer to the repetition is as late as this one.
             self._late[about] = self.now + passed
         return found
@@ -502,7 +502,7 @@ class Connection:
 
     def _follow_clock(self) -> None:
         self.link.follow_clock(0)  # at once: `now` counts in ticks of the main board
-        for _ in range(int(_PATIENCE_S * _TRIES / _STEP_S)):
+        for _ in range(int(_TIMEOUT_S * _TRIES / _STEP_S)):
             self.run(self.now)
             if self.link.synchronous:
                 if isinstance(self.wire, _core.LiveWire):
@@ -607,13 +607,13 @@ class Connection:
         """The report `answer` in which the values of `same` are these. Raises BoardSilentError, or
         the reason for which the board has shut down by itself."""
         self._collect()
-        until, end = self.now, self.now + self._ticks(tries * _PATIENCE_S)
+        until, end = self.now, self.now + self._ticks(tries * _TIMEOUT_S)
         repeat = until
         lost = True
         while until <= end:
             if lost or until >= repeat:
                 self.link.send(name, list(values))
-                repeat = until + self._ticks(_PATIENCE_S)
+                repeat = until + self._ticks(_TIMEOUT_S)
             # A board that is shut down may still be asked.
             self.pass_time(until)
             lost = self.link.told  # its answer has come by now, or never will

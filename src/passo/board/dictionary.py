@@ -14,7 +14,7 @@ from passo import _core
 RUNS_KLIPPERS = 'it runs Klipper\'s firmware, or the like, which `firmware = "klipper"` would say'
 RUNS_PASSOS = "it runs Passo's firmware, and is taken to run Klipper's (base, firmware)"
 
-_MOST_PINS = 4096  # that one entry may begin
+_MAX_PINS = 4096  # that one entry may begin
 # What reading something else in its place raises.
 _NO_DICTIONARY = (
     ValueError,
@@ -120,7 +120,7 @@ def _expand(names: Mapping[str, Any]) -> dict[str, int]:
             expanded[name] = value
             continue
         start, count = int(value[0]), int(value[1])
-        if count > _MOST_PINS:
+        if count > _MAX_PINS:
             raise ValueError(f"{name} begins {count} pins")
         match = re.fullmatch(r"(.*?)(\d+)", name)
         if match is None or not 0 < count <= 4096:

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 # Once the board has the question. The slowest UART takes 30 ms; of SPI the answer comes before the
 # acknowledgement.
-_PATIENCE_S = 0.3
+_TIMEOUT_S = 0.3
 _STEP_S = 0.01
-_MOST_LOST = 50  # answers one after the other, where somebody waits for them
+_MAX_LOST = 50  # answers one after the other, where somebody waits for them
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 
@@ -97,7 +97,7 @@ class Drivers:
         while not self.idle:
             self.poll()
             for talk in (line.talks[0] for line in self._lines.values() if line.talks):
-                if talk.question and talk.lost > _MOST_LOST:
+                if talk.question and talk.lost > _MAX_LOST:
                     raise self._connection.silence(talk.question.partition(" ")[0])
             self._connection.run(self._connection.now + int(_STEP_S * self._connection.wire.hz))
 
@@ -161,7 +161,7 @@ class Drivers:
         asked = talk.question is not None
         if asked and answer is None:
             if talk.deadline is None and told:
-                patience_s = _PATIENCE_S if line.slow else 0.0
+                patience_s = _TIMEOUT_S if line.slow else 0.0
                 talk.deadline = now + int(patience_s * self._connection.wire.hz)
             if talk.deadline is None or now < talk.deadline:
                 return

@@ -14,14 +14,14 @@ _REPORT_S = 0.1  # a group tells its state so often
 _REASONS = 127  # told apart, so that a late report of one search does not end the next
 _EXPIRED = 128  # added to the reason: a group of several boards has lost one of them
 _SHARED_REPORT_S = 0.01  # a group of several boards tells its state so often
-_SHARED_PATIENCE_S = 0.05  # and stops its motors when another part was silent for so long
+_SHARED_TIMEOUT_S = 0.05  # and stops its motors when another part was silent for so long
 
 
 class Endstops:
     """The endstops of a machine's boards. Times in ticks of the main board's clock.
 
     A switch stops the motors of its own board by itself. To motors of other boards the links pass
-    it on at once, without Python: they stop later by the way there, and by `_SHARED_PATIENCE_S` at
+    it on at once, without Python: they stop later by the way there, and by `_SHARED_TIMEOUT_S` at
     most if a link fails. Every board counts its steps, so that no step is lost by that.
     """
 
@@ -76,7 +76,7 @@ class Endstops:
                     self._reason,
                     self._reason + _EXPIRED,
                     float(clock),
-                    _SHARED_PATIENCE_S * self._boards.board.clock_hz,
+                    _SHARED_TIMEOUT_S * self._boards.board.clock_hz,
                 )
             self._home(own, name, clock)
 
@@ -93,7 +93,7 @@ class Endstops:
             f" report_ticks={int(report_s * hz)} expire_reason={expired}"
         )
         if shared:
-            end = (begin + int(_SHARED_PATIENCE_S * hz)) & 0xFFFFFFFF
+            end = (begin + int(_SHARED_TIMEOUT_S * hz)) & 0xFFFFFFFF
             board.command(f"trsync_set_timeout oid={group} clock={end}")
         for stepper in stopped:
             if stepper in board.oids.steppers:

@@ -12,7 +12,7 @@ from passo import _core
 from passo.errors import MachineError
 from passo.serial_line import open_serial_line
 
-_PATIENCE_S = 5.0
+_TIMEOUT_S = 5.0
 _REOPEN_S = 0.1  # between two attempts to open a port
 
 Wire: TypeAlias = "_core.Pump | _core.LiveWire"
@@ -151,7 +151,7 @@ def tcp_port(host: str, port: int) -> LivePort:
 
     def opened() -> int:
         try:
-            connected = socket.create_connection((host, port), _PATIENCE_S)
+            connected = socket.create_connection((host, port), _TIMEOUT_S)
         except OSError as error:
             raise _unreachable(f"{host}:{port}", error) from None
         connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -94,13 +94,13 @@ def _heater(arguments: argparse.Namespace) -> tuple[Heater, int | None]:
 def _thermistor(arguments: argparse.Namespace, heater: Heater) -> Ntc:
     from passo.config.sensors import Thermistor
     from passo.config.thermistor import Ntc
-    from passo.heat.calibration import LEAST_BETA_K, MOST_BETA_K
+    from passo.heat.calibration import MAX_BETA_K, MIN_BETA_K
 
     sensor = heater.sensor
     assert isinstance(sensor, Thermistor)
     beta_k = sensor.beta_k if arguments.beta is None else arguments.beta
-    if not LEAST_BETA_K <= beta_k <= MOST_BETA_K:
-        limit = f"a β from {LEAST_BETA_K:g} to {MOST_BETA_K:g} K"
+    if not MIN_BETA_K <= beta_k <= MAX_BETA_K:
+        limit = f"a β from {MIN_BETA_K:g} to {MAX_BETA_K:g} K"
         raise ConfigError.of("config.value", key="--beta", value=beta_k, limit=limit)
     return Ntc(sensor.r25_ohm, beta_k, sensor.c_per_k)
 

@@ -17,7 +17,7 @@ Raw = Mapping[str, Any]
 
 # Of a cycle of pulses, lest its two interrupts stand in the way of the motors' steps: at 16 MHz
 # that is 250 Hz.
-_LEAST_CYCLE_TICKS = 64_000
+_MIN_CYCLE_TICKS = 64_000
 
 
 def check_heaters(data: Raw) -> Iterator[Finding]:
@@ -86,8 +86,8 @@ def check_pulses(data: Raw) -> Iterator[Finding]:
             if not isinstance(pin, str) or wanted is None:
                 continue
             clock_hz = number(table(data, *section(placed(pin)[0])), "clock_hz")
-            if clock_hz is not None and wanted * _LEAST_CYCLE_TICKS > clock_hz:
-                limit = f"at most {clock_hz / _LEAST_CYCLE_TICKS:g} Hz at this board's clock"
+            if clock_hz is not None and wanted * _MIN_CYCLE_TICKS > clock_hz:
+                limit = f"at most {clock_hz / _MIN_CYCLE_TICKS:g} Hz at this board's clock"
                 yield Finding("config.value", (part, name, "pwm_hz"), wanted, limit)
 
 

@@ -9,7 +9,7 @@ from math import isinf
 
 from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
-from passo.config.types import LEAST_SCALE, MOST_SCALE
+from passo.config.types import MAX_SCALE, MIN_SCALE
 from passo.geometry.base import Unreachable
 
 
@@ -95,10 +95,10 @@ def check_park(machine: MachineConfig) -> Iterator[Finding]:
 def check_scales(machine: MachineConfig) -> Iterator[Finding]:
     """Each motor's scale, from whatever parts it comes, is one that a motor may have."""
     for name, stepper in machine.steppers.items():
-        if not LEAST_SCALE <= stepper.steps_per_unit <= MOST_SCALE:
+        if not MIN_SCALE <= stepper.steps_per_unit <= MAX_SCALE:
             key = "gear_ratio" if stepper.rotation_distance_mm is None else "rotation_distance_mm"
             limit = (
-                f"{LEAST_SCALE:g} to {MOST_SCALE:,.0f} microsteps per mm or degree, and these parts"
+                f"{MIN_SCALE:g} to {MAX_SCALE:,.0f} microsteps per mm or degree, and these parts"
                 f" make {stepper.steps_per_unit:g}"
             )
             yield Finding("config.value", ("steppers", name, key), getattr(stepper, key), limit)

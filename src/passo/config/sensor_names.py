@@ -18,7 +18,7 @@ KINDS: tuple[str, ...] = tuple(
     for model in get_args(get_args(AnySensor)[0])
     for kind in get_args(model.model_fields["kind"].annotation)
 )
-_MOST_NEAR = 6
+_MAX_NEAR = 6
 
 
 class NamedSensor(NamedTuple):
@@ -177,11 +177,11 @@ def _near(word: str) -> str:
     names = {_folded(sensor.name): sensor.name for sensor in NAMED} | {kind: kind for kind in KINDS}
     parts = [part for part in re.findall(r"[a-z]+|\d+", word.casefold()) if len(part) > 2]
     close = [key for key in names if len(word) > 2 and _folded(word) in key]
-    close += get_close_matches(_folded(word), names, n=_MOST_NEAR, cutoff=0.5)
+    close += get_close_matches(_folded(word), names, n=_MAX_NEAR, cutoff=0.5)
     close += [key for key in names if any(part in key for part in parts)]
     if not close:
         return "The sensors that have names are in docs/reference/sensors.md"
-    near = list(dict.fromkeys(names[key] for key in close))[:_MOST_NEAR]
+    near = list(dict.fromkeys(names[key] for key in close))[:_MAX_NEAR]
     quoted = ", ".join(repr(name) for name in near)
     return f"Did you mean {quoted}?" if len(near) == 1 else f"Names like it: {quoted}"
 

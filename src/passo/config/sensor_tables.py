@@ -27,8 +27,8 @@ Table: TypeAlias = tuple[tuple[float, float], ...]
 _NTC_C = range(-20, 401, 5)
 _PLATINUM_C = range(-50, 851, 5)
 # What the ADC says of a cable that is open or shorted lies outside these.
-_LEAST_SHARE = 0.002
-_MOST_SHARE = 0.998
+_MIN_SHARE = 0.002
+_MAX_SHARE = 0.998
 _CONVERTER_C = {"max31855": (-270.0, 1800.0), "max6675": (0.0, 1023.75)}
 # Where a MAX31856 knows a type of thermocouple, and its number (Maxim 19-7534, Table 2).
 _THERMOCOUPLE_C = {
@@ -65,7 +65,7 @@ def sensor_table(sensor: AnySensor) -> Table:
         return _rows(_PLATINUM_C, lambda t: factor * bridge.share(platinum.ohm(t, r0)))
     if isinstance(sensor, ThermocoupleAmplifier):
         full_c = sensor.full_scale_v / _VOLTS_BY_C[sensor.kind] * sensor.scale
-        ends = (_LEAST_SHARE, _MOST_SHARE)
+        ends = (_MIN_SHARE, _MAX_SHARE)
         return tuple((round(share * full_c + sensor.offset_c, 9), share) for share in ends)
     if isinstance(sensor, PlatinumConverter):
         r0, reference = sensor.r0_ohm, sensor.reference_ohm
@@ -130,7 +130,7 @@ def open_is_high(sensor: AnySensor) -> bool:
 def _rows(celsius: Iterable[int], share: Callable[[float], float]) -> Table:
     """The rows that an ADC can tell from an open or a shorted cable."""
     rows = [(float(t), round(share(t), 9)) for t in celsius]
-    return tuple(row for row in rows if _LEAST_SHARE <= row[1] <= _MOST_SHARE)
+    return tuple(row for row in rows if _MIN_SHARE <= row[1] <= _MAX_SHARE)
 
 
 def reads_within(table: Table, min_c: float, max_c: float) -> bool:

@@ -34,11 +34,11 @@ NAME, PIN, LETTER, AXIS, EXTRUDER, UUID, COMMAND, VARIABLE = PATTERNS
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 # What no machine exceeds, in mm or degrees and s: behind it the plan's numbers lose their steps.
-LEAST_SCALE, MOST_SCALE = 1e-3, 1e5
-Scale = Annotated[float, Field(ge=LEAST_SCALE, le=MOST_SCALE)]
-LEAST_SPEED, LEAST_ACCEL = 1e-3, 0.1  # of machine files and of commands that set limits
-Speed = Annotated[float, Field(ge=LEAST_SPEED, le=1e6)]
-Acceleration = Annotated[float, Field(ge=LEAST_ACCEL, le=1e7)]
+MIN_SCALE, MAX_SCALE = 1e-3, 1e5
+Scale = Annotated[float, Field(ge=MIN_SCALE, le=MAX_SCALE)]
+MIN_SPEED, MIN_ACCEL = 1e-3, 0.1  # of machine files and of commands that set limits
+Speed = Annotated[float, Field(ge=MIN_SPEED, le=1e6)]
+Acceleration = Annotated[float, Field(ge=MIN_ACCEL, le=1e7)]
 Jerk = Annotated[float, Field(ge=0, le=1e6)]
 Position = Annotated[float, Field(ge=-1e6, le=1e6)]
 Fraction = Annotated[float, Field(ge=0, le=1)]

@@ -12,8 +12,8 @@ from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, Refusal
 
 BACKLOG = 256  # lines that a host is offered room for (`ok N P B`)
-MOST_LINES = 1 << 15  # are in hand before the sender is held up
-MOST_BYTES = 1 << 20  # of text, likewise
+MAX_LINES = 1 << 15  # are in hand before the sender is held up
+MAX_BYTES = 1 << 20  # of text, likewise
 
 Heard = tuple[Line, Command, bool] | Refusal
 """A line, its command, and whether `Ahead` saw it; or why it is none."""
@@ -38,12 +38,12 @@ class ReceiveQueue:
     @property
     def full(self) -> bool:
         """No more should be read."""
-        return len(self._lines) >= MOST_LINES or self._bytes >= MOST_BYTES
+        return len(self._lines) >= MAX_LINES or self._bytes >= MAX_BYTES
 
     @property
     def half_empty(self) -> bool:
         """More may be read again."""
-        return len(self._lines) <= MOST_LINES // 2 and self._bytes <= MOST_BYTES // 2
+        return len(self._lines) <= MAX_LINES // 2 and self._bytes <= MAX_BYTES // 2
 
     def append(self, heard: Heard) -> None:
         """What came last."""

@@ -16,7 +16,7 @@ from passo.console.upload import Upload
 from passo.errors import CardError, PassoError, Problem, in_words
 from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, LineProtocol, Refusal, decoded
-from passo.motion.motion_queue import MOST_QUEUED
+from passo.motion.motion_queue import MAX_QUEUED
 from passo.printer.printer import Printer
 from passo.printer.unfit_commands import unfit
 from passo.printer.wait_requests import Stopped, Wait
@@ -466,7 +466,7 @@ class Session:
     def _acknowledge(self, number: int | None) -> None:
         text = "ok"
         if self.advanced_ok:
-            free = max(0, MOST_QUEUED - self._printer.job.queued)
+            free = max(0, MAX_QUEUED - self._printer.job.queued)
             text += f" N{number}" if number is not None else ""
             text += f" P{free} B{self._lines.room}"
         self.say(f"{text} {self._ok}" if self._ok else text)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from passo.motion.motion_queue import Alarm, MotionQueue
     from passo.printer.printer import Printer
 
-LEAST_S = 0.1  # between two of the same: more of it would drown the answers
+MIN_S = 0.1  # between two of the same: more of it would drown the answers
 
 
 @dataclass(slots=True)
@@ -39,11 +39,11 @@ class Timers:
         *,
         report: bool = False,
     ) -> None:
-        """In place of the action of that name, at least LEAST_S apart; 0 or None: no more."""
+        """In place of the action of that name, at least MIN_S apart; 0 or None: no more."""
         self._drop(name)
         if seconds <= 0 or action is None:
             return
-        seconds = max(seconds, LEAST_S)
+        seconds = max(seconds, MIN_S)
         handle = self._loop.call_later(seconds, self._act, name)
         timer = self._timers[name] = _Timer(seconds, action, report, handle)
         if report:

@@ -29,7 +29,7 @@ _NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d{1,18})(?!\d)\s*(.*)\Z", re.DOTALL)
 _CHECKSUM = re.compile(rb"\*\s*(\d{1,3})\s*\Z")
 _FRAGMENT = re.compile(r"\s*([Nn]\s*-?|\d+)\s*\Z")  # of a numbered line that was torn apart
 _SET_NUMBER = re.compile(r"[Mm]110(?!\d)\s*(?:[NnLl]\s*(-?)0*(\d+))?")
-_MOST_DIGITS = 18
+_MAX_DIGITS = 18
 _MESSAGE = re.compile(r"\s*[Mm]11[78](?!\d)")
 # Commands that take a text.
 _TAKES_TEXT = re.compile(
@@ -195,8 +195,8 @@ class LineProtocol:
         """M110 in the line of this number: the count goes on from its own, or else from that."""
         sign, digits = command[1], command[2]
         if digits is not None:
-            if len(digits) > _MOST_DIGITS:
-                limit = f"the line number has more than {_MOST_DIGITS} digits"
+            if len(digits) > _MAX_DIGITS:
+                limit = f"the line number has more than {_MAX_DIGITS} digits"
                 return Refusal(f"M110 is not carried out: {limit}. Send a smaller one", None)
             number = int(sign + digits)
         if number is not None:

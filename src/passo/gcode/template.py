@@ -20,13 +20,13 @@ from jinja2.sandbox import SandboxedEnvironment
 from jinja2.visitor import NodeTransformer
 
 # Of one call, with all macros that it calls.
-MOST_STEPS = 100_000  # some tenths of a second
-MOST_LINES, MOST_BYTES = 10_000, 1_000_000  # of what it becomes
-MOST_CHARACTERS = 65_536  # of one text within a template
-MOST_ITEMS = 10_000  # of one list, with all lists in it, or of a range
-_MOST_BITS = 4096  # of an integer
-_MOST_WIDTH = 1000  # columns, that a text is padded to
-_MOST_DIGITS = 30  # decimals that a number is rounded to
+MAX_STEPS = 100_000  # some tenths of a second
+MAX_LINES, MAX_BYTES = 10_000, 1_000_000  # of what it becomes
+MAX_CHARACTERS = 65_536  # of one text within a template
+MAX_ITEMS = 10_000  # of one list, with all lists in it, or of a range
+_MAX_BITS = 4096  # of an integer
+_MAX_WIDTH = 1000  # columns, that a text is padded to
+_MAX_DIGITS = 30  # decimals that a number is rounded to
 _ITEM = 64  # characters of a text that cost as much as an item of a list
 
 # Methods of values that templates may call. All others of these types are refused.
@@ -61,13 +61,13 @@ class Budget:
     """What is left of the steps, bytes and lines of one call, with all macros that it calls."""
 
     def __init__(self) -> None:
-        self._steps, self._bytes, self._lines = MOST_STEPS, MOST_BYTES, MOST_LINES
+        self._steps, self._bytes, self._lines = MAX_STEPS, MAX_BYTES, MAX_LINES
 
     def spend(self, steps: int) -> None:
         """Raises TemplateFault if no steps are left."""
         self._steps -= steps
         if self._steps < 0:
-            text = f"it takes more than {MOST_STEPS:,} steps: loops, calls and filters"
+            text = f"it takes more than {MAX_STEPS:,} steps: loops, calls and filters"
             raise TemplateFault(text)
 
     def write(self, text: str) -> None:
@@ -75,9 +75,9 @@ class Budget:
         self._bytes -= len(text.encode("utf-8", "replace"))
         self._lines -= text.count("\n")
         if self._bytes < 0:
-            raise TemplateFault(f"it becomes more than {MOST_BYTES:,} bytes")
+            raise TemplateFault(f"it becomes more than {MAX_BYTES:,} bytes")
         if self._lines <= 0:
-            raise TemplateFault(f"it becomes more than {MOST_LINES:,} lines")
+            raise TemplateFault(f"it becomes more than {MAX_LINES:,} lines")
 
 
 class Template:
@@ -202,7 +202,7 @@ class _Environment(SandboxedEnvironment):
     def begin(self, budget: Budget) -> None:
         """A rendering begins. It may write eight times the text that it returns, as blocks that are
         kept in variables are written too."""
-        self._budget, self._characters = budget, 8 * MOST_BYTES
+        self._budget, self._characters = budget, 8 * MAX_BYTES
 
     def _parse(self, source: str, name: str | None, filename: str | None) -> nodes.Template:
         return _Bounded().visit(super()._parse(source, name, filename))
@@ -225,12 +225,12 @@ class _Environment(SandboxedEnvironment):
         self._budget.spend(1)
         owner = getattr(obj, "__self__", None)
         if isinstance(obj, Macro):
-            self._write(MOST_CHARACTERS // _ITEM)
+            self._write(MAX_CHARACTERS // _ITEM)
         elif isinstance(owner, str):
             args = self._of_text(obj.__name__, owner, args)
         elif isinstance(owner, list) and args:
             self._sized(cast("object", args[0]))
-            self._fit(len(cast("list[object]", owner)) + 1, MOST_ITEMS, "items in a list")
+            self._fit(len(cast("list[object]", owner)) + 1, MAX_ITEMS, "items in a list")
         return self._sized(super().call(context, obj, *args, **kwargs))
 
     def wrap_str_format(self, value: Any) -> Callable[..., str] | None:
@@ -245,7 +245,7 @@ class _Environment(SandboxedEnvironment):
         self._budget.spend(1)
         if operator == "**":
             bits = _bits(left) * abs(right) if isinstance(right, int | float) else 0
-            self._fit(bits, _MOST_BITS, "bits in a number")
+            self._fit(bits, _MAX_BITS, "bits in a number")
         elif operator == "*":
             for one, other in ((left, right), (right, left)):
                 if isinstance(one, Sized) and isinstance(other, int):
@@ -257,7 +257,7 @@ class _Environment(SandboxedEnvironment):
     def _of_text(self, method: str, text: str, args: tuple[Any, ...]) -> tuple[Any, ...]:
         """Arguments for a method of a text, which must not become too long a one."""
         if method in ("center", "ljust", "rjust", "zfill") and args:
-            self._fit(args[0], _MOST_WIDTH, "columns")
+            self._fit(args[0], _MAX_WIDTH, "columns")
         elif method == "join" and args:
             args = (self._joinable(args[0], text), *args[1:])
         elif method == "replace" and len(args) > 1:
@@ -283,10 +283,10 @@ class _Environment(SandboxedEnvironment):
             elif name == "format":
                 self._refuse_wide(str(given[0]))
             elif name == "batch":
-                self._fit(given[1], MOST_ITEMS, "items in a list")
+                self._fit(given[1], MAX_ITEMS, "items in a list")
             elif name == "round":
                 precision = given[1] if len(given) > 1 else kwargs.get("precision", 0)
-                self._fit(abs(precision), _MOST_DIGITS, "decimals")
+                self._fit(abs(precision), _MAX_DIGITS, "decimals")
             elif name == "tojson" and ("indent" in kwargs or len(given) > 1):
                 raise TypeError("tojson takes no indent here")
             return self._sized(function(*(args[:1] if passes else ()), *given, **kwargs))
@@ -297,7 +297,7 @@ class _Environment(SandboxedEnvironment):
         for number in args:
             self._fit(abs(number), 2**31, "as a bound of a range")
         found = range(*args)
-        self._fit(len(found), MOST_ITEMS, "items")
+        self._fit(len(found), MAX_ITEMS, "items")
         return found
 
     def _sum(
@@ -343,13 +343,13 @@ class _Environment(SandboxedEnvironment):
     def _sized(self, value: Any) -> Any:
         """The value, unless it is too large."""
         if isinstance(value, str):
-            self._fit(len(value), MOST_CHARACTERS, "characters in a text")
+            self._fit(len(value), MAX_CHARACTERS, "characters in a text")
         elif isinstance(value, int):
-            self._fit(value.bit_length(), _MOST_BITS, "bits in a number")
+            self._fit(value.bit_length(), _MAX_BITS, "bits in a number")
         elif isinstance(value, list | tuple | dict):
-            count = sum(1 for _ in islice(_items(cast("object", value)), MOST_ITEMS + 1))
+            count = sum(1 for _ in islice(_items(cast("object", value)), MAX_ITEMS + 1))
             self._budget.spend(count)
-            self._fit(count, MOST_ITEMS, "items in a list")
+            self._fit(count, MAX_ITEMS, "items in a list")
         return cast("object", value)
 
     def _joinable(self, values: Iterable[Any], between: str) -> list[str]:
@@ -359,15 +359,15 @@ class _Environment(SandboxedEnvironment):
             self._budget.spend(1)
             texts.append(str(value))
             size += len(texts[-1]) + len(between)
-            self._fit(size, MOST_CHARACTERS + len(between), "characters in a text")
+            self._fit(size, MAX_CHARACTERS + len(between), "characters in a text")
         return texts
 
     def _replaceable(self, text: str, old: str, new: str) -> None:
-        self._fit(len(text) + text.count(old) * len(new), MOST_CHARACTERS, "characters in a text")
+        self._fit(len(text) + text.count(old) * len(new), MAX_CHARACTERS, "characters in a text")
 
     def _refuse_wide(self, form: str) -> None:
         if _WIDE.search(form):
-            raise TemplateFault(f"a format pads to more than {_MOST_WIDTH} columns: {form:.40}")
+            raise TemplateFault(f"a format pads to more than {_MAX_WIDTH} columns: {form:.40}")
 
     def _fit(self, size: float, most: int, what: str) -> None:
         if size > most:
@@ -379,7 +379,7 @@ def _bits(value: object) -> int:
 
 
 def _most_of(value: Sized) -> int:
-    return MOST_CHARACTERS if isinstance(value, str) else MOST_ITEMS
+    return MAX_CHARACTERS if isinstance(value, str) else MAX_ITEMS
 
 
 def _weight(value: object) -> int:
@@ -387,7 +387,7 @@ def _weight(value: object) -> int:
     if isinstance(value, str):
         return len(value) // _ITEM
     if isinstance(value, list | tuple | dict):
-        return sum(1 for _ in islice(_items(cast("object", value)), MOST_ITEMS))
+        return sum(1 for _ in islice(_items(cast("object", value)), MAX_ITEMS))
     return 0
 
 

@@ -8,7 +8,7 @@ from math import sqrt
 
 from passo.config.thermistor import Ntc
 
-LEAST_BETA_K, MOST_BETA_K = 1000.0, 10_000.0
+MIN_BETA_K, MAX_BETA_K = 1000.0, 10_000.0
 _INVERSE_GOLDEN = (sqrt(5) - 1) / 2
 
 
@@ -49,7 +49,7 @@ def by_least_squares(ntc: Ntc, points: Sequence[Point]) -> Calibration:
     def squares(beta_k: float) -> float:
         return sum(r * r for r in _with_beta(ntc, points, beta_k).residuals_c)
 
-    low, high = LEAST_BETA_K, MOST_BETA_K
+    low, high = MIN_BETA_K, MAX_BETA_K
     while high - low > 1e-3:
         third = _INVERSE_GOLDEN * (high - low)
         if squares(high - third) < squares(low + third):

@@ -7,11 +7,11 @@ from math import pi
 from passo import _core
 from passo.heat.rules import FULL_POWER, RULES, Gains
 
-LEAST_CYCLES, MOST_CYCLES = 3, 20
+MIN_CYCLES, MAX_CYCLES = 3, 20
 HEADROOM_C = 15.0  # a target must lie so far below the heater's limit
 
 _OVERSHOOT_C = 20.0
-_PATIENCE_S = 1200.0  # for the sum of the times since the last two switchings
+_TIMEOUT_S = 1200.0  # for the sum of the times since the last two switchings
 _FIRST_USED = 2  # cycles before it are not yet balanced
 
 
@@ -48,7 +48,7 @@ class RelayTune:
             raise TuneError(f"PID Autotune failed! R is 0 to {len(RULES) - 1}")
         self.label = label
         self.target_c = target_c
-        self.cycles = min(max(cycles, LEAST_CYCLES), MOST_CYCLES)
+        self.cycles = min(max(cycles, MIN_CYCLES), MAX_CYCLES)
         self.rule = rule
         self.result: Gains | None = None
         self.failed = ""
@@ -83,7 +83,7 @@ class RelayTune:
         self._most_c = max(self._most_c, sample.celsius)
         if sample.celsius > self.target_c + _OVERSHOOT_C:
             return self._fail("Temperature too high")
-        if sum(now_s - then for then in self._switched_s) > _PATIENCE_S:
+        if sum(now_s - then for then in self._switched_s) > _TIMEOUT_S:
             return self._fail("timeout")
         high = sample.terms.d > 0
         if high == self._high:

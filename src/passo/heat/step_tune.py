@@ -6,10 +6,10 @@ from passo import _core
 from passo.heat.relay_tune import HEADROOM_C, TuneError
 from passo.heat.step_fit import fit_step
 
-_LEAST_RISE_C = 20.0
+_MIN_RISE_C = 20.0
 _COLD_C = 45.0  # a heater that starts hotter is not at the temperature of its room
-_LEAST_SAMPLES = 20
-_PATIENCE_S = 3600.0
+_MIN_SAMPLES = 20
+_TIMEOUT_S = 3600.0
 _LAGS_BEFORE = 6.0  # of settling, in lags of the sensor, before the power is averaged
 _HOLD_S = 40.0
 # Until the fan's part is known: so much is near enough for the protections, whatever it is.
@@ -70,9 +70,9 @@ class StepTune:
             if sample.power <= 0:
                 return []
             self._start = sample
-            if sample.celsius > min(_COLD_C, self.target_c - _LEAST_RISE_C):
+            if sample.celsius > min(_COLD_C, self.target_c - _MIN_RISE_C):
                 return self._fail("It must start cold")
-        if now_s - self._start.clock / self._hz > _PATIENCE_S:
+        if now_s - self._start.clock / self._hz > _TIMEOUT_S:
             return self._fail("timeout")
         if self._model is None:
             return self._step(sample, now_s)
@@ -84,7 +84,7 @@ class StepTune:
         if sample.celsius < self.target_c:
             self._rows.append((now_s - start.clock / self._hz, sample.celsius))
             return []
-        if len(self._rows) < _LEAST_SAMPLES:
+        if len(self._rows) < _MIN_SAMPLES:
             return self._fail("It heats too fast")
         rise, time_constant, lag = fit_step(self._rows, start.celsius)
         model = _core.HeatModel(rise / start.power, time_constant, lag, ambient_c=start.celsius)

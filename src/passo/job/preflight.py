@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _PIECE = 1 << 18  # bytes
-_MOST_TOLD = 20  # problems
+_MAX_TOLD = 20  # problems
 
 
 class Reader(Protocol):
@@ -75,4 +75,4 @@ def prepare(job: _core.Job, found: _core.Survey, file: str, skips: Skips) -> lis
         if not (skips.unknown and fault == _core.CallFault.MISSING):
             wrong.append(call_problem(line, f"M98 {text.strip()}", fault, file))
     problems = [replace(problem, file=file) for problem in wrong if problem is not None]
-    return sorted(problems, key=lambda problem: problem.line or 0)[:_MOST_TOLD]
+    return sorted(problems, key=lambda problem: problem.line or 0)[:_MAX_TOLD]

@@ -21,8 +21,8 @@ from passo.learn.corner import corner, path_unit
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-_MOST_COMMANDS = 12
-_MOST_LINES = 40  # of macros
+_MAX_COMMANDS = 12
+_MAX_LINES = 40  # of macros
 _BEHIND_S = 1.0  # all commands of a move are done so long after it
 
 
@@ -41,7 +41,7 @@ class _Seen:
 
     def called(self, command: Command, text: str) -> None:
         """A macro is called, and becomes this text."""
-        if not self.after and sum(text.count("\n") for _, text in self.calls) < _MOST_LINES:
+        if not self.after and sum(text.count("\n") for _, text in self.calls) < _MAX_LINES:
             self.calls.append((command, text))
 
     def take(self, moves: list[_core.Move], line: int, *, jumps: bool) -> None:
@@ -153,8 +153,8 @@ def _became(calls: list[tuple[Command, str]]) -> str:
     for command, text in calls:
         rows.append(f"{command.code} {command.text}".rstrip() + " became:")
         rows += [f"  {line.strip()}" for line in text.splitlines() if line.strip()]
-    if len(rows) > _MOST_LINES:
-        rows[_MOST_LINES:] = [f"and {len(rows) - _MOST_LINES} more lines"]
+    if len(rows) > _MAX_LINES:
+        rows[_MAX_LINES:] = [f"and {len(rows) - _MAX_LINES} more lines"]
     return "\n".join(rows)
 
 
@@ -274,11 +274,11 @@ def _wire(runs: list[_Run], hz: dict[str, int]) -> str:
         "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what",
         f"the interval grows by after each; a tick is {', '.join(ticks)}. {len(runs)} commands:",
     ]
-    for run in runs[:_MOST_COMMANDS]:
+    for run in runs[:_MAX_COMMANDS]:
         where = f"{run.board}: " * (run.board != MAIN)
         rows.append(f"  {run.payload.hex(' '):<30} {where}{run.stepper}: {run.text}")
-    if len(runs) > _MOST_COMMANDS:
-        rows.append(f"  and {len(runs) - _MOST_COMMANDS} more")
+    if len(runs) > _MAX_COMMANDS:
+        rows.append(f"  and {len(runs) - _MAX_COMMANDS} more")
     first = runs[0]
     frame = _core.make_frame(first.payload, 1)
     rows.append("A frame with the first of them alone (length, sequence, payload, CRC, 7e):")

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _COLOURS = 6  # of the page's palette
 _NO_PROGRAM = ("input.unreadable", "input.empty", "input.no-known-command")
-_LEAST_SHARE = 0.0005  # of a bar
+_MIN_SHARE = 0.0005  # of a bar
 
 
 def write_report(
@@ -173,7 +173,7 @@ def _shares(parts: Mapping[str, float]) -> list[tuple[str, str, float]]:
     return [
         (name, duration(seconds), seconds / total)
         for name, seconds in sorted(parts.items(), key=lambda part: -part[1])
-        if total > 0 and seconds / total >= _LEAST_SHARE
+        if total > 0 and seconds / total >= _MIN_SHARE
     ]
 
 

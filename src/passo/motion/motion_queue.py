@@ -25,10 +25,10 @@ RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python 
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
 SOON_S = 0.3  # what comes so soon comes at once, as far as a fan matters
-LEAST_LEAD_S = 0.05  # less than is left after GATHER_S
+MIN_LEAD_S = 0.05  # less than is left after GATHER_S
 GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
 BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
-MOST_QUEUED = 2048  # moves that wait for look-ahead
+MAX_QUEUED = 2048  # moves that wait for look-ahead
 _SAME_MM = 1e-6
 _STRIDE_S = 0.25  # print time between two looks where time is free
 
@@ -142,7 +142,7 @@ class MotionQueue:
         """The plan reaches far enough ahead."""
         job = self._job
         ahead = job.clock - self.now + job.queued_ticks
-        return ahead > BUFFER_S * self.hz or job.queued > MOST_QUEUED
+        return ahead > BUFFER_S * self.hz or job.queued > MAX_QUEUED
 
     def before_moves(self) -> None:
         """Call before anything is added to the plan: on a machine that stands it starts anew."""
@@ -424,7 +424,7 @@ class MotionQueue:
     def _begin_in_time(self) -> None:
         """After a stall of the program: what should begin about now, from rest, begins later."""
         job = self._job
-        if job.queued > 0 and job.rests and job.clock < self.now + LEAST_LEAD_S * self.hz:
+        if job.queued > 0 and job.rests and job.clock < self.now + MIN_LEAD_S * self.hz:
             job.wait_until(self.now + LEAD_S * self.hz)
 
     def end_waits(self) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
-_MOST_S = 1e6
+_MAX_S = 1e6
 
 
 class _Everybody:
@@ -77,8 +77,8 @@ class DelayedGcode:
             seconds = float(words["DURATION"])
         except ValueError:
             raise CommandError.of("input.number", value=f"DURATION={words['DURATION']}") from None
-        if not (isfinite(seconds) and 0 <= seconds <= _MOST_S):
-            raise CommandError.bad_value("DURATION", seconds, f"0 to {_MOST_S:g} s")
+        if not (isfinite(seconds) and 0 <= seconds <= _MAX_S):
+            raise CommandError.bad_value("DURATION", seconds, f"0 to {_MAX_S:g} s")
         self._set(name, seconds)
 
     def _set(self, name: str, seconds: float) -> None:

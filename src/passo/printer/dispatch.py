@@ -11,7 +11,7 @@ from passo.board.ports import LinkLostError
 from passo.errors import CommandError, InputError
 from passo.gcode.command import Command, alone
 from passo.gcode.dialect import Kind, row_of
-from passo.motion.motion_queue import MOST_QUEUED
+from passo.motion.motion_queue import MAX_QUEUED
 from passo.printer.commands.program import forced
 from passo.printer.live_rig import LiveRig
 from passo.printer.macros import EmergencyStop
@@ -90,7 +90,7 @@ class Dispatch:
         if state.host_paused or lost or not rig.job.at_boundary:
             return False
         # Beside a print the plan is always full: a line comes behind what is planned.
-        return rig.job.queued <= MOST_QUEUED if state.busy() else not rig.queue.full
+        return rig.job.queued <= MAX_QUEUED if state.busy() else not rig.queue.full
 
     async def room(self) -> bool:
         """Waits until a planned line can be read; the caller holds the motion lock. True if M108

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from passo.gcode.template import Budget, Template
     from passo.printer.status import Status
 
-MOST_DEPTH = 16  # macros within each other
+MAX_DEPTH = 16  # macros within each other
 _LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
 _LETTERED = re.compile(r"([A-Z])\s*(\"[^\"]*\"|[-+.\d]*)", re.IGNORECASE | re.ASCII)
 
@@ -78,8 +78,8 @@ class Macros:
         EmergencyStop."""
         code = command.code
         depth = job.macro_depth
-        if depth >= MOST_DEPTH:
-            raise CommandError.of("macro.nested", axis=code, limit=MOST_DEPTH)
+        if depth >= MAX_DEPTH:
+            raise CommandError.of("macro.nested", axis=code, limit=MAX_DEPTH)
         budget = self._budgets.get(console)
         if depth == 0 or budget is None:
             from passo.gcode.template import Budget

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import Enum
 
-_MOST_CODES = 1000  # that are counted each on its own, however many a file makes up
+_MAX_CODES = 1000  # that are counted each on its own, however many a file makes up
 
 Counts = Mapping[str, tuple[int, int]]
 """First line and times of each."""
@@ -36,7 +36,7 @@ class SkippedCommands:
     def count(self, why: SkippedCommand, what: str, line: int) -> None:
         """It was left out once more."""
         counts = self._counts[why]
-        if what not in counts and len(counts) >= _MOST_CODES:
+        if what not in counts and len(counts) >= _MAX_CODES:
             what = "any other code"
         first, times = counts.get(what, (line, 0))
         counts[what] = (first, times + 1)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 WARMING_S = 1.0  # of print time between two lines of temperatures for who waits for them
 # A heater that has cooled down by less than this in this time gets no further (StuFW's values).
-_LEAST_COOLING_C, _COOLING_S = 1.5, 60.0
+_MIN_COOLING_C, _COOLING_S = 1.5, 60.0
 
 
 class _Cooling:
@@ -48,7 +48,7 @@ class _Cooling:
         before_s, was = self._seen = self._seen or (now_s, celsius)
         if not self._over and now_s >= before_s + _COOLING_S:
             self._seen = now_s, celsius
-            self._over = was - celsius < _LEAST_COOLING_C
+            self._over = was - celsius < _MIN_COOLING_C
             if self._over:
                 text = f"echo:{self._name} stopped cooling at {celsius:.1f} °C; continuing"
                 self._reply.say(text)

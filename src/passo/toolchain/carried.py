@@ -11,7 +11,7 @@ from passo.config.board import Board
 from passo.toolchain.contents import Parts
 
 _BEGINS = b"\x78\xda"  # zlib at its strongest (RFC 1950), as Passo and Klipper make it
-_MOST_BYTES = 1 << 20  # unpacked, against hostile ones: Passo's have some 6000
+_MAX_BYTES = 1 << 20  # unpacked, against hostile ones: Passo's have some 6000
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ def _joined(parts: Parts) -> Iterator[bytes]:
 def _unpacked(content: memoryview) -> Carried | None:
     reader = zlib.decompressobj()
     try:
-        reader.decompress(content, _MOST_BYTES)
+        reader.decompress(content, _MAX_BYTES)
         if not reader.eof:
             return None
         compressed = bytes(content[: len(content) - len(reader.unused_data)])

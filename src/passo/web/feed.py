@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from passo.events import Event
     from passo.web.bridge import Bridge, Snapshot
 
-_MOST_EVENTS = 1000  # that wait for a slow client
-_PATIENCE_S = 5.0  # with a client that does not read
+_MAX_EVENTS = 1000  # that wait for a slow client
+_TIMEOUT_S = 5.0  # with a client that does not read
 _TOO_SLOW = 1013  # "try again later" (IANA, WebSocket close codes)
 
 
@@ -45,7 +45,7 @@ class Feed:
 
     def on_event(self, event: Event) -> None:
         """As `Listener.on_event`."""
-        if len(self._events) == _MOST_EVENTS:
+        if len(self._events) == _MAX_EVENTS:
             self._events.popleft()
             self._lost += 1
         self._events.append(event)
@@ -97,5 +97,5 @@ class Feed:
 
     async def _send(self, kind: str, **fields: object) -> None:
         text = msgspec.json.encode({"type": kind, **fields}).decode()
-        with fail_after(_PATIENCE_S):
+        with fail_after(_TIMEOUT_S):
             await self._websocket.send_text(text)

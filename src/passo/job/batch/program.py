@@ -21,7 +21,7 @@ from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves,
 
 _log = logging.getLogger(__name__)
 
-_MOST_MESSAGES = 1 << 15
+_MAX_MESSAGES = 1 << 15
 _ALLOWED_BY = {  # what a command line can do besides; consoles cannot
     "input.out-of-range": "--out-of-range clamp",
     "input.unreachable": "--out-of-range clamp",
@@ -84,7 +84,7 @@ def read_program(
     status = _core.JobStatus
     source = iter(pieces)
     while not commands.ended:
-        found = job.advance(most=_MOST_MESSAGES)
+        found = job.advance(most=_MAX_MESSAGES)
         if found == status.MACRO:
             _expand(job, commands, name, settle)
         elif found == status.EVENT:

@@ -30,7 +30,7 @@ _LEAD_S = 0.25  # what is planned after a wait starts this much later
 _HORIZON_S = 0.2  # the board is sent commands less than this before they are due
 _LOOK_S = 0.5  # filament that may be cold is looked at this often
 _SLICE_S = 0.5  # temperatures are looked at this often while waiting
-_PATIENCE_S = 3600.0  # a heater that takes longer is broken
+_TIMEOUT_S = 3600.0  # a heater that takes longer is broken
 _TOO_EARLY = 0.01  # share of a file that tells nothing yet of the rest
 _STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
@@ -148,7 +148,7 @@ class Print:
         warm = [n for n, h in loops.items() if h.celsius > h.target + h.arrival.window_c]
         heaters = [name for name in heaters if name not in warm]  # only heating is waited for
         while any(self._on_its_way(name) for name in heaters):
-            if waited >= _PATIENCE_S:
+            if waited >= _TIMEOUT_S:
                 raise self._too_slow(heaters)
             self._run(self.connection.now + round(_SLICE_S * self._hz))
             waited += _SLICE_S

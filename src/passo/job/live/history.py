@@ -21,7 +21,7 @@ _RUNS = "create table if not exists runs (id integer primary key, on_s real not 
 _NOTE = "alter table prints add column note text not null default ''"  # older bases lack it
 
 
-_PATIENCE_S = 0.1  # with another one who writes: the printer waits meanwhile
+_TIMEOUT_S = 0.1  # with another one who writes: the printer waits meanwhile
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class History:
     def __init__(self, directory: Path) -> None:
         directory.mkdir(parents=True, exist_ok=True)
         self._run: int | None = None  # row of this one
-        self._base = sqlite3.connect(directory / "history.sqlite", timeout=_PATIENCE_S)
+        self._base = sqlite3.connect(directory / "history.sqlite", timeout=_TIMEOUT_S)
         try:
             self._prepare()
         except sqlite3.Error:

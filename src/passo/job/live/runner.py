@@ -33,7 +33,7 @@ _CHUNK = 1 << 14  # bytes read at a time
 _AS_IT_IS = "print it as it is (M24 U1)"
 _ADVICE = f"Change the file, or {_AS_IT_IS}"
 _AHEAD_S = 4.0  # of planned print time in one stretch
-_MOST_MESSAGES = 4096  # and so many for the board
+_MAX_MESSAGES = 4096  # and so many for the board
 
 
 class Runner:
@@ -443,7 +443,7 @@ class Runner:
         queue.before_moves()
         try:
             horizon = queue.now + _AHEAD_S * queue.hz
-            found = job.advance(horizon, _MOST_MESSAGES, rest_of_line)
+            found = job.advance(horizon, _MAX_MESSAGES, rest_of_line)
         finally:
             queue.after_moves()
         if found == _core.JobStatus.FULL and not rest_of_line and not queue.full:

@@ -24,7 +24,7 @@ _LOWEST_HZ = 20
 # left for the others is little on a chip of 8 bits; 1000 Hz is what heaters and fans may have.
 _HIGHEST_HZ, _HIGHEST_HZ_OF_8_BITS = 5000, 1000
 _8_BITS = ("atmega", "at90", "attiny")  # names of such chips begin so
-_MOST_TONES = 64  # planned or waiting, before M300 waits
+_MAX_TONES = 64  # planned or waiting, before M300 waits
 _APART_S = 0.01  # from the end of a tone until the board may be told of the next
 _CALL = (1000, 300)  # Hz and ms, for a person
 _MARK, _ERAS = 1 << 13, 1 << 6  # a mark of 32 bits holds an era, Hz and ms
@@ -124,7 +124,7 @@ class Beeper:
         hz = min(max(hz, _LOWEST_HZ), self._highest_hz) if hz > 0 else 0
         if ms >= 1:
             self._plan(round(hz), int(min(ms, longest_ms)))
-        full = self._planned + len(self._due) >= _MOST_TONES
+        full = self._planned + len(self._due) >= _MAX_TONES
         return WaitForProcedure(self._room) if full else None
 
     def _plan(self, hz: int, ms: int) -> None:
@@ -136,5 +136,5 @@ class Beeper:
 
     async def _room(self) -> None:
         await self._rig.queue.until(
-            lambda: len(self._due) < _MOST_TONES // 2 or self._state.interrupted
+            lambda: len(self._due) < _MAX_TONES // 2 or self._state.interrupted
         )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, Self
 from passo import _core
 from passo.config.heater_numbers import heater_of
 from passo.config.motor_roles import axis_order
-from passo.config.types import LEAST_ACCEL, LEAST_SPEED
+from passo.config.types import MIN_ACCEL, MIN_SPEED
 from passo.errors import CommandError, Problem, WordError
 from passo.gcode.command import LARGEST, Command
 from passo.gcode.dialect import Kind, row_of
@@ -56,7 +56,7 @@ _CORNERS = {
     "cornering_distance": "the machine's corners use the cornering distances of its file",
     "jerk": "the machine's corners use the jerk of each axis (X Y Z E)",
 }
-_LEAST = {"speed": (LEAST_SPEED, "mm/s"), "accel": (LEAST_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
+_LEAST = {"speed": (MIN_SPEED, "mm/s"), "accel": (MIN_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
 _OF_VELOCITY_LIMIT = {"VELOCITY": "speed", "ACCEL": "accel"}
 _KLIPPERS_CORNER = "SQUARE_CORNER_VELOCITY"
 _MAY_BE_FORCED = ("M104", "M140", "M141", "M106", "M107")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from passo.config.motor_roles import axis_order
-from passo.config.types import LEAST_SCALE, MOST_SCALE
+from passo.config.types import MAX_SCALE, MIN_SCALE
 from passo.errors import CommandError
 from passo.gcode.command import LARGEST, Command, numeral
 from passo.geometry.base import Unreachable
@@ -88,8 +88,8 @@ class MotionCommands:
         for letter, value in words.items():
             if letter in "THL":
                 continue
-            if not LEAST_SCALE <= value <= MOST_SCALE:
-                limit = f"{LEAST_SCALE:g} to {MOST_SCALE:,.0f} microsteps per mm or degree"
+            if not MIN_SCALE <= value <= MAX_SCALE:
+                limit = f"{MIN_SCALE:g} to {MAX_SCALE:,.0f} microsteps per mm or degree"
                 raise CommandError.bad_value(letter, value, limit)
             name = self._rig.commands.extruder(words) if letter == "E" else letter.lower()
             places = self._places(name)
