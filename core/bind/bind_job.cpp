@@ -11,6 +11,8 @@
 #include <tuple>
 
 #include "bind/bind_machine.hpp"
+#include "gcode/exponents.hpp"
+#include "gcode/stray.hpp"
 #include "gcode/survey.hpp"
 
 namespace nb = nanobind;
@@ -182,7 +184,7 @@ void bind_objects(nb::class_<JobView>& job) {
 void bind_job(nb::module_& m) {
   m.attr("LOAD_MM_S") = Interpreter::kLoadMmS;
   m.attr("UNLOAD_MM_S") = Interpreter::kUnloadMmS;
-  m.attr("LONGEST_CHANGE_MM") = Interpreter::kLongestChange;
+  m.attr("LONGEST_CHANGE_MM") = Interpreter::kMaxChangeMm;
   nb::enum_<Job::Status>(m, "JobStatus")
       .value("NEED_INPUT", Job::Status::need_input)
       .value("EVENT", Job::Status::event)

@@ -142,8 +142,7 @@ class Survey {
   void note(const Event& event) {
     std::string code = event.name;
     if (code.empty()) {
-      code = event.letter + std::to_string(event.number);
-      if (event.minor != 0) code += "." + std::to_string(event.minor);
+      code = code_name(event.letter, event.number, event.minor);
     }
     if (ended_ && parts_.size() == 1) return;  // it is never read
     if (code == "M98") {

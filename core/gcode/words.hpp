@@ -20,7 +20,31 @@ struct Word {
   bool whole() const { return number && value == std::floor(value); }
 };
 
-// A command that nobody knows, as it is written: `text` is the line, which begins with it.
+// What follows a command: its words, and the same as text.
+struct Arguments {
+  const Word *first, *last;
+  std::string_view text;
+
+  bool empty() const { return first == last; }
+  bool has(char letter) const {
+    return std::any_of(first, last, [&](const Word& x) { return x.letter == letter; });
+  }
+  double value(char letter, double otherwise) const {
+    for (const Word* x = first; x < last; ++x)
+      if (x->letter == letter && x->number) return x->value;
+    return otherwise;
+  }
+};
+
+// A command as the dialect table writes it: G1, G59.1.
+inline std::string code_name(char letter, int number, int minor = 0) {
+  std::string name(1, letter);
+  name += std::to_string(number);
+  if (minor != 0) (name += '.') += std::to_string(minor);
+  return name;
+}
+
+// An unknown command as it is written: `text` is the line, which begins with it.
 inline std::string unknown_name(std::string_view text, const Word& word) {
   size_t stop =
       word.number ? word.end : std::min(text.find_first_of(" \t", word.begin), text.size());

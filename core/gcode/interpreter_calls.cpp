@@ -1,18 +1,20 @@
 // M98 and M99: sub-programs of the file that is read; and the lines of macros.
-#pragma once
+#include <algorithm>
+#include <utility>
+
 #include "gcode/interpreter.hpp"
 
 namespace passo {
 
 // M98. The moves of a sub-program have its own lines, and the line of the call in the main program.
-inline void Interpreter::run_call(std::string_view text) {
+void Interpreter::run_call(std::string_view text) {
   if (calls_are_events) return emit('M', 98, 0, "", text);
   Call call;
   CallFault fault = source_        ? CallFault::no_file
                     : !subprograms ? CallFault::no_file
                                    : read_call(text, *subprograms, call);
   if (fault == CallFault::missing && ignore_calls) return emit('M', 98, 0, "", text);
-  if (fault == CallFault::none && frames_of(FrameKind::subprogram) >= kDeepest)
+  if (fault == CallFault::none && frames_of(FrameKind::subprogram) >= kMaxDepth)
     fault = CallFault::nested;
   if (fault != CallFault::none) return fail_call(fault, "M98 " + std::string(text));
   if (call.repeats == 0) return;
@@ -23,8 +25,9 @@ inline void Interpreter::run_call(std::string_view text) {
   begin_frame();
 }
 
-// M99: back behind the call, or through it again; out of a macro. True if it was one.
-inline bool Interpreter::run_return(std::string_view text) {
+// M99: returns to after the call, or repeats the sub-program; leaves a macro. False outside of
+// both.
+bool Interpreter::run_return(std::string_view text) {
   auto& frames = frames_[source_];
   while (!frames.empty() && frames.back().kind == FrameKind::rest) frames.pop_back();
   if (frames.empty() || calls_are_events) return false;
@@ -39,18 +42,18 @@ inline bool Interpreter::run_return(std::string_view text) {
   return true;
 }
 
-inline void Interpreter::begin_frame() {
+void Interpreter::begin_frame() {
   Frame& frame = frames_[0].back();
   frame.lines = Lines(frame.label.line);
   frame.fed = frame.label.at;
-  if (++idle_calls_ < kMostIdleCalls) return;
+  if (++idle_calls_ < kMaxIdleCalls) return;
   idle_calls_ = 0;
   fail_call(CallFault::idle, "M98 P" + std::to_string(frame.label.number));
   frames_[0].clear();
 }
 
 // More text of a sub-program; at its end, which no M99 has reached, an error and back.
-inline void Interpreter::feed_frame() {
+void Interpreter::feed_frame() {
   static constexpr size_t kPiece = 4096;
   Frame& frame = frames_[source_].back();
   if (frame.kind != FrameKind::subprogram) return frames_[source_].pop_back();
@@ -65,7 +68,7 @@ inline void Interpreter::feed_frame() {
   frames_[0].pop_back();
 }
 
-inline void Interpreter::insert(std::string_view text) {
+void Interpreter::insert(std::string_view text) {
   auto& frames = frames_[source_];
   auto push = [&](FrameKind kind, std::string_view lines) {
     Frame frame;
@@ -80,8 +83,8 @@ inline void Interpreter::insert(std::string_view text) {
   push(FrameKind::macro, text);
 }
 
-inline void Interpreter::fail_call(CallFault fault, const std::string& call) {
-  fail(Fault::call, call, double(int(fault)), double(kDeepest));
+void Interpreter::fail_call(CallFault fault, const std::string& call) {
+  fail(Fault::call, call, double(int(fault)), double(kMaxDepth));
 }
 
 }  // namespace passo

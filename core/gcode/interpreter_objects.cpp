@@ -1,17 +1,23 @@
-// Objects of a print that are cancelled: their moves are skipped, and the way on from there.
-#pragma once
+// Objects of a print that are cancelled: their moves are skipped, and the machine moves on after
+// them.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
 #include "gcode/interpreter.hpp"
 
 namespace passo {
 
 // A command about objects. The program's own are carried out here; a console's go to the caller.
-inline void Interpreter::run_objects(std::string_view code, std::string_view text) {
+void Interpreter::run_objects(std::string_view code, std::string_view text) {
   while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
   if (source_) return code == "M486" ? emit('M', 486, 0, "", text) : emit(0, 0, 0, code, text);
   for (const ObjectOrder& order : ObjectText::read(code, text)) obey(order);
 }
 
-inline void Interpreter::obey(const ObjectOrder& order) {
+void Interpreter::obey(const ObjectOrder& order) {
   Objects& all = *objects_;
   auto enter = [&](int object) {
     object_ = object;
@@ -46,34 +52,34 @@ inline void Interpreter::obey(const ObjectOrder& order) {
 }
 
 // Another program begins: it has no objects yet, and begins where the machine is.
-inline void Interpreter::forget_objects() {
+void Interpreter::forget_objects() {
   objects_ = std::make_shared<Objects>();
   object_lines_.clear();
   object_ = -1;
   std::fill(std::begin(gap_), std::end(gap_), 0.0);
-  for (Strand& strand : strands_) strand.behind = 0;
-  for (Strand& strand : axis_strands_) strand.behind = 0;
+  for (Strand& strand : strands_) strand.excess = 0;
+  for (Strand& strand : axis_strands_) strand.excess = 0;
   apart_ = false;
 }
 
 // The machine's filament at slot j ends elsewhere by so much than what is read of the program
 // reckons with; the program's E does not notice.
-inline void Interpreter::pass_filament(int j, double mm) {
+void Interpreter::pass_filament(int j, double mm) {
   arc_.shift(j, mm);
   for (Item& item : pending_)
     if (item.found == Found::move) item.move.target[j] += mm;
   if (j != kE) origin_[j] += mm;
 }
 
-inline void Interpreter::look_apart() {
+void Interpreter::look_apart() {
   apart_ = std::any_of(std::begin(gap_), std::end(gap_), [](double mm) { return mm != 0; });
-  auto differs = [this](const Strand& strand) { apart_ |= strand.behind != 0; };
+  auto differs = [this](const Strand& strand) { apart_ |= strand.excess != 0; };
   std::for_each(strands_.begin(), strands_.end(), differs);
   std::for_each(std::begin(axis_strands_), std::end(axis_strands_), differs);
 }
 
 // A move of the program while its object is cancelled, or after that. Dwells take place.
-inline bool Interpreter::take_apart(MoveRequest& m) {
+bool Interpreter::take_apart(MoveRequest& m) {
   if (m.kind == MoveKind::dwell && m.duration_s > 0) return take_now(m, true);
   if (!skips()) return join(m);
   skip(m);
@@ -82,7 +88,7 @@ inline bool Interpreter::take_apart(MoveRequest& m) {
 
 // The program goes on, and the machine stays. Of filament only how far it is drawn back counts:
 // what would have been printed does not come later.
-inline void Interpreter::skip(const MoveRequest& m) {
+void Interpreter::skip(const MoveRequest& m) {
   bool forward = false, back = false, travels = false;
   for (int j = 0; j < kAxes; ++j) {
     const double mm = m.target[j] - (position_[j] + gap_[j]);
@@ -90,13 +96,13 @@ inline void Interpreter::skip(const MoveRequest& m) {
     if (!is_filament(j)) {
       travels |= j != kZ;
       gap_[j] = m.target[j] - position_[j];
-      if (std::fabs(gap_[j]) <= kNowhere) gap_[j] = 0;
+      if (std::fabs(gap_[j]) <= kRounding) gap_[j] = 0;
       continue;
     }
     forward |= mm > 0, back |= mm < 0;
     Strand& strand = strand_of(j);
-    strand.behind = strand.drawn - owed_after(strand.drawn - strand.behind, mm);
-    if (std::fabs(strand.behind) <= kNowhere) strand.behind = 0;
+    strand.excess = strand.drawn - owed_after(strand.drawn - strand.excess, mm);
+    if (std::fabs(strand.excess) <= kRounding) strand.excess = 0;
     if (j == kE && m.flow > 0) filament_[active_].moved(mm, e_scale());
     pass_filament(j, -mm);
   }
@@ -109,7 +115,7 @@ inline void Interpreter::skip(const MoveRequest& m) {
 // The first moves of the program that take place again. A retraction or a lift takes place where
 // the machine stands. Any other move first brings it to where the program is: up, across and down,
 // with the filament drawn back as the program means, and none laid on the way.
-inline bool Interpreter::join(const MoveRequest& m) {
+bool Interpreter::join(const MoveRequest& m) {
   double start[kAxes], by[kAxes];  // where the program is, and how far it goes
   here(start);
   bool forward = false, across = false, any = false;
@@ -151,8 +157,8 @@ inline bool Interpreter::join(const MoveRequest& m) {
   auto feed_strand = [&](int j, double mm, double meant) {
     Strand& strand = strand_of(j);
     const double drawn = owed_after(strand.drawn, mm);
-    strand.behind = drawn - owed_after(strand.drawn - strand.behind, meant);
-    if (std::fabs(strand.behind) <= kNowhere) strand.behind = 0;
+    strand.excess = drawn - owed_after(strand.drawn - strand.excess, meant);
+    if (std::fabs(strand.excess) <= kRounding) strand.excess = 0;
     if (j == kE && m.flow > 0 && meant != 0) filament_[active_].moved(meant, e_scale());
     strand.drawn = drawn;
     pass_filament(j, mm - meant);
@@ -166,8 +172,8 @@ inline bool Interpreter::join(const MoveRequest& m) {
   auto settle = [&](bool only_back) {
     bool moves = false;
     each_strand([&](int j, Strand& strand) {
-      if (only_back ? strand.behind >= 0 : strand.behind == 0) return;
-      feed_strand(j, strand.behind, 0);
+      if (only_back ? strand.excess >= 0 : strand.excess == 0) return;
+      feed_strand(j, strand.excess, 0);
       moves = true;
     });
     if (moves) step(skipped_strand_feed_);
@@ -175,7 +181,7 @@ inline bool Interpreter::join(const MoveRequest& m) {
   // The program's retraction within m, if the filament is not drawn back so far already.
   auto retract = [&] {
     each_strand([&](int j, Strand& strand) {
-      if (by[j] < 0) feed_strand(j, std::min(0.0, by[j] + strand.behind), by[j]);
+      if (by[j] < 0) feed_strand(j, std::min(0.0, by[j] + strand.excess), by[j]);
     });
   };
 
@@ -187,15 +193,15 @@ inline bool Interpreter::join(const MoveRequest& m) {
       way.back().move.hop_mm = way.back().move.flow = 0;
     }
     gap_[kZ] = m.target[kZ] - at[kZ];
-    if (std::fabs(gap_[kZ]) <= kNowhere) gap_[kZ] = 0;
+    if (std::fabs(gap_[kZ]) <= kRounding) gap_[kZ] = 0;
   } else {
     const double* to = forward ? start : m.target;
     bool far = false;
     auto aside = [&](int j) { return j != kZ && !is_filament(j); };
-    for (int j = 0; j < kAxes; ++j) far |= aside(j) && std::fabs(to[j] - at[j]) > kNowhere;
+    for (int j = 0; j < kAxes; ++j) far |= aside(j) && std::fabs(to[j] - at[j]) > kRounding;
     if (far) settle(true);
     const double top = std::max({at[kZ], start[kZ], to[kZ]});
-    if (far && top - at[kZ] > kNowhere) {
+    if (far && top - at[kZ] > kRounding) {
       at[kZ] = top;
       step(skipped_feed_);
     }
@@ -209,12 +215,12 @@ inline bool Interpreter::join(const MoveRequest& m) {
     } else if (far || at[kZ] != position_[kZ]) {
       step(skipped_feed_);
     }
-    if (far && std::fabs(to[kZ] - at[kZ]) > kNowhere) {
+    if (far && std::fabs(to[kZ] - at[kZ]) > kRounding) {
       at[kZ] = to[kZ];
       step(forward ? skipped_feed_ : m.feed_mm_s);
     }
     if (forward && !across && by[kZ] == 0) {
-      each_strand([&](int j, Strand& strand) { feed_strand(j, strand.behind + by[j], by[j]); });
+      each_strand([&](int j, Strand& strand) { feed_strand(j, strand.excess + by[j], by[j]); });
       as_meant();
       way.back().move.flow = 0;
     } else if (forward) {

@@ -1,16 +1,18 @@
 // Canned cycles: G73, G81, G82, G83 with G80, G98 and G99, as RS274 and LinuxCNC define them.
-#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
 #include "gcode/interpreter.hpp"
-#include "gcode/word_grammar.hpp"
 
 namespace passo {
 
 // A line of a cycle, with or without the code. Words that it does not give are those of the last
 // line of the same cycle. Nothing moves if one of its ends is out of range.
-inline void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
+void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
   static constexpr int kPlane[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};  // u, v, and the hole's w
   const int* plane = kPlane[plane_ - 17];
-  const std::string name = "G" + std::to_string(code);
+  const std::string name = code_name('G', code);
   auto letter_of = [&](int j) { return machine_->axes[size_t(j)].letter; };
   double value[26] = {}, feed = feed_, repeats = 1, spindle = 0;
   uint32_t have = 0;
@@ -113,7 +115,7 @@ inline void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
   cycle_feed_ = feed;
 }
 
-inline bool Interpreter::next_of_cycle() {
+bool Interpreter::next_of_cycle() {
   MoveRequest m{};
   here(m.target);
   const Cycle::Step step = cycle_.next(m.target);

@@ -1,0 +1,170 @@
+// G0 to G3 with their words; saved positions, and the way back from home.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "gcode/interpreter.hpp"
+
+namespace passo {
+
+void Interpreter::run_motion(int code, const Word* w, const Word* end) {
+  if (w == end) return;
+  double value[26] = {}, feed = feed_, duration = 0, laser = 0, energy = 0;
+  uint32_t have = 0, seen = 0;
+  uint32_t relative = this->relative();
+  bool keeps_feed = true, has_laser = false, timed = false;
+  int turns = 0;
+  for (const Word* x = w; x < end; ++x) {
+    std::string shown(1, x->letter);
+    int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
+    if (x->letter == 'R' && code < 2) {  // all are absolute but those right behind it
+      if (x->number) continue;
+      relative = 0;
+      keeps_feed = false;
+      for (; x + 1 < end && !x[1].number && x[1].begin == x->end; ++x) {
+        if (x[1].letter < 'A' || x[1].letter > 'Z') break;
+        relative |= 1u << (x[1].letter - 'A');
+        keeps_feed |= x[1].letter == 'F';
+      }
+      continue;
+    }
+    if (x->letter < 'A' || x->letter > 'Z') return fail_word(Fault::word, shown, text_);
+    if (!sound(*x) || repeated(*x, seen)) return;
+    if (laser_.has(x->letter)) {
+      (x->letter == laser_.energy ? energy : density_) = std::max(0.0, x->value);
+    } else if (slot >= 0) {
+      value[x->letter - 'A'] = x->value;
+      have |= 1u << (x->letter - 'A');
+    } else if (x->letter == 'F') {
+      if (!(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
+      feed = x->value * unit_ / 60;
+    } else if (x->letter == 'T') {
+      if (!within('T', x->value, 0, kLargestWord)) return;
+      duration = x->value;
+      timed = true;
+    } else if (x->letter == 'S') {
+      laser = x->value;
+      has_laser = true;
+    } else if (code >= 2 &&
+               (x->letter == 'I' || x->letter == 'J' || x->letter == 'K' || x->letter == 'R')) {
+      value[x->letter - 'A'] = x->value;
+      have |= 1u << (x->letter - 'A');
+    } else if (code >= 2 && x->letter == 'P') {
+      if (!within('P', x->value, 0, kLargestWord)) return;
+      turns = std::max(0, int(x->value) - 1);
+    }
+  }
+  if (keeps_feed) feed_ = feed;
+  if (has_laser) {
+    emit_power(laser);
+  }
+  uint32_t axes = 0;
+  for (int k = 0; k < 26; ++k)
+    if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
+  if (code >= 2) {
+    move_.feed_mm_s = feed;
+    move_.energy_ws = 0;  // an arc knows only a density
+    return run_arc(code == 2, value, have, turns);
+  }
+  double begin[kAxes];
+  const bool begins = tool_position(begin) < 0;
+  if (!target(value, axes, relative, offset_letters(axes)) || retracts(axes)) return;
+  // Filament is laid from where the tool in use was meant to be, not on the way to there.
+  if (begins && (axes & ~filament_letters_) != 0 && lays_filament()) queue_offset(begin, feed);
+  queue_straight(timed ? kInfinity : feed, duration, code == 0, energy);  // T in place of F
+}
+
+// The target that move_ has now.
+void Interpreter::queue_straight(double feed, double duration, bool rapid, double energy_ws) {
+  move_.energy_ws = energy_ws;
+  move_.feed_mm_s = feed;
+  move_.duration_s = duration;
+  move_.radius_mm = kInfinity;
+  move_.arc_inner = false;
+  move_.rapid = rapid;
+  stamp(move_);
+  Item item{};
+  item.found = Found::move;
+  item.move = move_;
+  item.move.kind = MoveKind::travel;
+  pending_.push_back(std::move(item));
+}
+
+// A move of slot j by so much, of which the program's own coordinates know nothing.
+void Interpreter::queue_step(int j, double by, double feed) {
+  if (by == 0) return;
+  Item item{};
+  item.found = Found::move;
+  MoveRequest& m = item.move;
+  double start[kAxes];
+  here(start);
+  const double* from = start;
+  for (const Item& x : pending_)
+    if (x.found == Found::move) from = x.move.target;
+  std::copy(from, from + kAxes, m.target);
+  m.target[j] += by;
+  m.hop_mm = hop_;
+  m.feed_mm_s = feed;
+  m.radius_mm = kInfinity;
+  stamp(m);
+  m.kind = MoveKind::travel;
+  m.moved = uint8_t(1u << j);
+  pending_.push_back(std::move(item));
+}
+
+// G28 B: back to machine position `to`, X and Y first, unless arms lift them together with Z: where
+// these are at home there is no way aside.
+void Interpreter::queue_return(const double* to) {
+  here(move_.target);
+  const bool together = machine_->axes[size_t(kZ)].by_arms;
+  for (int j = 0; j < kAxes; ++j)
+    if (j != kE && (j != kZ || together)) move_.target[j] = to[j];
+  move_.moved = 0;
+  move_.hop_mm = hop_;
+  queue_straight(kInfinity, 0, true);
+  move_.target[kZ] = to[kZ];
+  queue_straight(kInfinity, 0, true);
+}
+
+// G60 saves where the program means the machine to be as S; G61 goes there with the axes that it
+// names, so far beside it as their words say, with X, Y, Z if it names none. F counts for this move
+// alone.
+void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
+  double value[26] = {}, feed = kInfinity, slot = 0;
+  uint32_t have = 0;
+  for (const Word* x = w; x < end; ++x) {
+    int k = x->letter - 'A';
+    if (x->letter == 'S' && x->number) slot = x->value;
+    if (x->letter == 'F' && x->number && x->value > 0) feed = x->value * unit_ / 60;
+    if (k < 0 || k >= 26 || letter_slot_[k] < 0) continue;
+    have |= 1u << k;
+    value[k] = x->number ? x->value * unit_ : 0;
+  }
+  if (!within('S', slot, 0, kSaved - 1)) return;
+  if (slot != std::floor(slot)) return fail(Fault::number, "S", slot, kSaved - 1);
+  Saved& saved = saved_[int(slot)];
+  if (save) {
+    saved.valid = true;
+    for (int j = 0; j < kAxes; ++j) saved.at[j] = meant(j);
+    return emit('G', 60, 0, "", code_name('S', int(slot)));
+  }
+  if (!saved.valid) return fail(Fault::unsaved, "S", slot, 0);
+  if (have == 0) have = 1u << ('X' - 'A') | 1u << ('Y' - 'A') | 1u << ('Z' - 'A');
+  for (int k = 0; k < 26; ++k) {  // as relative words
+    if ((have >> k & 1) == 0) continue;
+    int j = letter_slot_[k];
+    double by = saved.at[j] + value[k] - meant(j);
+    value[k] = (j == kE ? by / e_scale() : by) / unit_;
+  }
+  if (target(value, have, ~0u, offset_letters(have))) queue_straight(feed, 0, false);
+}
+
+// A laser's or spindle's power, of a move's S word.
+void Interpreter::emit_power(double power) {
+  char text[40];
+  std::snprintf(text, sizeof text, "S%.6g", power);
+  emit('S', 0, 0, "", text);
+}
+
+}  // namespace passo
