@@ -48,9 +48,9 @@ build/card/demo.gcode: build/demo.gcode
 
 test: .venv/.built .venv/.dev web .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
-	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm
-	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts
-	nice -n -10 $(BIN)/python -m pytest tests/hosts  # real time: it comes first, where that is allowed
+	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm chromium
+	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts --ignore tests/browser
+	nice -n -10 $(BIN)/python -m pytest tests/hosts tests/browser  # real time: it comes first, where that is allowed
 
 check: .venv/.built .venv/.dev
 	$(BIN)/ruff check .

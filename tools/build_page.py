@@ -1,8 +1,8 @@
 """Builds the page of web-ui/ into src/passo/web/static, if its sources have changed since the last
 build. Takes the system's Node if that is new enough, else the one of requirements/web.lock.
 
-Usage: build_page.py [--check]; with --check, what the tests of the page need is installed too, and
-its types are checked.
+Usage: build_page.py [--check | --test PROJECT]; with --check its types are checked; with --test
+tests run, `unit` or `browser`.
 """
 
 from __future__ import annotations
@@ -25,29 +25,34 @@ NODE_VERSION = (22, 12)  # at least: Vite 8 needs it
 COMPRESSIBLE = {".css", ".html", ".js", ".json", ".svg"}
 
 
-def main() -> int:
-    checks = sys.argv[1:] == ["--check"]
+def main(arguments: list[str]) -> int:
     stamp = BUILT / ".sources"
     wanted = _hash(p for p in SOURCES.rglob("*") if p.is_file() and _is_source(p))
     stale = not stamp.exists() or stamp.read_text() != wanted
-    if not stale and not checks:
+    if not (stale or arguments):
         return 0
     node, npm = _node()
     environment = os.environ | {"PATH": f"{Path(node).parent}{os.pathsep}{os.environ['PATH']}"}
 
-    def run(*command: str) -> None:
-        subprocess.run([node, *command], cwd=SOURCES, env=environment, check=True)
+    def run(script: str, *options: str) -> int:
+        command = [node, f"node_modules/{script}", *options]
+        return subprocess.run(command, cwd=SOURCES, env=environment, check=False).returncode
 
-    _install([node, *npm], environment, with_tests=checks)
+    _install([node, *npm], environment, with_tests=bool(arguments))
     if stale:
         shutil.rmtree(BUILT, ignore_errors=True)
-        run("node_modules/vite/bin/vite.js", "build", "--logLevel", "error")
+        if status := run("vite/bin/vite.js", "build", "--logLevel", "error"):
+            return status
         _compress()
         stamp.write_text(wanted)
         print(f"The page is built into {BUILT.relative_to(ROOT)}.")
-    if checks:
-        run("node_modules/svelte-check/bin/svelte-check", "--fail-on-warnings", "--output", "human")
-    return 0
+    match arguments:
+        case ["--check"]:
+            return run("svelte-check/bin/svelte-check", "--fail-on-warnings", "--output", "human")
+        case ["--test", project]:
+            return run("vitest/vitest.mjs", "run", "--project", project)
+        case _:
+            return 0
 
 
 def _is_source(path: Path) -> bool:
@@ -108,4 +113,4 @@ def _compress() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,41 @@
+import { expect, test } from "vitest";
+import { keyOf, t } from "./index";
+import { bytes, celsius, clockTime, duration, millimetres, percent } from "./units";
+
+test("values are put into a text", () => {
+  expect(t("job.waits", { heater: "bed", now: 41, target: 60 })).toBe(
+    "Waiting for bed: 41 of 60 °C",
+  );
+});
+
+test("a name that has no text has no key", () => {
+  expect(keyOf("job.paused")).toBe("job.paused");
+  expect(keyOf("job.unheard-of")).toBeUndefined();
+});
+
+test.each<[number | null, string]>([
+  [null, "–"],
+  [0, "0 s"],
+  [59.4, "59 s"],
+  [59.6, "1 min"],
+  [3569, "59 min"],
+  [3580, "1 h 00 min"],
+  [11_100, "3 h 05 min"],
+])("%j s reads as %s", (seconds, text) => {
+  expect(duration(seconds)).toBe(text);
+});
+
+test("numbers are rounded to what a user can use", () => {
+  expect(celsius(204.96)).toBe("205.0");
+  expect(celsius(null)).toBe("–");
+  expect(millimetres(-0.001)).toBe("0.00");
+  expect(millimetres(-1.234, 1)).toBe("-1.2");
+  expect(percent(0.126)).toBe("13 %");
+  expect([999, 31_234, 31_234_567].map(bytes)).toEqual(["999 B", "31 kB", "31.2 MB"]);
+});
+
+test("a time of another day names the day", () => {
+  const now = new Date(2026, 10, 25, 23, 0);
+  expect(clockTime(new Date(2026, 10, 25, 23, 30), now)).not.toMatch(/[a-z]{3} /i);
+  expect(clockTime(new Date(2026, 10, 26, 0, 30), now)).toMatch(/thu/i);
+});

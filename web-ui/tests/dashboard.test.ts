@@ -1,0 +1,151 @@
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
+import { expectAccessible, expectFits, launch, picture, visit, type Theme } from "./browser";
+import { Served } from "./served";
+
+const served = new Served();
+let browser: Browser;
+let page: Page;
+let faults: string[];
+let offline = false; // the server was away: the browser logs each attempt to connect
+
+beforeAll(async () => {
+  [browser] = await Promise.all([launch(), served.start()]);
+});
+
+afterAll(async () => {
+  await browser.close();
+  await served.remove();
+});
+
+beforeEach(async () => {
+  offline = false;
+  ({ page, faults } = await visit(browser, served.url));
+});
+
+afterEach(async () => {
+  if (!offline) expect(faults).toEqual([]);
+  await page.context().close();
+});
+
+const state = (text: string) => page.locator("header .state", { hasText: text }).waitFor();
+const position = (axis: string) =>
+  page.locator(".axis", { has: page.locator(`strong:text-is("${axis}")`) }).locator(".live");
+
+test("the page is live, and names the machine", async () => {
+  await state("Ready");
+  expect(await page.locator("header strong").textContent()).toBe("i3");
+  const hotend = page.getByRole("group", { name: "hotend" });
+  expect(await hotend.locator(".now").textContent()).toContain("25.0");
+  await page.getByText("Simulated printer.").waitFor();
+});
+
+test("an axis can be moved once it is homed, and moves by the step", async () => {
+  const right = page.getByRole("button", { name: "Move X by +10 mm" });
+  expect(await right.isDisabled()).toBe(true);
+  await page.getByRole("button", { name: "Home all" }).click();
+  await expect.poll(() => right.isEnabled(), { timeout: 8000 }).toBe(true);
+  expect(await page.getByText("not homed").count()).toBe(0);
+  await right.click();
+  await position("X").getByText("10.00").waitFor();
+  await page.getByText("0.1", { exact: true }).click();
+  await page.getByRole("button", { name: "Move X by −0.1 mm" }).click();
+  await position("X").getByText("9.90").waitFor();
+});
+
+test("a heater heats to its target, and its field refuses what is too hot", async () => {
+  const target = page.getByLabel("Target of hotend", { exact: true });
+  await target.fill("300");
+  await page.getByText("At most 285 °C").waitFor();
+  await target.fill("80");
+  await target.press("Enter");
+  const now = page.getByRole("group", { name: "hotend" }).locator(".now");
+  await expect.poll(async () => parseFloat((await now.textContent()) ?? ""), { timeout: 9000 }).toBeGreaterThan(78);
+  await page.getByLabel("Usual targets of hotend").selectOption("Off");
+  await expect.poll(() => target.inputValue()).toBe("");
+});
+
+test("the console completes, explains, sends and answers", async () => {
+  const input = page.getByRole("combobox", { name: "Command" });
+  await input.pressSequentially("m11");
+  await page.getByRole("option", { name: "M115" }).waitFor();
+  await input.press("Control+a");
+  await input.pressSequentially("M115");
+  await input.press("Enter");
+  await page.getByRole("log").getByText("FIRMWARE_NAME:Passo").waitFor();
+  await input.press("ArrowUp");
+  expect(await input.inputValue()).toBe("M115");
+  await input.fill("M9876");
+  await input.press("Enter");
+  await page.getByRole("log").getByText(/M9876/).nth(1).waitFor();
+});
+
+test("STOP halts with the catalogue's sentence, and the printer starts again", async () => {
+  await page.getByRole("button", { name: "STOP" }).click();
+  await state("Halted");
+  const alert = page.getByRole("alert").first();
+  await alert.getByText(/M112|emergency/i).first().waitFor();
+  expect(await page.getByRole("button", { name: "Home all" }).isDisabled()).toBe(true);
+  await picture(page, "halted-1280-light");
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Start again" }).click();
+  await state("Ready");
+});
+
+test("sliders set speed, flow and fans", async () => {
+  const speed = page.getByLabel("Speed", { exact: true });
+  await speed.fill("120");
+  await page.locator(".slider", { has: speed }).getByText("120").waitFor();
+  const fan = page.getByLabel("part", { exact: true });
+  await fan.fill("50");
+  await page.locator(".slider", { has: fan }).getByText("50").waitFor();
+  await speed.fill("100");
+  await fan.fill("0");
+});
+
+test("values turn grey with their age while Passo is away, and live again after", async () => {
+  offline = true;
+  await served.stop();
+  await page.getByRole("alert").getByText("Passo does not answer.").waitFor();
+  await page.getByText(/All values are [1-9]\d* s old/).waitFor();
+  await picture(page, "away-1280-light");
+  await served.start();
+  await state("Ready");
+  await page.getByRole("alert").waitFor({ state: "detached" });
+});
+
+test("every control of the frame is reached by the keyboard", async () => {
+  const reached: string[] = [];
+  for (let i = 0; i < 9; i++) {
+    await page.keyboard.press("Tab");
+    reached.push(
+      await page.evaluate(() => {
+        const element = document.activeElement;
+        return element?.getAttribute("aria-label") ?? element?.textContent?.trim() ?? "";
+      }),
+    );
+  }
+  expect(reached).toEqual(
+    expect.arrayContaining(["To the content", "No faults", "Dark theme", "STOP", "Dashboard", "Files"]),
+  );
+});
+
+test("the theme that is chosen stays", async () => {
+  await page.getByRole("button", { name: "Dark theme" }).click();
+  await page.reload();
+  await page.getByRole("button", { name: "Light theme" }).waitFor();
+});
+
+test.each<Theme>(["light", "dark"])("it fits every size, and is accessible when %s", async (theme) => {
+  await page.emulateMedia({ colorScheme: theme });
+  for (const [width, height] of [
+    [1280, 800],
+    [768, 1024],
+    [360, 740],
+  ] as const) {
+    await page.setViewportSize({ width, height });
+    await expectFits(page);
+    await picture(page, `dashboard-${width}-${theme}`);
+    if (width !== 768) await expectAccessible(page);
+  }
+});

@@ -1,0 +1,54 @@
+/** `passo serve` with the simulated i3 and the example on its card, in scaled time. */
+
+import { spawn, type ChildProcess } from "node:child_process";
+import { cpSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+
+const PYTHON = process.env["PASSO_PYTHON"] ?? "../.venv/bin/python";
+const EXAMPLE = process.env["PASSO_EXAMPLE"] ?? "../build/demo.gcode";
+const CLOCK = "20"; // times as fast as real
+
+export class Served {
+  url = "";
+  #process: ChildProcess | undefined;
+  #folder = mkdtempSync(join(tmpdir(), "passo-page-"));
+
+  constructor() {
+    cpSync(EXAMPLE, join(this.#folder, "demo.gcode"));
+  }
+
+  /** Starts it, at the address that it had before, if it was started before. */
+  async start(): Promise<void> {
+    const place = this.url ? new URL(this.url).host : "127.0.0.1:0";
+    const options = ["--machine", "i3", "--clock", CLOCK, "--sd", this.#folder, "--tcp", "127.0.0.1:0"];
+    const child = spawn(PYTHON, ["-m", "passo", "serve", ...options, "--http", place], {
+      stdio: ["ignore", "ignore", "pipe"],
+    });
+    this.#process = child;
+    const said: string[] = [];
+    for await (const line of createInterface({ input: child.stderr })) {
+      said.push(line);
+      const found = /http:\/\/[\d.]+:\d+/.exec(line);
+      if (found) {
+        this.url = `${found[0]}/`;
+        return;
+      }
+    }
+    throw new Error(`passo serve has ended:\n${said.join("\n")}`);
+  }
+
+  async stop(): Promise<void> {
+    const child = this.#process;
+    if (!child || child.exitCode !== null) return;
+    const ended = new Promise((resolve) => child.once("exit", resolve));
+    child.kill("SIGTERM");
+    await ended;
+  }
+
+  async remove(): Promise<void> {
+    await this.stop();
+    rmSync(this.#folder, { recursive: true });
+  }
+}
