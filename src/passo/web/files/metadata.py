@@ -1,0 +1,154 @@
+"""What is known of the files of a card: the slicer's words at once, the plan when it is made."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import logging
+from dataclasses import asdict
+from io import BufferedReader, TextIOWrapper
+from typing import TYPE_CHECKING, Literal
+
+import msgspec
+from msgspec import Struct
+
+from passo.card.unheld import Unheld
+from passo.errors import CardError, PassoError, in_words
+from passo.version import __version__
+from passo.web.answers import Fault, fault
+from passo.web.files.comments import Comments, read_comments
+from passo.web.files.incoming import beside
+from passo.web.files.metadata_cache import MetadataCache
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from passo.card import Card
+    from passo.job.batch.estimate import Estimate
+    from passo.web.bridge import Bridge
+
+_log = logging.getLogger(__name__)
+_HEAD = 1 << 21  # characters in which comments are looked for
+
+
+class Plan(Struct):
+    """A file as this printer would print it. `total_s` is the sum of `moving_s`, `dwell_s` and
+    `heating_s`; `limits_s` tells for each limit of the machine how long it bounds the speed."""
+
+    total_s: float
+    moving_s: float
+    dwell_s: float
+    heating_s: float
+    layers: int
+    moves: int
+    filament_mm: dict[str, float]
+    limits_s: dict[str, float]
+    warnings: list[str]
+
+
+class Picture(Struct):
+    """A thumbnail, to be had by its number, and its size in pixels."""
+
+    number: int
+    width: int
+    height: int
+    type: str
+
+
+class Metadata(Struct):
+    """What is known of a file. While `state` is `pending` there is no plan yet; `refused`: the file
+    cannot be printed as it is, and `problems` are the reasons, such as what is out of range."""
+
+    path: str
+    state: Literal["pending", "known", "refused"]
+    slicer: str
+    objects: list[str]
+    thumbnails: list[Picture]
+    plan: Plan | None = None
+    problems: list[Fault] = []
+
+
+class MetadataReader:
+    """The files of one printer; used in the web's event loop. Plans are made one after the other,
+    in a thread of low priority."""
+
+    def __init__(self, bridge: Bridge, folder: Path | None) -> None:
+        self._bridge = bridge
+        made_for = f"{__version__} {bridge.machine.model_dump_json()}"
+        digest = hashlib.blake2b(made_for.encode(), digest_size=16).hexdigest()
+        self._cache = MetadataCache(folder, digest)
+        self._wanted: dict[str, None] = {}
+        self._task: asyncio.Task[None] | None = None
+
+    async def get(self, path: str) -> Metadata:
+        """What is known of the file at a confined path now; the rest is found out. Raises
+        CardError."""
+        card = await self._bridge.card()
+        entry = await beside(lambda: card.find(path))
+        if entry.is_directory:
+            raise CardError.of("card.directory", path)
+        if (found := self._cache.get(path, entry)) is not None:
+            return msgspec.json.decode(found, type=Metadata)
+        self.want(path)
+        return await _begun(card, path)
+
+    def want(self, path: str) -> None:
+        """The file's plan will be asked for."""
+        self._wanted[path] = None
+        if self._task is None or self._task.done():
+            self._task = asyncio.get_running_loop().create_task(self._work())
+
+    async def _work(self) -> None:
+        while self._wanted:
+            path = next(iter(self._wanted))
+            try:
+                await self._learn(path)
+            except CardError:
+                pass  # it was replaced or removed meanwhile
+            except Exception:
+                _log.exception("%s: cannot be looked through", path)
+            finally:
+                self._wanted.pop(path, None)
+
+    async def _learn(self, path: str) -> None:
+        card = await self._bridge.card()
+        entry = await beside(lambda: card.find(path))
+        if self._cache.get(path, entry) is not None:
+            return
+        found = await _begun(card, path)
+        try:
+            found.plan = _plan(await self._bridge.estimate(path))
+            found.state = "known"
+        except CardError:
+            raise
+        except Exception as error:
+            if not isinstance(error, PassoError):
+                _log.exception("%s: cannot be planned", path)
+            found.problems = [fault(problem) for problem in in_words(error).problems]
+            found.state = "refused"
+        if await beside(lambda: card.find(path)) == entry:
+            self._cache.put(path, entry, msgspec.json.encode(found))
+
+
+async def comments_of(card: Card, path: str) -> Comments:
+    """What the slicer says of a file. Raises CardError."""
+
+    def read() -> Comments:
+        raw = Unheld(card, path)
+        with TextIOWrapper(BufferedReader(raw, 1 << 18), "utf-8", "replace") as text:
+            return read_comments(text.read(min(raw.size, _HEAD)).splitlines())
+
+    return await beside(read)
+
+
+async def _begun(card: Card, path: str) -> Metadata:
+    comments = await comments_of(card, path)
+    pictures = [
+        Picture(number, picture.width, picture.height, picture.kind)
+        for number, picture in enumerate(comments.thumbnails)
+    ]
+    return Metadata(path, "pending", comments.slicer, list(comments.objects), pictures)
+
+
+def _plan(estimate: Estimate) -> Plan:
+    return msgspec.convert(asdict(estimate), Plan)
