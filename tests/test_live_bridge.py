@@ -1,11 +1,13 @@
 """What crosses between a printer and the web, in one loop in virtual time."""
 
 import asyncio
+from contextlib import suppress
+from dataclasses import replace
 
 import pytest
 
 import passo
-from passo.errors import CardError, CommandError
+from passo.errors import CardError, CommandError, InputError
 from passo.live_bridge import LiveBridge
 from passo.printer.status import PrinterState
 
@@ -93,7 +95,7 @@ def test_a_print_is_started_paused_resumed_and_cancelled(tmp_path):
         status = bridge.latest().status
         assert (status.state, status.job.file) == (PrinterState.PRINTING, "part.gcode")
         assert status.job.size == len(MOVES)
-        with pytest.raises(CardError, match="being read"):
+        with pytest.raises(CardError, match="is being printed"):
             await bridge.create_file("/part.gcode")
         await bridge.pause_print()
         await asyncio.sleep(10)
@@ -124,5 +126,56 @@ def test_an_emergency_stop_overtakes_all_and_restart_ends_it(tmp_path):
         )
         await bridge.restart()
         assert bridge.latest().status.state is not PrinterState.HALTED
+
+    bridged(test, tmp_path)
+
+
+def test_a_file_that_is_printed_stays_as_it_is(tmp_path):
+    (tmp_path / "toys").mkdir()
+
+    async def test(bridge: LiveBridge, _):
+        await bridge.rename("/part.gcode", "/toys/part.gcode")
+        await bridge.start_print("/toys/part.gcode")
+        for change in (
+            bridge.rename("/toys/part.gcode", "/b.gcode"),
+            bridge.rename("/toys", "/games"),
+            bridge.remove_file("/TOYS/PART.GCODE"),
+            bridge.create_file("/toys/part.gcode"),
+        ):
+            with pytest.raises(CardError, match=r"part\.gcode is being printed"):
+                await change
+        await bridge.cancel_print()
+        await bridge.rename("/toys", "/games")
+        await asyncio.sleep(0.5)
+        assert bridge.latest().status.files.selected == ""
+        assert (tmp_path / "games" / "part.gcode").read_text() == MOVES
+
+    bridged(test, tmp_path)
+
+
+def test_an_estimate_is_that_of_passo_estimate(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        found = await bridge.estimate("/part.gcode")
+        wanted = passo.Machine.load("i3").estimate(tmp_path / "part.gcode")
+        assert replace(found, file=wanted.file) == wanted
+        (tmp_path / "far.gcode").write_text("G28\nG1 X900\n")
+        with pytest.raises(InputError, match=r"far\.gcode:2: X"):
+            await bridge.estimate("/far.gcode")
+
+    bridged(test, tmp_path)
+
+
+def test_a_file_may_go_while_it_is_planned(tmp_path):
+    """An estimate keeps nobody from the file."""
+    (tmp_path / "long.gcode").write_text("G28\n" + "G1 X10\nG1 X20 ; and back\n" * 200_000)
+
+    async def test(bridge: LiveBridge, _):
+        estimate = asyncio.ensure_future(bridge.estimate("/long.gcode"))
+        while not estimate.done():
+            await asyncio.sleep(0.001)
+            if (tmp_path / "long.gcode").exists():
+                with suppress(CardError):
+                    await bridge.remove_file("/long.gcode")
+        assert isinstance(estimate.exception(), CardError)
 
     bridged(test, tmp_path)

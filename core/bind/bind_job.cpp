@@ -513,8 +513,10 @@ void bind_job(nb::module_& m) {
           "of "
           "the cut.")
       .def(
-          "suspend", [](JobView& self) { self.job.suspend(); },
-          "After hold_from: other moves may come before what is held.")
+          "suspend", [](JobView& self, bool hand_over_macro) { self.job.suspend(hand_over_macro); },
+          "hand_over_macro"_a = false,
+          "After hold_from: other moves may come before what is held. What is left of a macro of "
+          "the program is read as a console's if it is handed over.")
       .def_prop_ro("suspended", [](JobView& self) { return self.job.motion.suspended(); })
       .def_prop_ro(
           "stop_position",

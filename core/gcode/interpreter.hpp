@@ -67,6 +67,8 @@ class Interpreter {
   void insert(std::string_view text);
   // How many macros of the selected source run within each other.
   size_t macro_depth() const { return frames_of(FrameKind::macro); }
+  // What is left of the program's macro is no part of it any more: `mine` has it, as a console's.
+  void hand_over_macro(Interpreter& mine);
   // Drops what is left of a console's macros.
   void forget_macros() { frames_[1].clear(); }
   // Records how the program's line of this number is understood, see heard().

@@ -1,5 +1,6 @@
 // M98 and M99: sub-programs of the file that is read; and the lines of macros.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "gcode/interpreter.hpp"
@@ -81,6 +82,17 @@ void Interpreter::insert(std::string_view text) {
     push(FrameKind::rest, std::string_view(text_).substr(words_[next_word_].begin));
   next_word_ = 0;
   push(FrameKind::macro, text);
+}
+
+void Interpreter::hand_over_macro(Interpreter& mine) {
+  auto& frames = frames_[0];
+  const auto macro = std::find_if(frames.begin(), frames.end(), [](const Frame& frame) {
+    return frame.kind == FrameKind::macro;
+  });
+  if (macro == frames.end()) return;
+  mine.frames_[1].assign(std::make_move_iterator(macro), std::make_move_iterator(frames.end()));
+  frames.erase(macro, frames.end());
+  next_word_ = 0;  // of a line of the macro
 }
 
 void Interpreter::fail_call(CallFault fault, const std::string& call) {

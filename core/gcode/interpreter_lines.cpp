@@ -286,6 +286,7 @@ void Interpreter::emit(char letter, int number, int minor, std::string_view name
 void Interpreter::emit_macro(char letter, int number, int minor, std::string_view name,
                              std::string_view text) {
   while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
+  while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
   emit(letter, number, minor, name, text);
   pending_.back().found = Found::macro;
 }

@@ -110,9 +110,11 @@ class Job {
     return cut;
   }
 
-  // After motion.hold_from: other moves may come before the program goes on.
-  void suspend() {
+  // After motion.hold_from: other moves may come before the program goes on. The rest of a macro
+  // that has asked for the pause is among them, where `hand_over` says so.
+  void suspend(bool hand_over = false) {
     aside_ = interpreter;
+    if (hand_over) aside_->hand_over_macro(interpreter);
     use_stopped();
     motion.suspend();
     abandon();

@@ -1544,8 +1544,10 @@ class Job:
         Brakes to a stop from this clock on and forgets what was to follow; returns the clock of the cut.
         """
 
-    def suspend(self) -> None:
-        """After hold_from: other moves may come before what is held."""
+    def suspend(self, hand_over_macro: bool = False) -> None:
+        """
+        After hold_from: other moves may come before what is held. What is left of a macro of the program is read as a console's if it is handed over.
+        """
 
     @property
     def suspended(self) -> bool: ...

@@ -230,6 +230,14 @@ CATALOGUE: Mapping[str, Entry] = {
     "card.directory": _card("is a directory, not a file", "Name a file in it"),
     "card.not-directory": _card("is a file, not a directory", "Name a directory of the card"),
     "card.exists": _card("exists already", "Choose another name"),
+    "card.not-empty": _card("is not empty: {value} is in it", "Delete what it holds first"),
+    "card.into-itself": _card(
+        "cannot be moved into itself", "Choose a directory that is not within it"
+    ),
+    "card.no-slots": _card(
+        "cannot become {value!r} on this card: its directory has no place for that in one write",
+        "Make a directory with that name and move the files, or rename it on a computer",
+    ),
     "card.name": _card(
         "the name {value!r} is not allowed on a card: expected {limit}", "Choose another name"
     ),
@@ -397,6 +405,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "job",
         "objects cannot be cancelled on a machine with a laser, which would burn where it stands",
         "Cancel the print (M524)",
+    ),
+    "job.other-macros": _input(
+        "job",
+        "the macros of the machine file have changed since the print began, so its place cannot be"
+        " found",
+        "Restore the macros as they were, then send M1000",
     ),
     "job.no-part": _input(
         "job",

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import threading
 import time
 from collections.abc import Callable, Coroutine, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
+from io import BufferedReader
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
 from passo.gcode.dialect import TABLE, When, row_of
+from passo.job.batch.estimate import Estimate, estimate_open
 from passo.printer.commands.program import forced
 from passo.web.bridge import Snapshot
 
@@ -26,6 +32,8 @@ if TYPE_CHECKING:
     from passo.web.bridge import Listener
 
 _T = TypeVar("_T")
+_PIECE = 1 << 20  # bytes of a file read at once, to be planned
+_NICE = 10  # of the thread that plans
 TICK_S = 0.25  # between two snapshots, of host time, or of print time where that is faster
 
 
@@ -41,6 +49,7 @@ class LiveBridge:
         self._overtaking = Client(self._printer)
         self._turn = asyncio.Lock()  # one script after the other
         self._listeners: list[tuple[asyncio.AbstractEventLoop, Listener]] = []
+        self._planner = ThreadPoolExecutor(1, "estimate", _be_modest)
         self._latest = self._snapshot(0)
         self._ends = [
             observer.on_status(lambda _: self._tick(), every_s=TICK_S),
@@ -54,6 +63,7 @@ class LiveBridge:
         self._listeners.clear()
         for client in (self._scripts, self._overtaking):
             client.close()
+        self._planner.shutdown(wait=False, cancel_futures=True)
 
     def fail_all(self, error: BaseException) -> None:
         """The printer has ended: no command is answered any more."""
@@ -141,6 +151,10 @@ class LiveBridge:
         """As `Bridge.restart`."""
         await self.run("M999")
 
+    async def select_file(self, path: str) -> None:
+        """As `Bridge.select_file`."""
+        await self._call(lambda: self._assembly.library.open(path))
+
     async def start_print(self, path: str) -> None:
         """As `Bridge.start_print`."""
 
@@ -177,6 +191,31 @@ class LiveBridge:
     async def remove_file(self, path: str) -> None:
         """As `Bridge.remove_file`."""
         await self._call(lambda: self._assembly.library.remove(path))
+
+    async def rename(self, path: str, to: str) -> None:
+        """As `Bridge.rename`."""
+        await self._call(lambda: self._assembly.library.let_go(path))
+        card = await self.card()
+        await asyncio.to_thread(card.rename, path, to)  # which may copy a file
+
+    async def estimate(self, path: str) -> Estimate:
+        """As `Bridge.estimate`."""
+        source = await asyncio.to_thread(Unheld, await self.card(), path)
+        work = self._planner.submit(_estimate, self.machine, source, path)
+        try:
+            return await asyncio.wrap_future(work)
+        finally:
+            source.close()  # which ends it, if it was cancelled
+
+
+def _estimate(machine: MachineConfig, source: Unheld, path: str) -> Estimate:
+    with BufferedReader(source, _PIECE) as buffered:
+        return estimate_open(machine, buffered, source.size, path.rpartition("/")[2])
+
+
+def _be_modest() -> None:
+    """Others have the processor first; on Linux a thread has a priority of its own."""
+    os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICE)
 
 
 def _acts_at_once(line: str) -> bool:

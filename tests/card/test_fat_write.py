@@ -4,7 +4,9 @@ import random
 from collections.abc import Callable
 
 import pytest
-from tests.support.card_images import Image
+from tests.support.card_images import Image, code
+
+from passo.errors import CardError
 
 
 def test_mtools_reads_what_was_written(image: Image):
@@ -125,3 +127,36 @@ def test_an_exception_in_the_block_leaves_nothing(small: Image):
         writer.write(b"x")
     card.close()
     small.check()
+
+
+def test_a_directory_that_cannot_be_renamed_in_one_write_keeps_its_name(image: Image):
+    card = image.card()
+    card.make_directory("AA")
+    for number in range(16):  # the sector is full
+        with card.create(f"F{number}.G"):
+            pass
+    with pytest.raises(CardError) as raised:
+        card.rename("AA", "a long name.dir")
+    assert code(raised) == "card.no-slots"
+    card.rename("AA", "BB")
+    card.rename("F3.G", "a file is copied instead.gcode")
+    with card.create("BB/kept.g") as writer:
+        writer.write(b"G28\n")
+    card.close()
+    assert image.get("/BB/kept.g") == b"G28\n"
+    assert image.get("/a file is copied instead.gcode") == b""
+
+
+def test_a_removed_directory_gives_its_cluster_back(image: Image):
+    card = image.card()
+    before = card.free_bytes
+    card.make_directory("sub")
+    with card.create("sub/a.g"):
+        pass
+    with pytest.raises(CardError) as raised:
+        card.remove_directory("sub")
+    assert code(raised) == "card.not-empty"
+    card.remove("sub/a.g")
+    card.remove_directory("sub")
+    assert (card.list(), card.free_bytes) == ([], before)
+    card.close()

@@ -251,3 +251,58 @@ def test_names_that_would_speak_to_a_console_are_not_on_the_card(card: FolderCar
     (tmp_path / "card/a\nok").touch()
     (tmp_path / "card" / os.fsdecode(b"\xff.g")).touch()
     assert card.list() == []
+
+
+def test_what_is_open_is_not_renamed(card: FolderCard):
+    card.make_directory("sub")
+    with card.create("sub/a.g") as writer:
+        writer.write(b"G28")
+    for action in (
+        lambda: card.rename("sub/a.g", "b.g"),
+        lambda: card.rename("sub", "other"),
+        lambda: card.remove_directory("sub"),
+    ):
+        with card.open("sub/a.g"), pytest.raises(CardError) as raised:
+            action()
+        assert code(raised) == "card.busy"
+    card.rename("sub", "other")
+    assert card.find("other/a.g").size == 3
+
+
+def test_a_folder_is_not_moved_into_itself(card: FolderCard):
+    card.make_directory("sub")
+    card.make_directory("sub/inner")
+    with pytest.raises(CardError) as raised:
+        card.rename("sub", "Sub/inner/sub")
+    assert code(raised) == "card.into-itself"
+
+
+def test_a_rename_stays_on_the_card(card: FolderCard, tmp_path: Path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "card/link").symlink_to(tmp_path / "out")
+    with card.create("a.g") as writer:
+        writer.write(b"G28")
+    for to, why in (
+        ("link/a.g", "card.not-found"),
+        ("a\\b.g", "card.name"),
+        ("/", "card.directory"),
+    ):
+        with pytest.raises(CardError) as raised:
+            card.rename("a.g", to)
+        assert code(raised) == why
+    card.rename("a.g", "../../b.g")
+    assert (tmp_path / "card/b.g").read_bytes() == b"G28"
+    card.rename("b.g", "B.G")
+    assert [entry.name for entry in card.list()] == ["B.G"]
+
+
+def test_a_removed_folder_takes_interrupted_uploads_with_it(card: FolderCard, tmp_path: Path):
+    card.make_directory("sub")
+    (tmp_path / "card/sub/.passo-part-0").write_bytes(b"half")
+    (tmp_path / "card/sub/note").symlink_to(tmp_path)
+    with pytest.raises(CardError) as raised:
+        card.remove_directory("sub")
+    assert code(raised) == "card.not-empty"
+    (tmp_path / "card/sub/note").unlink()
+    card.remove_directory("sub")
+    assert not (tmp_path / "card/sub").exists()

@@ -13,20 +13,29 @@ from passo.card import Card, FatCard, FolderCard
 from passo.card.names import fold
 from passo.errors import CardError
 
-NAMES = st.sampled_from(
-    ["A.G", "a.gcode", "Long name one.gcode", "long NAME two.gcode", "n" * 180 + ".g", "größe"]
-)
-FOLDERS = st.sampled_from(["", "sub", "Sub directory"])
+ALL_NAMES = [
+    "A.G",
+    "a.gcode",
+    "Long name one.gcode",
+    "long NAME two.gcode",
+    "n" * 180 + ".g",
+    "größe",
+]
+ALL_FOLDERS = ["", "sub", "Sub directory"]
+NAMES, FOLDERS = st.sampled_from(ALL_NAMES), st.sampled_from(ALL_FOLDERS)
+TARGETS = st.tuples(st.integers(0, 2), st.integers(0, 5)).map(list)
 Step = tuple[str, str, str, list[int]]
 STEPS = st.lists(
     st.one_of(
         st.tuples(st.just("write"), FOLDERS, NAMES, st.lists(st.integers(0, 9_000), max_size=3)),
         st.tuples(st.just("abort"), FOLDERS, NAMES, st.lists(st.integers(0, 9_000), max_size=2)),
         st.tuples(st.just("remove"), FOLDERS, NAMES, st.just([])),
+        st.tuples(st.just("rename"), FOLDERS, NAMES, TARGETS),
+        st.tuples(st.just("rmdir"), FOLDERS, st.just(""), st.just([])),
         st.tuples(st.just("mkdir"), FOLDERS, st.just(""), st.just([])),
         st.tuples(st.just("remount"), st.just(""), st.just(""), st.just([])),
     ),
-    max_size=25,
+    max_size=30,
 )
 
 
@@ -47,6 +56,21 @@ def live(make: Callable[[], Card], steps: list[Step]) -> None:
                 expected = "card.directory" if not folder else expected
                 card.make_directory(folder)
                 folders.add(folder)
+            elif what == "rmdir":
+                inside = [key for key in files if key[0] == folder]
+                expected = "card.not-empty" if inside else ""
+                expected = expected if folder in folders else "card.not-found"
+                expected = expected if folder else "card.directory"
+                card.remove_directory(folder)
+                folders.remove(folder)
+            elif what == "rename":
+                to, new = ALL_FOLDERS[pieces[0]], ALL_NAMES[pieces[1]]
+                target = (to, fold(new))
+                expected = "card.exists" if target in files and target != key else ""
+                expected = expected if to in folders and key in files else "card.not-found"
+                card.rename(path, f"{to}/{new}")
+                files[target] = files.pop(key)
+                assert new in [entry.name for entry in card.list(to)]
             elif what == "remove":
                 expected = "" if key in files else "card.not-found"
                 card.remove(path)

@@ -65,6 +65,22 @@ def abort(card: FatCard) -> None:
     writer.abort()
 
 
+def rename_in_place(card: FatCard) -> None:
+    card.rename("a long name that goes.gcode", "its other name.gcode")
+
+
+def rename_by_copy(card: FatCard) -> None:
+    card.rename("OLD.G", "full/another name in another place.gcode")
+
+
+def rename_directory(card: FatCard) -> None:
+    card.rename("room", "its other name.dir")
+
+
+def remove_directory(card: FatCard) -> None:
+    card.remove_directory("room")
+
+
 def create_longest(card: FatCard) -> None:
     with card.create(LONGEST) as writer:
         writer.write(NEW)
@@ -84,7 +100,17 @@ CASES: dict[Callable[[FatCard], None], tuple[str, bytes | None, bytes | None]] =
 }
 
 
-CHANGES = (*CASES, make_directory, abort)
+RENAMES: dict[Callable[[FatCard], None], tuple[str, str]] = {
+    rename_in_place: ("a long name that goes.gcode", "its other name.gcode"),
+    rename_by_copy: ("OLD.G", "full/another name in another place.gcode"),
+}
+
+ROOMS = {
+    rename_directory: [{"full", "room"}, {"full", "its other name.dir"}],
+    remove_directory: [{"full", "room"}, {"full"}],
+}
+
+CHANGES = (*CASES, *RENAMES, make_directory, rename_directory, remove_directory, abort)
 
 
 def content(card: FatCard, path: str) -> bytes | None:
@@ -119,6 +145,7 @@ def test_a_cut_at_any_write(
     for number in range(14):  # with . and .. the first cluster of the directory is full
         with card.create(f"full/F{number}.G"):
             pass
+    card.make_directory("room")
     card.close()
     image.check()
     before = image.path.read_bytes()
@@ -129,6 +156,7 @@ def test_a_cut_at_any_write(
     image.check()
     path, old, new = CASES.get(change, ("", None, None))
     epochs, seen = deepcopy(recorded), list[bytes | None]()
+    renamed: list[list[bytes | None]] = []
     for number, left in enumerate(cuts(before, epochs)):
         image.path.write_bytes(left)
         check_harmless(image, change)
@@ -137,6 +165,13 @@ def test_a_cut_at_any_write(
         if path:
             seen.append(content(card, path))
             assert seen[-1] in (old, new)
+        if change in RENAMES:
+            found = [content(card, name) for name in RENAMES[change]]
+            assert found in ([OLD, None], [None, OLD], [OLD, OLD])
+            assert change is rename_by_copy or None in found
+            renamed.append(found)
+        rooms = {entry.name for entry in card.list() if entry.is_directory}
+        assert rooms - {"new directory"} in ROOMS.get(change, [{"full", "room"}])
         if number % 5 == 0:  # the card goes on being used without a repair
             with card.create("full/and then another one.gcode") as writer:
                 writer.write(NEW)
@@ -146,3 +181,4 @@ def test_a_cut_at_any_write(
             check_harmless(image, change)
         card.close()
     assert not path or (seen[0], seen[-1]) == (old, new)
+    assert not renamed or (renamed[0], renamed[-1]) == ([OLD, None], [None, OLD])

@@ -23,14 +23,20 @@ Machine cartesian_machine() {
   machine.extruders.push_back({"e1", 100, 5000, 1});
   machine.tools.push_back({0, {0, 0, 0}});
   machine.tools.push_back({1, {20, 0, 0}});
+  machine.macros.names = {"FOO", "T0", "G28", "M600"};
+  machine.macros.built_in = {{"G28.1", "G28"}, {"T0.1", "T0"}, {"_FOO", "FOO"}};
   machine.geometry = std::make_shared<LinearGeometry>(cartesian());
   return machine;
 }
 
-void drain(Interpreter& interpreter, int& moves) {
+void drain(Interpreter& interpreter, int& moves, int& macros) {
   for (;;) {
     Found found = interpreter.next();
     if (found == Found::need_input || found == Found::end) return;
+    if (found == Found::macro && ++macros < 1000 && interpreter.macro_depth() < 4) {
+      const std::string text = interpreter.event().text;  // of the call: it may call more
+      interpreter.insert(macros % 2 ? text : "T0.1\n" + text + "\nM99\nG1 X1");
+    }
     if (found != Found::move) continue;
     for (int j = 0; j < 3; ++j)
       if (!(interpreter.move().target[j] > -1e-5 && interpreter.move().target[j] < 200 + 1e-5))
@@ -56,13 +62,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   interpreter.subprograms = survey.subprograms();
   interpreter.objects().learn(survey.objects());
   const size_t chunk = data[0] & 8 ? size : 1 + (data[0] >> 4);
-  int moves = 0;
+  int moves = 0, macros = 0;
   for (size_t i = 1; i < size && moves <= 100000; i += chunk) {
     interpreter.feed(reinterpret_cast<const char*>(data) + i, std::min(chunk, size - i));
-    drain(interpreter, moves);
+    drain(interpreter, moves, macros);
   }
   if (moves > 100000) return 0;
   interpreter.finish();
-  drain(interpreter, moves);
+  drain(interpreter, moves, macros);
   return 0;
 }

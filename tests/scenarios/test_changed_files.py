@@ -102,8 +102,8 @@ def test_printing_file_is_not_overwritten_or_deleted(s, paused, name):
     if paused:
         s.host.ok("M25")
         s.passes(10)
-    assert "in use: it is being read" in other.ok(f"M30 {name}")[0]
-    assert "in use: it is being read" in other.ok(f"M28 {name}")[0]
+    assert "way.g is being printed" in other.ok(f"M30 {name}")[0]
+    assert "way.g is being printed" in other.ok(f"M28 {name}")[0]
     assert other.ok("G1 X90")[0].startswith("echo:G1 is not carried out")
     other.ok("M29")
     assert s.card.read_text() == PROGRAM

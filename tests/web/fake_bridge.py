@@ -10,6 +10,7 @@ from passo.config.machine import MachineConfig
 from passo.errors import CardError, PassoError
 from passo.events import Event
 from passo.gcode.dialect import TABLE, Row
+from passo.job.batch.estimate import Estimate
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
     AxisStatus,
@@ -56,6 +57,7 @@ class FakeBridge:
         self.listeners: list[Listener] = []
         self.asked: list[str] = []
         self.answers: dict[str, tuple[str, ...] | PassoError] = {}
+        self.estimates: dict[str, Estimate] = {}
         self.history: list[ConsoleLine] = []
 
     @property
@@ -96,6 +98,9 @@ class FakeBridge:
     async def restart(self) -> None:
         self._answer("restart")
 
+    async def select_file(self, path: str) -> None:
+        self._answer(f"select {path}")
+
     async def start_print(self, path: str) -> None:
         self._answer(f"print {path}")
 
@@ -123,6 +128,14 @@ class FakeBridge:
     async def remove_file(self, path: str) -> None:
         self._answer(f"remove {path}")
         (await self.card()).remove(path)
+
+    async def rename(self, path: str, to: str) -> None:
+        self._answer(f"rename {path} {to}")
+        (await self.card()).rename(path, to)
+
+    async def estimate(self, path: str) -> Estimate:
+        self._answer(f"estimate {path}")
+        return self.estimates.get(path, Estimate(path, self._machine.name, 60.0, moves=1))
 
     def _answer(self, asked: str) -> tuple[str, ...]:
         self.asked.append(asked)

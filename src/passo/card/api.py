@@ -221,8 +221,19 @@ class Card(Protocol):
         """Delete a file; durable when this returns."""
         ...
 
+    def rename(self, path: str, to: str) -> None:
+        """Give a file or directory another name, also in another directory that exists; durable
+        when this returns. A name that is taken is not replaced (`card.exists`). After a power cut
+        it has the one name or the other; a file of a FAT card may have both, each with its content.
+        """
+        ...
+
     def make_directory(self, path: str) -> None:
         """Make a directory in one that exists; durable when this returns."""
+        ...
+
+    def remove_directory(self, path: str) -> None:
+        """Delete a directory that is empty (`card.not-empty`); durable when this returns."""
         ...
 
     @property

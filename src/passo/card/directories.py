@@ -58,6 +58,33 @@ class Directories:
         data[at : at + SLOT] = rewritten(bytes(data[at : at + SLOT]), size, first, now)
         self._write_sector(slots, data, at // self._sector)
 
+    def replace(self, slots: Slots, record: Record, new: bytes | bytearray) -> bool:
+        """Put another record in the place of one, in one write; False if there is no place for it
+        in the one's sector, and nothing has changed then."""
+        data, per_sector = bytearray(slots.data), self._sector // SLOT
+        count, sector = len(new) // SLOT, record.slot // per_sector
+        begin, end = record.first_slot, record.slot + 1
+        first, last = sector * per_sector, (sector + 1) * per_sector
+        if begin < first:
+            return False
+        while begin > first and data[(begin - 1) * SLOT] == _DELETED[0]:
+            begin -= 1
+        while end < last and (end >= slots.end or data[end * SLOT] == _DELETED[0]):
+            end += 1
+        if end - begin < count:
+            return False
+        start = min(record.first_slot, end - count)
+        stop = start + count
+        for slot in range(record.first_slot, record.slot + 1):
+            data[slot * SLOT] = _DELETED[0]
+        data[start * SLOT : stop * SLOT] = new
+        if stop > slots.end:  # the end mark moves; what follows it may be anything
+            if stop == last and any(data[last * SLOT : last * SLOT + 1]):
+                return False
+            data[stop * SLOT : last * SLOT] = bytes((last - stop) * SLOT)
+        self._write_sector(slots, data, sector)
+        return True
+
     def delete(self, slots: Slots, record: Record) -> None:
         """Take a record out: first its 8.3 entry, by which the file goes, then the rest."""
         data = bytearray(slots.data)

@@ -52,6 +52,18 @@ class Slots:
     data: bytearray
     clusters: list[int]
 
+    @property
+    def first_name(self) -> str:
+        """A name that it holds, also one that is not shown; empty if it holds none."""
+        for slot in range(self.end):
+            name, attributes = (
+                self.data[slot * SLOT : slot * SLOT + 11],
+                self.data[slot * SLOT + 11],
+            )
+            if name[0] not in (_DELETED, ord(".")) and attributes & _ATTR_LONG_MASK != _ATTR_LONG:
+                return self.records[0].entry.name if self.records else name.decode("cp437").rstrip()
+        return ""
+
     def free_run(self, count: int, per_sector: int) -> int | None:
         """The first deleted slots in sequence that lie in one sector, before the end mark."""
         run = 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -25,6 +26,8 @@ from passo.card.fat_files import Extents, FatWriter
 from passo.card.tree import OpenFiles, lookup
 from passo.card.volume import Volume
 from passo.errors import CardError
+
+_PIECE = 1 << 18  # bytes copied at once
 
 
 class FatCard(Card):
@@ -146,6 +149,57 @@ class FatCard(Card):
                     if not is_removed(error):
                         self._volume.table.release(cluster[0])
                     raise
+
+    def rename(self, path: str, to: str) -> None:
+        """As `Card.rename`: in one write where the directory's sector has room for the new name;
+        else a file is copied, for which there must be room, and a directory keeps its name
+        (`card.no-slots`)."""
+        with self._lock:
+            if self._rename_in_place(path, to):
+                return
+            reader, writer = self.open(path), self.create(to)
+        with reader, writer:
+            while data := reader.read(_PIECE):
+                writer.write(data)
+        self.remove(path)
+
+    def _rename_in_place(self, path: str, to: str) -> bool:
+        """False if it is a file that must be copied."""
+        with self._file(path) as (first, where, name), self._file(to) as (target, there, new):
+            slots, record = self._existing(first, where, name)
+            entry = record.entry
+            found = self._lookup(self._directories.load(target), new)
+            if found and (where, entry.name) != (there, found.entry.name):
+                raise CardError.of("card.exists", f"{there}/{found.entry.name}")
+            names.check(new, to)
+            full = f"{where}/{entry.name}"
+            if record.attributes & ATTR_READ_ONLY:
+                raise CardError.of("card.read-only", full, value="it is marked as read-only")
+            self._files.check_move(full, f"{there}/{new}", is_directory=entry.is_directory)
+            if first == target:
+                taken = {other.entry.short_name for other in slots.records if other != record}
+                renamed = replace(entry, name=new, short_name=names.short_name(new, taken))
+                with self._changing():
+                    data = build(renamed, record.attributes, record.cluster)
+                    if self._directories.replace(slots, record, data):
+                        return True
+            if entry.is_directory:
+                raise CardError.of("card.no-slots", full, value=new)
+            return False
+
+    def remove_directory(self, path: str) -> None:
+        """As `Card.remove_directory`: the entry goes first, then its clusters are free."""
+        with self._file(path) as (first, where, name):
+            slots, record = self._existing(first, where, name)
+            full = f"{where}/{record.entry.name}"
+            if not record.entry.is_directory:
+                raise CardError.of("card.not-directory", full)
+            self._files.check_below(full)
+            if kept := self._directories.load(record.cluster).first_name:
+                raise CardError.of("card.not-empty", full, value=kept)
+            with self._changing():
+                self._directories.delete(slots, record)
+                self._volume.table.release(record.cluster)
 
     @property
     def free_bytes(self) -> int:

@@ -183,6 +183,41 @@ class FolderCard(Card):
             os.mkdir(name, dir_fd=folder)
             os.fsync(folder)
 
+    def rename(self, path: str, to: str) -> None:
+        """As `Card.rename`."""
+        with self._file(path) as (folder, where, name), self._file(to) as (target, there, new):
+            entry = self._existing(folder, where, name)
+            old_path, new_path = f"{where}/{entry.name}", f"{there}/{new}"
+            found = lookup(self._entries(target), new, lambda entry: entry)
+            if found and (where, entry.name) != (there, found.name):
+                raise CardError.of("card.exists", f"{there}/{found.name}")
+            _check_name(new, to)
+            self._files.check_move(old_path, new_path, is_directory=entry.is_directory)
+            os.rename(entry.name, new, src_dir_fd=folder, dst_dir_fd=target)
+            os.fsync(target)
+            os.fsync(folder)
+
+    def remove_directory(self, path: str) -> None:
+        """As `Card.remove_directory`; what interrupted uploads have left there goes too."""
+        with self._file(path) as (folder, where, name):
+            entry = self._existing(folder, where, name)
+            full = f"{where}/{entry.name}"
+            if not entry.is_directory:
+                raise CardError.of("card.not-directory", full)
+            self._files.check_below(full)
+            inner = os.open(entry.name, _DIRECTORY, dir_fd=folder)
+            try:
+                with os.scandir(inner) as items:
+                    inside = [item.name for item in items]
+                if kept := next((name for name in inside if not name.startswith(_PARTIAL)), None):
+                    raise CardError.of("card.not-empty", full, value=kept)
+                for name in inside:
+                    os.unlink(name, dir_fd=inner)
+            finally:
+                os.close(inner)
+            os.rmdir(entry.name, dir_fd=folder)
+            os.fsync(folder)
+
     @property
     def free_bytes(self) -> int:
         """What the file system leaves to those without privileges, in bytes."""

@@ -42,6 +42,23 @@ class OpenFiles:
         if self._read[fold(path)] and not to_read:
             raise CardError.of("card.busy", path, value="it is being read")
 
+    def check_below(self, directory: str) -> None:
+        """Raise `card.busy` if a file in a directory, or further down, is being read or written."""
+        top = fold(directory) + "/"
+        open_ones = [*self._written, *(path for path, count in self._read.items() if count)]
+        if path := next((path for path in open_ones if path.startswith(top)), None):
+            raise CardError.of("card.busy", directory, value=f"{path} is open")
+
+    def check_move(self, path: str, to: str, *, is_directory: bool) -> None:
+        """Raise `card.busy` if what is to move is open, and `card.into-itself`."""
+        if not is_directory:
+            self.check(path)
+        elif fold(to).startswith(fold(path) + "/"):
+            raise CardError.of("card.into-itself", path)
+        else:
+            self.check_below(path)
+        self.check(to)
+
     def begin_read(self, path: str) -> None:
         """A reader opens; any number may."""
         self.check(path, to_read=True)

@@ -135,8 +135,8 @@ class CardCommands:
             self._runner.seek(int(words["S"]))
         self._runner.start(skips=ALL if words.get("U") else None)
 
-    def _pause(self, _: str, __: Reply) -> None:
-        self._runner.pause()
+    def _pause(self, _: str, reply: Reply) -> None:
+        self._runner.pause(by_file=self._runner.printing_from(reply))
 
     def _seek(self, text: str, _: Reply) -> None:
         offset = int(_numbers(text).get("S", 0))

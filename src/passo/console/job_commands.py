@@ -129,11 +129,15 @@ class JobCommands:
         return self._stand_by("Change the filament, then go on with M108", words, reply)
 
     def _pause(self, _: Command, reply: Reply) -> Wait | None:
-        return self._stand_by("Paused; go on with M108", {}, reply)
+        by_file = self._runner.printing_from(reply)
+        return self._stand_by("Paused; go on with M108", {}, reply, by_file=by_file)
 
-    def _stand_by(self, text: str, words: Mapping[str, float], reply: Reply) -> Wait | None:
+    def _stand_by(
+        self, text: str, words: Mapping[str, float], reply: Reply, *, by_file: bool = False
+    ) -> Wait | None:
         """A file pauses and parks, whoever says so; in its pause the nozzle only leaves the place
-        where it stands. A host that prints is asked to pause, and waits."""
+        where it stands. A host that prints is asked to pause, and waits. `by_file`: see
+        `Runner.pause`."""
 
         def gone() -> bool:
             return isinstance(reply, Session) and reply.gone
@@ -142,15 +146,15 @@ class JobCommands:
             if self._runner.is_suspended():
                 await self._host_pause.park_and_wait(self._runner.park, text, words, gone)
             elif self._runner.active:
-                self._pause_file(text.replace("M108", "M24"), words)
+                self._pause_file(text.replace("M108", "M24"), words, by_file=by_file)
             else:
                 await self._host_pause.stand_by(text, words, gone)
 
         return WaitForProcedure(stand_by)
 
-    def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
+    def _pause_file(self, text: str, words: Mapping[str, float], *, by_file: bool) -> None:
         self._printer.tell(f"echo:{text}")
-        self._runner.pause(words)
+        self._runner.pause(words, by_file=by_file)
         self._printer.prompts.ask(text, awaited=False)
 
     def _answer(self, command: Command, reply: Reply) -> Wait | None:

@@ -115,6 +115,12 @@ class Dispatch:
 
         return self._take(insert, reply)
 
+    async def finish_macro(self, reply: Reply) -> None:
+        """What a suspended job has handed over of a macro is carried out, by who has the turn.
+        Raises as `finish`."""
+        self.select(console=True)
+        await self.finish(self._go_on(reply), reply)
+
     def _take(self, feed: Callable[[], None], reply: Reply) -> Wait | None:
         self._tell_of_line(done=False)
         job = self._rig.job

@@ -405,10 +405,11 @@ class Printer:
 
     # -- the suspended job ------------------------------------------------------------------------
 
-    def suspend_job(self) -> None:
-        """Brakes to a stop on the path and suspends the rest of the job: other moves may come."""
+    def suspend_job(self, *, hand_over_macro: bool = False) -> None:
+        """Brakes to a stop on the path and suspends the rest of the job: other moves may come. With
+        `hand_over_macro` what is left of the file's macro comes in the pause."""
         self.queue.hold()
-        self.job.suspend()
+        self.job.suspend(hand_over_macro)
         self.offsets.suspend()
         self._stopped_tool = self.job.tool
         self.commands.follow_tool()

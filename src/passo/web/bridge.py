@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.events import Event
     from passo.gcode.dialect import Row
+    from passo.job.batch.estimate import Estimate
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import Status
 
@@ -83,6 +84,10 @@ class Bridge(Protocol):
 
     # -- prints -----------------------------------------------------------------------------------
 
+    async def select_file(self, path: str) -> None:
+        """Selects a file of the card, to be printed later."""
+        ...
+
     async def start_print(self, path: str) -> None:
         """Selects a file of the card and prints it."""
         ...
@@ -117,4 +122,15 @@ class Bridge(Protocol):
 
     async def remove_file(self, path: str) -> None:
         """Deletes a file of the card, unless it is printed now."""
+        ...
+
+    async def rename(self, path: str, to: str) -> None:
+        """Gives a file or folder of the card another name, unless it is, or holds, what is printed
+        now."""
+        ...
+
+    async def estimate(self, path: str) -> Estimate:
+        """Plans a file of the card. That takes seconds for a long one, in a thread of low priority;
+        one estimate waits for another, and a cancelled one ends. Raises PassoError for a file that
+        cannot be printed as it is."""
         ...

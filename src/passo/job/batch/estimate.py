@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from passo import _core
 from passo.job.batch.board_load import BudgetUse, budget_use
 from passo.job.batch.heating import Heating
-from passo.job.batch.program import run_program
+from passo.job.batch.program import run_open_program
+from passo.job.batch.source import open_source
 from passo.printer.commands.program import Commands
 
 if TYPE_CHECKING:
@@ -57,18 +58,38 @@ def estimate(
 ) -> Estimate:
     """Plans the file on the machine; nothing moves or heats, and no step is made. Raises
     InputError."""
+    with open_source(path) as source:
+        size = os.fstat(source.fileno()).st_size
+        return estimate_open(
+            machine, source, size, str(path), clamp=clamp, ignore_tools=ignore_tools
+        )
+
+
+def estimate_open(
+    machine: MachineConfig,
+    source: BinaryIO,
+    size: int,
+    name: str,
+    *,
+    clamp: bool = False,
+    ignore_tools: bool = False,
+) -> Estimate:
+    """`estimate` with a file of so many bytes that is open, at its beginning. Raises what reading
+    it raises, too."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
     heating = Heating(machine, job)
     commands = Commands(machine, job, heating, [1] * len(machine.timed_outputs))
-    for _ in run_program(job, commands, path, lambda wait: heating.settle(wait, commands)):
+    for _ in run_open_program(
+        job, commands, source, size, name, lambda wait: heating.settle(wait, commands)
+    ):
         pass
     plan = job.statistics()
     layers, layers_s = plan["layers"], plan["layer_s"]
     # What rose before the first mark of a layer counts as no layer once there are marks.
     counted_s = layers_s[1 : layers + 1]
     return Estimate(
-        file=str(path),
+        file=name,
         machine=machine.name,
         total_s=plan["move_s"] + plan["dwell_s"] + heating.seconds,
         moving_s=plan["move_s"],
@@ -84,5 +105,5 @@ def estimate(
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
         budget=budget_use(plan, machine),
-        warnings=commands.warnings(str(path)) + heating.warnings(str(path)),
+        warnings=commands.warnings(name) + heating.warnings(name),
     )

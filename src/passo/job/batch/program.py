@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
+from typing import BinaryIO
 
 from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
@@ -149,19 +150,31 @@ def run_program(
     it that is read. Without `settle` nothing is waited for. Raises InputError, before the first
     line for commands that must not be left out, unless the file is a pipe, and at the end of a file
     also for a text without any command that is known."""
-    name = str(path)
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
-        unsurveyed = commands.skips
-        if source.seekable():
-            found = survey(commands.machine, chunks(source, name))
-            source.seek(0)
-            if wrong := prepare(job, found, name, commands.skips):
-                raise InputError([with_option(problem) for problem in wrong])
-            commands.skips = ALL
-        text = chunks(source, name) if end is None else islice(lines(source), end - 1)
-        for _ in read_program(job, commands, text, name, settle or at_rest(job), unsurveyed):
-            yield min(job.offset / size, 1.0) if size else 0.0
+        yield from run_open_program(job, commands, source, size, str(path), settle, end)
+
+
+def run_open_program(
+    job: _core.Job,
+    commands: Commands,
+    source: BinaryIO,
+    size: int,
+    name: str,
+    settle: Settle | None = None,
+    end: int | None = None,
+) -> Iterator[float]:
+    """`run_program` with a file of so many bytes that is open, at its beginning."""
+    unsurveyed = commands.skips
+    if source.seekable():
+        found = survey(commands.machine, chunks(source, name))
+        source.seek(0)
+        if wrong := prepare(job, found, name, commands.skips):
+            raise InputError([with_option(problem) for problem in wrong])
+        commands.skips = ALL
+    text = chunks(source, name) if end is None else islice(lines(source), end - 1)
+    for _ in read_program(job, commands, text, name, settle or at_rest(job), unsurveyed):
+        yield min(job.offset / size, 1.0) if size else 0.0
     if end is not None:
         return
     if job.ends_in_move:

@@ -15,6 +15,7 @@ from passo.job.durable_files import fsync_directory, replaced
 from passo.motion.axis_slots import slot_of_axis
 
 if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
     from passo.job.live.reader import Reader
     from passo.printer.printer import Printer
 
@@ -33,13 +34,22 @@ def meaning(printer: Printer) -> list[str]:
     return [line for line in printer.state.settings() if _MEANING.match(line)]
 
 
+def crc_of_macros(machine: MachineConfig) -> int:
+    """A number that changes with the macros of a machine file; 0 without macros."""
+    crc = 0
+    for name, macro in sorted(machine.macros.items()):
+        crc = zlib.crc32(f"{name}\0{macro.model_dump_json()}\0".encode(), crc)
+    return crc
+
+
 @dataclass(frozen=True, slots=True)
 class Program:
     """The file that is printed: its path on the card, and what tells it from another one. Beside
     that what it was begun with: commands for the printer's `settings`, stored or not, and for its
     `modes`, and where all axes were: of the machine with the offset of the tool in use, carried
     out or not, and, with E, of the program. `changes` are those of both that consoles have made
-    since, each with the bytes that were read before."""
+    since, each with the bytes that were read before. `macros` tells those of the machine file from
+    others (see `crc_of_macros`)."""
 
     machine: str
     path: str
@@ -50,6 +60,7 @@ class Program:
     machine_mm: list[float] = field(default_factory=list[float], compare=False)
     program_mm: list[float] = field(default_factory=list[float], compare=False)
     changes: list[Change] = field(default_factory=list[Change], compare=False)
+    macros: int = field(default=0, compare=False)
 
     @classmethod
     def of(cls, machine: str, path: str, reader: Reader) -> Self:
@@ -72,6 +83,7 @@ class Program:
             modes=job.modes.split("\n"),
             machine_mm=[job.machine_position[slot_of_axis(i)] + due[i] for i in range(axes)],
             program_mm=job.program_position,
+            macros=crc_of_macros(printer.machine),
         )
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
-from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from passo.card import Card, Entry, Writer, open_card
 from passo.card import Reader as CardReader
 from passo.card.local import is_local, local_name, open_local
-from passo.card.names import fold
+from passo.card.names import fold, split
 from passo.errors import CardError
 from passo.gcode.program_files import is_program
 from passo.job.live.runner import Runner
@@ -137,20 +136,27 @@ class Library:
 
     def create(self, path: str) -> Writer:
         """Opens a file of the card to write it. Raises CardError."""
-        self._let_go(path)
+        self.let_go(path)
         return self.card.create(path)
 
     def remove(self, path: str) -> None:
         """Deletes a file of the card. Raises CardError."""
-        self._let_go(path)
+        self.let_go(path)
         self.card.remove(path)
 
-    def _let_go(self, path: str) -> None:
-        """A file that was printed is selected no more when it is to change."""
-        runner = self._runner
-        folders = {fold(str(PurePosixPath(x).parent)) for x in (path, runner.path)}
-        selected = bool(runner.path) and len(folders) == 1 and self.there(path)
-        if selected and runner.over and self.card.find(path).name == runner.name:
+    def let_go(self, path: str) -> None:
+        """The selected file is selected no more when it, or a folder that holds it, is to change.
+        Raises CardError while it is printed."""
+        runner, changed = self._runner, split(path)
+        if not runner.path or is_local(runner.path) or not (changed and self.there(path)):
+            return
+        selected = [*split(runner.path)[:-1], runner.name]
+        changed[-1] = self.card.find(path).name
+        if [fold(name) for name in changed] != [fold(x) for x in selected[: len(changed)]]:
+            return
+        if runner.engaged:
+            raise CardError.of("job.printing", value=runner.name)
+        if runner.over:
             runner.release()
 
     def autostart(self) -> None:

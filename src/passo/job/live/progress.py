@@ -95,6 +95,8 @@ class Progress:
             if state is not JobState.PAUSED:
                 job, self._from_card, self._begun_s = self._from_card, None, None
                 self._statistics.ended(job, self._runner.ended)
+                if self._runner.ended != "done" and self._forecast is not None:
+                    self._forecast.cancel()  # it would keep others from the file
                 self._failed = job if self._runner.ended == "failed" else None
                 if self._failed is None:
                     self.percent = self.minutes_left = None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo._core import Within
 from passo.errors import CommandError
-from passo.job.live.journal import Moment, Program
+from passo.job.live.journal import Moment, Program, crc_of_macros
 from passo.job.live.line_offsets import offset_of_line
 from passo.job.live.preamble_scan import PreambleScan
 from passo.job.live.reader import Reader
@@ -30,6 +30,8 @@ class Recovery:
         if Program.of(program.machine, program.path, reader) != program:
             raise CommandError.of("job.other-file", program.path)
         machine = printer.machine
+        if program.macros != crc_of_macros(machine):
+            raise CommandError.of("job.other-macros", program.path)
         wanted = {f"heater {n}" for n, c in moment.targets_c.items() if c > 0}
         wanted |= {
             n for n, (_, share) in moment.overrides.items() if n.startswith("fan ") and share > 0

@@ -50,6 +50,7 @@ class Runner:
         self.first_line = 1  # number of the first line fed
         self._begin = 0  # offset of the first byte fed since the source was restarted
         self._suspended = False  # the rest of the print is, in a pause or until its end
+        self._macro_left = False  # a macro has asked for the pause, and is to be carried out in it
         self._waits_for: Wait | None = None  # what the last command waits for, if that is not over
         self._parked = False
         self._locked = set[int]()  # axes that did not know where they are when it began
@@ -228,9 +229,13 @@ class Runner:
             self._pauses = False
             self.pause(self._park_words)
 
-    def pause(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
+    def pause(
+        self, words: Mapping[str, float] = MappingProxyType({}), *, by_file: bool = False
+    ) -> None:
         """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
         park, see `Park.leave`. What is brought to where it goes on pauses as soon as it is there.
+        `by_file`: a command of the file asks for it. What is left of the macro that it stands in is
+        carried out in the pause then.
         """
         self._again = False
         if self.state is JobState.APPROACHING and not self._pauses:
@@ -243,9 +248,10 @@ class Runner:
             self._resumed.clear()
             # Axes that home do so to the end: their moves are not the program's.
             if not self._printer.homer.active:
-                self._suspend()
+                self._suspend(hand_over_macro=by_file)
+                self._macro_left = by_file
 
-    def _suspend(self) -> None:
+    def _suspend(self, *, hand_over_macro: bool = False) -> None:
         """Brakes and suspends the rest of the print, if it is not suspended since the last
         pause."""
         if not self._suspended:
@@ -255,7 +261,7 @@ class Runner:
             self._locked = set(self._printer.job.locked_axes)
             if self._printer.dispatch.in_console_line:
                 self._printer.job.abandon()  # what is left of it is no part of the print
-            self._printer.suspend_job()
+            self._printer.suspend_job(hand_over_macro=hand_over_macro)
 
     def _require_places(self) -> None:
         """Raises CommandError for an axis that is not homed any more since the pause began."""
@@ -532,10 +538,22 @@ class Runner:
                 self.pause()
                 return False  # it waits again when the pause is over
             self._waits_for = None
+            await self._finish_macro()
         if printer.commands.ended:
             printer.commands.ended = False
             return await self._finish()
         return False
+
+    async def _finish_macro(self) -> None:
+        """What is left of the macro that has asked for a pause. With the turn."""
+        left, self._macro_left = self._macro_left, False
+        if not left:
+            return
+        try:
+            await self._printer.dispatch.finish_macro(self._reply)
+        except PassoError as error:
+            text = f"{self.name} is paused, but its macro is not carried out to its end: {error}"
+            self._printer.state.announce(_log, logging.WARNING, text, error.problems[0])
 
     def _pauses_for(self, heaters: Sequence[str]) -> bool:
         """One of these has failed, and a print pauses for it."""
