@@ -58,6 +58,7 @@ check: .venv/.built .venv/.dev
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/python tools/build_page.py --check
 	$(BIN)/lint-imports
+	$(BIN)/python tools/check_structure.py
 	$(STUB) build/_core.pyi && diff src/passo/_core.pyi build/_core.pyi
 	$(BIN)/clang-format --dry-run --Werror $(CORE) $(filter %.c %.h,$(FIRMWARE)) \
 	  $(wildcard tests/fuzz/*.cpp tests/firmware/stepgen/*)

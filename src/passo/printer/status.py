@@ -7,7 +7,6 @@ from enum import Enum
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from passo.board.connection import ABSOLUTE_ZERO_C
 from passo.config.motor_roles import axis_order
 
 if TYPE_CHECKING:
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
 
     from passo import _core
     from passo.config.machine import MachineConfig
-    from passo.printer.printer import Printer
 
 
 class PrinterState(Enum):
@@ -214,22 +212,3 @@ def planned_status(
         boards={},
         flow_factors=list(job.flows),
     )
-
-
-def heater_status(printer: Printer, name: str) -> HeaterStatus:
-    """A heater of this name."""
-    heater = printer.connection.heaters[name]
-    celsius = printer.connection.reading(name)
-    return HeaterStatus(
-        None if celsius == ABSOLUTE_ZERO_C else celsius,
-        heater.target,
-        # What the board said last of a heater is from before it was halted.
-        0.0 if printer.halted or heater.fault else heater.power,
-        heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
-    )
-
-
-def homed_axes(printer: Printer) -> frozenset[str]:
-    """The axes that may move: homed, or of a machine that does not ask for it."""
-    axes, locked = axis_order(printer.machine.axes), printer.job.locked_axes
-    return frozenset(name for i, name in enumerate(axes) if i not in locked)

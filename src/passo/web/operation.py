@@ -7,15 +7,9 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from inspect import getdoc, signature
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_type_hints
+from typing import Any, Literal, TypeAlias, get_type_hints
 
 from passo.web.answers import JSON
-
-if TYPE_CHECKING:
-    from starlette.requests import Request
-
-    from passo.web.bridge import Bridge
-    from passo.web.site import Site
 
 API = "/api/v1"
 HEADER = "X-Passo-Request"  # that no form of another web page can send
@@ -48,24 +42,6 @@ class Caller:
     role: Role
     session: str = ""
     ambient: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Call:
-    """A request, as a handler gets it."""
-
-    site: Site
-    caller: Caller
-    request: Request
-
-    @property
-    def bridge(self) -> Bridge:
-        """The printer."""
-        return self.site.bridge
-
-    async def run(self, script: str) -> tuple[str, ...]:
-        """Carries out lines of G-code in the name of the caller, as `Bridge.run`."""
-        return await self.site.bridge.run(script)
 
 
 Handler: TypeAlias = Callable[..., Awaitable[object]]

@@ -13,8 +13,9 @@ from starlette.routing import Route
 
 from passo.errors import PassoError, WebError
 from passo.web.answers import json, refusal
+from passo.web.call import Call
 from passo.web.deltas import tree
-from passo.web.operation import Call, Operation
+from passo.web.operation import Operation
 from passo.web.requests import arguments
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
+from passo.board.connection import ABSOLUTE_ZERO_C
 from passo.config.motor_roles import axis_order
 from passo.errors import Problem
 from passo.job.live.job_state import JobState
@@ -15,12 +16,11 @@ from passo.printer.status import (
     BoardStatus,
     FaultStatus,
     FilesStatus,
+    HeaterStatus,
     JobStatus,
     MotionStatus,
     PrinterState,
     Status,
-    heater_status,
-    homed_axes,
 )
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class StatusReader:
         """The printer now."""
         printer, job = self._printer, self._printer.job
         shown = {k.lower(): mm for k, mm in printer.positions.shown().items()}
-        homed = homed_axes(printer)
+        homed = _homed_axes(printer)
         return Status(
             state=self._state(),
             halted=printer.halted,
@@ -60,7 +60,7 @@ class StatusReader:
             position_mm=shown,
             homed=homed,
             tool=job.tool,
-            heaters={name: heater_status(printer, name) for name in printer.machine.heaters},
+            heaters={name: _heater_status(printer, name) for name in printer.machine.heaters},
             fans={n: printer.commands.fans.get(n, 0.0) for n in printer.machine.fans},
             speed_factor=job.speed_factor,
             motion=self._motion(),
@@ -176,3 +176,22 @@ def _faults(problems: Sequence[Problem]) -> tuple[FaultStatus, ...]:
     return tuple(
         FaultStatus(p.code, p.entry.part, p.sentence, p.hint or p.entry.action) for p in problems
     )
+
+
+def _heater_status(printer: Printer, name: str) -> HeaterStatus:
+    """A heater of this name."""
+    heater = printer.connection.heaters[name]
+    celsius = printer.connection.reading(name)
+    return HeaterStatus(
+        None if celsius == ABSOLUTE_ZERO_C else celsius,
+        heater.target,
+        # What the board said last of a heater is from before it was halted.
+        0.0 if printer.halted or heater.fault else heater.power,
+        heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
+    )
+
+
+def _homed_axes(printer: Printer) -> frozenset[str]:
+    """The axes that may move: homed, or of a machine that does not ask for it."""
+    axes, locked = axis_order(printer.machine.axes), printer.job.locked_axes
+    return frozenset(name for i, name in enumerate(axes) if i not in locked)

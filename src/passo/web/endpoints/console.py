@@ -6,7 +6,8 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from passo.web.operation import Call, Role, operation
+from passo.web.call import Call
+from passo.web.operation import Role, operation
 
 
 class Script(Struct, forbid_unknown_fields=True):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from passo.web.operation import Call, Role, operation
+from passo.web.call import Call
+from passo.web.operation import Role, operation
 
 
 @operation("emergency.stop", "POST", "/stop", Role.OPERATOR)

@@ -8,7 +8,8 @@ from msgspec import Meta, Struct
 
 from passo.errors import WebError
 from passo.gcode.command import numeral
-from passo.web.operation import Call, Role, operation
+from passo.web.call import Call
+from passo.web.operation import Role, operation
 
 
 class FanSpeed(Struct, forbid_unknown_fields=True):

@@ -10,7 +10,8 @@ from passo.config.heater_numbers import heater_of
 from passo.errors import WebError
 from passo.gcode.command import numeral
 from passo.printer.status import HeaterStatus
-from passo.web.operation import Call, Role, operation
+from passo.web.call import Call
+from passo.web.operation import Role, operation
 
 _COMMANDS = {"hotend": "M104 T", "bed": "M140 P", "chamber": "M141 P"}
 

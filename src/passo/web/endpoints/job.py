@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from msgspec import Struct
 
-from passo.web.operation import Call, Role, operation
+from passo.web.call import Call
+from passo.web.operation import Role, operation
 
 
 class FileToPrint(Struct, forbid_unknown_fields=True):

@@ -7,7 +7,8 @@ from typing import Literal
 from msgspec import Struct
 
 from passo.config.heater_numbers import heater_of
-from passo.web.operation import Call, Role, operation
+from passo.web.call import Call
+from passo.web.operation import Role, operation
 
 
 class HeaterOfMachine(Struct):

@@ -6,7 +6,8 @@ from msgspec import Struct
 
 from passo.printer.status import Status
 from passo.version import __version__
-from passo.web.operation import Call, Role, operation
+from passo.web.call import Call
+from passo.web.operation import Role, operation
 
 
 class StatusNow(Struct):
