@@ -129,3 +129,18 @@ def test_after_a_power_cut_a_macro_is_carried_out_again(places, changed):
         s.host.expect("^long 2$", 100)
         s.host.expect("^Done printing file$", 600)
         assert at(s) == (70, 10)
+
+
+def test_what_follows_a_change_of_filament_in_a_macro_comes_after_it(places):
+    gcode = "M118 change {params.B}\nM600.1\nM118 changed\nG1 Y9 F6000"
+    put(places, "G28\nG1 X20 F6000\nM600 B3\nG1 X50\n")
+    text = macro("M600", gcode, rename_existing='"M600.1"')
+    with Scenario(with_macros(text), **places) as s:
+        s.host.ok("M32 a.g")
+        pauses(s)
+        assert "change 3" in s.host.heard
+        assert "changed" not in s.host.heard
+        s.host.ok("M24")
+        s.host.expect("^changed$", 30)
+        s.host.expect("^Done printing file$", 60)
+        assert at(s) == (50, 9)
