@@ -8,7 +8,7 @@ from passo import catalogue_reference
 from passo.config import board_reference, machine_reference, sensor_names
 from passo.gcode import reference as command_reference
 from passo.toolchain import protocol_reference
-from passo.web import client_stub, http_reference
+from passo.web import client_stub, http_reference, page_types
 
 FOLDER = Path(__file__).parents[1] / "docs" / "reference"
 PAGES = {
@@ -20,6 +20,7 @@ PAGES = {
     "protocol.md": protocol_reference.reference,
     "sensors.md": sensor_names.reference,
     "../../src/passo/web/client.pyi": client_stub.stub,
+    "../../web-ui/src/api/schema.ts": page_types.page_types,
 }
 
 

@@ -1,7 +1,7 @@
 /** Requests to the printer. Each throws a Refusal with the sentence of the server, or of the
  * connection. */
 
-import type { Fault } from "./status";
+import type { FaultStatus } from "./schema";
 
 const ROOT = "api/v1/";
 
@@ -9,7 +9,7 @@ const ROOT = "api/v1/";
 export class Refusal extends Error {
   constructor(
     readonly status: number,
-    readonly fault: Fault,
+    readonly fault: FaultStatus,
   ) {
     super(fault.text);
   }

@@ -1,6 +1,6 @@
 /** The WebSocket of the printer: opened again after each loss, at most every five seconds. */
 
-import type { FeedMessage } from "./status";
+import type { FeedMessage } from "./messages";
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 5000;

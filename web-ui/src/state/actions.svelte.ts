@@ -1,15 +1,15 @@
 /** What the user asks the printer to do, and what went wrong with it. */
 
 import { call, Refusal, segment } from "../api/client";
-import type { Fault } from "../api/status";
+import type { FaultStatus } from "../api/schema";
 import { printer } from "./printer.svelte";
 
 class Notices {
   /** Refusals that the user has not closed yet, newest last. */
-  list = $state<(Fault & { id: number })[]>([]);
+  list = $state<(FaultStatus & { id: number })[]>([]);
   #next = 0;
 
-  add(fault: Fault): void {
+  add(fault: FaultStatus): void {
     this.list = [...this.list.slice(-2), { ...fault, id: this.#next++ }];
   }
 

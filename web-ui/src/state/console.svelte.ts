@@ -1,6 +1,7 @@
 /** The console: what was sent, what was answered, and the commands that can be completed. */
 
 import { call, Refusal } from "../api/client";
+import type { Answer, Command } from "../api/schema";
 import { printer } from "./printer.svelte";
 
 const KEPT = 500;
@@ -9,12 +10,6 @@ export interface Line {
   id: number;
   /** `sent` by this page or another console, `answer` of the printer, or `error`. */
   kind: "sent" | "answer" | "error";
-  text: string;
-}
-
-export interface Command {
-  code: string;
-  parameters: string;
   text: string;
 }
 
@@ -60,7 +55,7 @@ class Console {
     if (this.sent.at(-1) !== text) this.sent.push(text);
     this.add("sent", text);
     try {
-      const { lines } = await call<{ lines: string[] }>("POST", "console", { script: text });
+      const { lines } = await call<Answer>("POST", "console", { script: text });
       for (const line of lines) this.add("answer", line);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import { commandOf, completions, type Command } from "./console.svelte";
+import type { Command } from "../api/schema";
+import { commandOf, completions } from "./console.svelte";
 
 const COMMANDS: Command[] = ["M115", "M1", "M105", "G28", "G1", "M112"].map((code) => ({
   code,

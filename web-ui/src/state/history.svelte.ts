@@ -1,15 +1,10 @@
 /** Temperatures of the past: what the server has kept, then what the feed brings. */
 
 import { call } from "../api/client";
-import type { Status } from "../api/status";
+import type { Status, Temperatures } from "../api/schema";
 
 const STEP_MS = 1000;
 export const SPAN_S = 3600;
-
-interface Past {
-  ages_s: number[];
-  heaters: Record<string, Record<"celsius" | "target_c" | "power", (number | null)[]>>;
-}
 
 export interface Series {
   celsius: (number | null)[];
@@ -26,10 +21,10 @@ export class TemperatureHistory {
 
   async load(): Promise<void> {
     const now_s = Date.now() / 1000;
-    this.take(await call<Past>("GET", `history/temperatures?span_s=${SPAN_S}`), now_s);
+    this.take(await call<Temperatures>("GET", `history/temperatures?span_s=${SPAN_S}`), now_s);
   }
 
-  take(past: Past, now_s: number): void {
+  take(past: Temperatures, now_s: number): void {
     this.times = past.ages_s.map((age_s) => now_s - age_s);
     this.heaters = Object.fromEntries(
       Object.entries(past.heaters).map(([name, { celsius, target_c, power }]) => [

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { Status } from "../api/status";
+import type { Status } from "../api/schema";
 import { SPAN_S, TemperatureHistory } from "./history.svelte";
 
 function status(celsius: number | null): Status {

@@ -1,27 +1,21 @@
 /** What the machine is: names, kinds and limits of its parts, which do not change while it runs. */
 
 import { call } from "../api/client";
+import type { Machine as Parts } from "../api/schema";
 
-export type HeaterKind = "hotend" | "bed" | "chamber";
-
-export interface MachineParts {
-  name: string;
-  heaters: Record<string, { kind: HeaterKind; max_c: number }>;
-  fans: string[];
-  tools: { extruder: string | null; heater: string | null }[];
-}
+export type HeaterKind = Parts["heaters"][string]["kind"];
 
 class Machine {
   name = $state("");
-  heaters = $state.raw<MachineParts["heaters"]>({});
+  heaters = $state.raw<Parts["heaters"]>({});
   /** The fans that commands set. */
-  fans = $state.raw<string[]>([]);
-  tools = $state.raw<MachineParts["tools"]>([]);
+  fans = $state.raw<Parts["fans"]>([]);
+  tools = $state.raw<Parts["tools"]>([]);
   /** Below it the printer refuses to push filament. */
   min_extrude_c = $state(170);
 
   async load(): Promise<void> {
-    const read = await call<MachineParts>("GET", "machine");
+    const read = await call<Parts>("GET", "machine");
     this.name = read.name;
     this.heaters = read.heaters;
     this.fans = read.fans;

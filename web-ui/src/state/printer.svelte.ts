@@ -2,7 +2,8 @@
 
 import { openFeed } from "../api/feed";
 import { merge } from "../api/merge";
-import type { FeedMessage, PrinterEvent, Status } from "../api/status";
+import type { FeedMessage, PrinterEvent } from "../api/messages";
+import type { Status } from "../api/schema";
 
 type EventListener = (event: PrinterEvent) => void;
 

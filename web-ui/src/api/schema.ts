@@ -1,0 +1,239 @@
+/** The types of the API, made from its table of operations: make reference. Numbers that are not
+ * finite, and what a merge patch has removed, are missing. */
+
+/** What the printer has answered, a string a line. */
+export interface Answer {
+  lines: string[];
+}
+
+/** An axis. `position_mm` is where the plan is now, in the program's coordinates; `machine_mm` the
+ * same in the machine's. `homed`: its position is certain. Targets are kept between `min_mm` and
+ * `max_mm`, in machine coordinates. */
+export interface AxisStatus {
+  position_mm: number;
+  machine_mm: number;
+  homed: boolean;
+  min_mm: number;
+  max_mm: number;
+  babystep_mm: number;
+}
+
+/** A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count what
+ * went over its link since the start; `simulated`: it is software. */
+export interface BoardStatus {
+  firmware: string;
+  mcu: string;
+  clock_hz: number;
+  simulated: boolean;
+  bytes_sent: number;
+  bytes_resent: number;
+}
+
+/** A command that the printer knows: its parameters, and what it does. */
+export interface Command {
+  code: string;
+  parameters: string;
+  text: string;
+}
+
+/** The speed of a fan, as a fraction of full speed. */
+export interface FanSpeed {
+  speed: number;
+}
+
+/** An error of the catalogue. `message` says what is wrong and where, `action` what to do next;
+ * `values` are those in the message. */
+export interface Fault {
+  code: string;
+  part: string;
+  message: string;
+  action: string;
+  values: Record<string, unknown>;
+}
+
+/** An error of the catalogue: its code, the part that it concerns, what is wrong, and what to do
+ * next. */
+export interface FaultStatus {
+  code: string;
+  part: string;
+  text: string;
+  action: string;
+}
+
+/** Where a file is on the card. */
+export interface FileToPrint {
+  path: string;
+}
+
+/** The card: whether it is mounted, and the path of the file that is selected to print, or empty. */
+export interface FilesStatus {
+  mounted: boolean;
+  selected: string;
+}
+
+/** A heater. `max_c` is the temperature above which it is switched off. */
+export interface HeaterOfMachine {
+  kind: "bed" | "chamber" | "hotend";
+  max_c: number;
+}
+
+/** A value for each time; null where the sensor had not reported. */
+export interface HeaterPast {
+  celsius: (number | null)[];
+  target_c: (number | null)[];
+  power: (number | null)[];
+}
+
+/** A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
+ * `power` is a fraction of full power; `fault` says what a protection has found, or is empty. */
+export interface HeaterStatus {
+  celsius?: number | null;
+  target_c: number;
+  power: number;
+  fault: string;
+}
+
+/** What a heater is to reach, in °C; 0 switches it off. */
+export interface HeaterTarget {
+  celsius: number;
+}
+
+/** The file that is printed. `fraction` is the part of its time that is done, or of its bytes
+ * while its time is not known yet, 0 to 1; `line` and `layer` are those of the move under way (0:
+ * none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
+ * rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
+ * known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
+ * is where the file is on the card; `offset` of its `size` bytes are read and planned;
+ * `elapsed_s` is host time since the start, with pauses; `filament_mm` is what all extruders have
+ * pushed for it. */
+export interface JobStatus {
+  file: string;
+  fraction: number;
+  line: number;
+  layer: number;
+  layers?: number | null;
+  printed_s: number;
+  left_s?: number | null;
+  objects: PrintObject[];
+  current_object?: number | null;
+  path: string;
+  size: number;
+  offset: number;
+  elapsed_s: number;
+  filament_mm: number;
+}
+
+/** A line of a console, which counts from 1, or is 0 for all consoles. `received`: from a host to
+ * the printer. */
+export interface Line {
+  console: number;
+  received: boolean;
+  text: string;
+}
+
+/** A machine as its file describes it. `fans` are those that commands set; `tools` are what T0,
+ * T1, … select. */
+export interface Machine {
+  name: string;
+  description: string;
+  axes: string[];
+  heaters: Record<string, HeaterOfMachine>;
+  fans: string[];
+  tools: ToolOfMachine[];
+}
+
+/** How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
+ * filament; `queued_s` is how much motion is planned. `max_speed_mm_s` and `max_accel_mm_s2` are
+ * the limits of the path. `absolute`, `absolute_e` and `feedrate_mm_s` are those that the next
+ * move of the program has. */
+export interface MotionStatus {
+  speed_mm_s: number;
+  filament_mm_s: number;
+  queued_s: number;
+  max_speed_mm_s: number;
+  max_accel_mm_s2: number;
+  absolute: boolean;
+  absolute_e: boolean;
+  feedrate_mm_s: number;
+  motors_on: boolean;
+}
+
+/** An object that the file labels. `number` is the one of M486, or its place in the file; `name`
+ * is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, are those of
+ * EXCLUDE_OBJECT_DEFINE, else None and empty. */
+export interface PrintObject {
+  number: number;
+  name: string;
+  cancelled: boolean;
+  centre_mm?: [number, number] | null;
+  outline_mm: [number, number][];
+}
+
+/** What a printer does; the values are the letters of M408. */
+export type PrinterState = "A" | "B" | "H" | "I" | "P";
+
+/** Why a request was not carried out. `others` are further problems that were found. */
+export interface Refusal {
+  error: Fault;
+  others: Fault[];
+}
+
+/** Lines of G-code. */
+export interface Script {
+  script: string;
+}
+
+/** A printer at one moment. Positions are the program's coordinates of where the machine is, in
+ * mm, by axis and `e`; `homed` are the axes whose position is certain; fans are fractions of full
+ * speed; `time_s` is print time since the start; `halted` says why nothing moves or heats, or is
+ * empty, and `faults` the same as errors of the catalogue; `link` is a name of `LinkState` in
+ * lower case; `message` is the text of M117; `progress` is the fraction of a print that is done,
+ * also of a host's that reports it (M73, M532); `job` is None while no file is printed;
+ * `last_job` is how the last one ended (done, cancelled, failed), or empty. */
+export interface Status {
+  state: PrinterState;
+  halted: string;
+  time_s: number;
+  position_mm: Record<string, number>;
+  homed: string[];
+  tool: number;
+  heaters: Record<string, HeaterStatus>;
+  fans: Record<string, number>;
+  speed_factor: number;
+  motion: MotionStatus;
+  axes: Record<string, AxisStatus>;
+  boards: Record<string, BoardStatus>;
+  flow_factors: number[];
+  faults: FaultStatus[];
+  link: string;
+  message: string;
+  power_supply: boolean;
+  files: FilesStatus;
+  progress?: number | null;
+  job?: JobStatus | null;
+  last_job: string;
+}
+
+/** The status, and a number that counts up with each change of it. */
+export interface StatusNow {
+  version: number;
+  status: Status;
+}
+
+/** `ages_s` are the times of the samples, in seconds before the answer, oldest first. */
+export interface Temperatures {
+  ages_s: number[];
+  heaters: Record<string, HeaterPast>;
+}
+
+/** A tool: its extruder and its heater, null where it has none. */
+export interface ToolOfMachine {
+  extruder?: string | null;
+  heater?: string | null;
+}
+
+/** The version of Passo, and the name of the machine. */
+export interface Version {
+  passo: string;
+  machine: string;
+}
