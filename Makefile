@@ -11,6 +11,7 @@
 PYTHON ?= python3
 FUZZ_SECONDS ?= 60
 DEMO ?= demo
+CLOCK ?= 1
 
 BIN := .venv/bin
 STUB := $(BIN)/python -m nanobind.stubgen -q -m passo._core -o
@@ -32,7 +33,7 @@ demo: .venv/.built build/$(DEMO).gcode
 	@echo "To see it in the browser: make serve"
 
 serve: .venv/.built web build/card/demo.gcode
-	$(BIN)/passo serve --machine i3 --sd build/card
+	$(BIN)/passo serve --machine i3 --sd build/card --clock $(CLOCK)
 
 # The page, in src/passo/web/static: built where its sources have changed.
 web: .venv/.run

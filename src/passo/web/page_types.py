@@ -11,8 +11,8 @@ from passo.web.openapi import description
 from passo.web.operations import OPERATIONS
 
 Tree: TypeAlias = dict[str, Any]
-_HEAD = """/** The types of the API, made from its table of operations: make reference. Numbers that are not
- * finite, and what a merge patch has removed, are missing. */
+_HEAD = """/** The types of the API, made from its table of operations: make reference. Numbers that
+ * are not finite, and what a merge patch has removed, are missing. */
 """
 _NAMES = {
     "string": "string",

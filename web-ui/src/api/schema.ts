@@ -1,5 +1,5 @@
-/** The types of the API, made from its table of operations: make reference. Numbers that are not
- * finite, and what a merge patch has removed, are missing. */
+/** The types of the API, made from its table of operations: make reference. Numbers that
+ * are not finite, and what a merge patch has removed, are missing. */
 
 /** What the printer has answered, a string a line. */
 export interface Answer {
