@@ -49,6 +49,8 @@ class Assembly:
     library: Library
     status: StatusReader
     objects: PrintObjects
+    statistics: Statistics
+    settings: SettingsCommands
 
 
 def assembled(
@@ -135,7 +137,7 @@ def _furnish(
     if card is not None:
         library.mount()
         _start_by_itself(printer, library, keeper)
-    return Assembly(printer, runner, progress, library, status, objects)
+    return Assembly(printer, runner, progress, library, status, objects, statistics, settings)
 
 
 def _start_by_itself(printer: Printer, library: Library, keeper: JournalKeeper | None) -> None:

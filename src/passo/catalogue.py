@@ -336,6 +336,30 @@ CATALOGUE: Mapping[str, Entry] = {
         "this needs the password again, entered within the last {limit} minutes",
         "Confirm the log-in with the password",
     ),
+    "web.credentials": _web("the name or the password is wrong", "Check both, then try again"),
+    "web.code": _web(
+        "the one-time code is wrong", "Copy it from where `passo serve` has printed it"
+    ),
+    "web.no-administrator": _web(
+        "this needs a password, and there is no account yet",
+        "Create the administrator first",
+    ),
+    "web.set-up": _web("there is an administrator already", "Log in"),
+    "web.account-exists": _web("there is an account {value} already", "Choose another name"),
+    "web.last-administrator": _web(
+        "{value} is the last administrator", "Make another account an administrator first"
+    ),
+    "web.accounts": _web(
+        "the accounts cannot be used: {value}",
+        "Check the folder of --state, its permissions and the free space on the disk",
+    ),
+    "web.scripts": _web(
+        "{limit} scripts of this client are under way already", "Wait for their answers"
+    ),
+    "web.slow": _web(
+        "the body of the request did not come within {limit} s",
+        "Look at the network, then try again",
+    ),
     "web.unreachable": _web(
         "{value} cannot be reached: {limit}", "Check the address, and that `passo serve` runs"
     ),

@@ -6,8 +6,11 @@ import asyncio
 import contextlib
 import logging
 import os
-from collections.abc import AsyncGenerator, Awaitable, Callable, Coroutine
+import time
+from collections.abc import AsyncGenerator, Awaitable, Callable, Collection, Coroutine
 from dataclasses import dataclass
+from ipaddress import ip_address
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
@@ -34,7 +37,9 @@ if TYPE_CHECKING:
     from passo.live_bridge import LiveBridge
     from passo.printer import printer as printers
     from passo.printer.status import Status
+    from passo.web.accounts.accounts import Accounts
     from passo.web.server import WebThread
+    from passo.web.temperature_history import TemperatureHistory
 
 _log = logging.getLogger(__name__)
 
@@ -101,6 +106,8 @@ class Printer:
         self._client: Client | None = None
         self._bridged: LiveBridge | None = None
         self._web: WebThread | None = None
+        self._opened_accounts: Accounts | None = None
+        self._kept_temperatures: TemperatureHistory | None = None
         self._serving: asyncio.Task[None] | None = None
         self._prints: set[asyncio.Future[None]] = set()
         self._queues: set[asyncio.Queue[Event | None]] = set()
@@ -133,6 +140,8 @@ class Printer:
                 self._observed.close()
             if self._web is not None:
                 await asyncio.to_thread(self._web.close)
+            if self._opened_accounts is not None:
+                self._opened_accounts.close()
             if self._bridged is not None:
                 self._bridged.close()
             if self._client is not None:
@@ -325,22 +334,38 @@ class Printer:
         opened = self._greet(advanced_ok=advanced_ok)
         return await self._add(open_stdin(self._printer, opened, over))
 
-    def open_http(self, host: str = "127.0.0.1", port: int = 0) -> str:
-        """Serves the web interface, in a thread of its own; port 0 is any that is free. Returns
-        `http://HOST:PORT`. Needs the extra `passo[web]`; raises InputError where nothing can listen
-        there, and ImportError without the extra."""
+    def open_http(
+        self, host: str = "127.0.0.1", port: int = 0, *, names: Collection[str] = ()
+    ) -> str:
+        """Serves the web interface, in a thread of its own; port 0 is any that is free; `names` are
+        host names that it is reached by. Accounts are kept in the folder `state`, else in memory
+        (docs/explanation/security.md). Returns `http://HOST:PORT`. Needs the extra `passo[web]`;
+        raises InputError where nothing can listen there, WebError where the accounts cannot be
+        used, and ImportError without the extra."""
+        from passo.web.access import Binding
         from passo.web.app import web_app
         from passo.web.server import WebThread, listening
-        from passo.web.temperature_history import TemperatureHistory
 
         socket = listening(host, port)
+        host, port = socket.getsockname()[:2]
+        loopback = ip_address(host.partition("%")[0]).is_loopback
+        binding = Binding(loopback, frozenset(name.lower() for name in names))
+        try:
+            app = web_app(self._bridge, self._accounts, binding, self._temperatures)
+        except BaseException:
+            socket.close()
+            raise
         if self._web is None:
             self._web = WebThread()
-        temperatures = TemperatureHistory()
-        self._web.start(temperatures.record(self._bridge), endless=True)
-        self._web.serve(web_app(self._bridge, temperatures), socket)
-        host, port = socket.getsockname()[:2]
+            self._web.start(self._temperatures.record(self._bridge), endless=True)
+        self._web.serve(app, socket)
         return f"http://{f'[{host}]' if ':' in host else host}:{port}"
+
+    @property
+    def one_time_code(self) -> str:
+        """What creates the administrator of the web interface from another computer; empty where
+        there is one, or no web interface is open."""
+        return "" if self._opened_accounts is None else self._opened_accounts.code
 
     async def serve(self) -> None:
         """Serves the consoles until `end` is called. Raises what ends the printer otherwise."""
@@ -380,6 +405,24 @@ class Printer:
 
             self._bridged = LiveBridge(self._opened, self._observer)
         return self._bridged
+
+    @property
+    def _accounts(self) -> Accounts:
+        if self._opened_accounts is None:
+            from passo.web.accounts.accounts import Accounts
+            from passo.web.accounts.store import Store
+
+            store = Store(None if self._state is None else Path(self._state))
+            self._opened_accounts = Accounts(store, wall_s=time.time, now_s=time.monotonic)
+        return self._opened_accounts
+
+    @property
+    def _temperatures(self) -> TemperatureHistory:
+        if self._kept_temperatures is None:
+            from passo.web.temperature_history import TemperatureHistory
+
+            self._kept_temperatures = TemperatureHistory()
+        return self._kept_temperatures
 
     def _greet(self, *, advanced_ok: bool) -> Opened:
         def opened(session: Session) -> None:

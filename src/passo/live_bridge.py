@@ -19,7 +19,7 @@ from passo.console.session import command_of
 from passo.gcode.dialect import TABLE, When, row_of
 from passo.job.batch.estimate import Estimate, estimate_open
 from passo.printer.commands.program import forced
-from passo.web.bridge import Snapshot
+from passo.web.bridge import PastPrint, SettingValue, Snapshot
 
 if TYPE_CHECKING:
     from passo.app import Assembly
@@ -50,6 +50,9 @@ class LiveBridge:
         self._turn = asyncio.Lock()  # one script after the other
         self._listeners: list[tuple[asyncio.AbstractEventLoop, Listener]] = []
         self._planner = ThreadPoolExecutor(1, "estimate", _be_modest)
+        self._line_listeners: list[
+            tuple[asyncio.AbstractEventLoop, Callable[[ConsoleLine], None]]
+        ] = []  # changed in the printer's loop
         self._latest = self._snapshot(0)
         self._ends = [
             observer.on_status(lambda _: self._tick(), every_s=TICK_S),
@@ -61,6 +64,7 @@ class LiveBridge:
         for end in self._ends:
             end()
         self._listeners.clear()
+        self._line_listeners.clear()
         for client in (self._scripts, self._overtaking):
             client.close()
         self._planner.shutdown(wait=False, cancel_futures=True)
@@ -83,15 +87,21 @@ class LiveBridge:
         for loop, listener in list(self._listeners):
             _call(loop, partial(listener.on_snapshot, snapshot))
 
-    async def _run(self, script: str) -> tuple[str, ...]:
+    async def _run(self, script: str, sender: str) -> tuple[str, ...]:
         lines = script.splitlines()
         if len(lines) == 1 and _acts_at_once(lines[0]):
+            self._overtaking.sender = sender
             return (await self._overtaking.send(lines[0])).lines
         answers: list[str] = []
         async with self._turn:
+            self._scripts.sender = sender
             for line in lines:
                 answers += (await self._scripts.send(line)).lines
         return tuple(answers)
+
+    def _line(self, line: ConsoleLine) -> None:
+        for loop, call in list(self._line_listeners):
+            _call(loop, partial(call, line))
 
     def _event(self, event: Event) -> None:
         self._tick()  # what the event tells of is in the snapshot before it
@@ -139,9 +149,28 @@ class LiveBridge:
         """As `Bridge.console_history`."""
         return self._printer.state.console_lines.last()
 
-    async def run(self, script: str) -> tuple[str, ...]:
+    def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
+        """As `Bridge.on_console_line`."""
+        entry = (asyncio.get_running_loop(), call)
+        lines = self._printer.state.console_lines
+
+        def begin() -> None:
+            self._line_listeners.append(entry)
+            if self._line not in lines.listeners:
+                lines.listeners.append(self._line)
+
+        def end() -> None:
+            if entry in self._line_listeners:
+                self._line_listeners.remove(entry)
+            if not self._line_listeners and self._line in lines.listeners:
+                lines.listeners.remove(self._line)
+
+        _call(self._loop, begin)
+        return lambda: _call(self._loop, end)
+
+    async def run(self, script: str, *, sender: str = "") -> tuple[str, ...]:
         """As `Bridge.run`."""
-        return await self._cross(self._run(script))
+        return await self._cross(self._run(script, sender))
 
     def emergency_stop(self) -> None:
         """As `Bridge.emergency_stop`."""
@@ -179,6 +208,19 @@ class LiveBridge:
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
         """As `Bridge.cancel_object`."""
         await self._call(lambda: self._assembly.objects.cancel(number, cancelled=cancelled))
+
+    async def past_prints(self, most: int) -> list[PastPrint]:
+        """As `Bridge.past_prints`."""
+        rows = await self._call(lambda: self._assembly.statistics.last(most))
+        return [PastPrint(*row) for row in rows]
+
+    async def settings(self) -> list[SettingValue]:
+        """As `Bridge.settings`."""
+        rows = await self._call(lambda: list(self._assembly.settings.provenance()))
+        return [
+            SettingValue(group, setting.head, setting.word, setting.value, file, stored, source)
+            for group, setting, file, stored, source in rows
+        ]
 
     async def card(self) -> Card:
         """As `Bridge.card`."""

@@ -20,7 +20,7 @@ from passo.printer.status import (
     PrinterState,
     Status,
 )
-from passo.web.bridge import Listener, Snapshot
+from passo.web.bridge import Listener, PastPrint, SettingValue, Snapshot
 
 STATUS = Status(
     state=PrinterState.IDLE,
@@ -59,6 +59,10 @@ class FakeBridge:
         self.answers: dict[str, tuple[str, ...] | PassoError] = {}
         self.estimates: dict[str, Estimate] = {}
         self.history: list[ConsoleLine] = []
+        self.line_listeners: list[Callable[[ConsoleLine], None]] = []
+        self.senders: list[str] = []
+        self.prints: list[PastPrint] = []
+        self.values: list[SettingValue] = []
 
     @property
     def machine(self) -> MachineConfig:
@@ -89,7 +93,12 @@ class FakeBridge:
     def console_history(self) -> list[ConsoleLine]:
         return self.history
 
-    async def run(self, script: str) -> tuple[str, ...]:
+    def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
+        self.line_listeners.append(call)
+        return lambda: self.line_listeners.remove(call)
+
+    async def run(self, script: str, *, sender: str = "") -> tuple[str, ...]:
+        self.senders.append(sender)
         return self._answer(script)
 
     def emergency_stop(self) -> None:
@@ -115,6 +124,12 @@ class FakeBridge:
 
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
         self._answer(f"{'cancel' if cancelled else 'restore'} object {number}")
+
+    async def past_prints(self, most: int) -> list[PastPrint]:
+        return self.prints[:most]
+
+    async def settings(self) -> list[SettingValue]:
+        return self.values
 
     async def card(self) -> Card:
         if self._card is None:

@@ -3,11 +3,12 @@
 from dataclasses import replace
 
 import pytest
-from starlette.testclient import TestClient
 from tests.web.fake_bridge import STATUS, FakeBridge
+from tests.web.local_site import HOST, local_client
 
 from passo.events import Message
-from passo.web.app import web_app
+
+FEED = f"ws://{HOST}/api/v1/feed"
 
 
 @pytest.fixture
@@ -16,7 +17,7 @@ def bridge():
 
 
 def test_changes_follow_the_status(bridge):
-    with TestClient(web_app(bridge)).websocket_connect("/api/v1/feed") as client:
+    with local_client(bridge).websocket_connect(FEED) as client:
         first = client.receive_json()
         assert (first["type"], first["version"], first["status"]["time_s"]) == ("status", 1, 12.5)
         client.portal.call(bridge.show, replace(STATUS, time_s=13.0, fans={"part": 0.5}))
@@ -32,7 +33,7 @@ def test_changes_follow_the_status(bridge):
 
 
 def test_a_slow_client_gets_the_latest_state_alone(bridge):
-    with TestClient(web_app(bridge)).websocket_connect("/api/v1/feed") as client:
+    with local_client(bridge).websocket_connect(FEED) as client:
         client.receive_json()
 
         def hurry():

@@ -5,11 +5,10 @@ import itertools
 from dataclasses import replace
 
 import pytest
-from starlette.testclient import TestClient
 from tests.web.fake_bridge import STATUS, FakeBridge
+from tests.web.local_site import client, site
 
 from passo.printer.status import HeaterStatus
-from passo.web.app import web_app
 from passo.web.bridge import Snapshot
 from passo.web.temperature_history import TemperatureHistory
 
@@ -65,7 +64,7 @@ def test_answer_has_columns_by_heater():
     clock.close()
     history.add(bridge.latest(), now_s - 50)
     history.add(bridge.latest(), now_s - 5)
-    web = TestClient(web_app(bridge, history))
+    web = client(site(bridge, temperatures=history))
     answer = web.get("/api/v1/history/temperatures", params={"span_s": 20}).json()
     assert answer["heaters"]["bed"] == {"celsius": [60.0], "target_c": [60.0], "power": [0.4]}
     assert answer["ages_s"] == [pytest.approx(5, abs=2)]

@@ -3,15 +3,15 @@
 import asyncio
 
 import pytest
-from starlette.testclient import TestClient
 from tests.web.fake_bridge import FakeBridge
+from tests.web.local_site import local_client, site
 
 from passo import AsyncClient, Client, RequestError
 from passo.errors import CommandError
 from passo.gcode.dialect import TABLE
-from passo.web.app import web_app
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
 from passo.web.operations import OPERATIONS
+from passo.web.roles import Role
 from passo.web.server import WebThread, listening
 
 
@@ -22,7 +22,7 @@ def bridge():
 
 @pytest.fixture
 def web(bridge):
-    return TestClient(web_app(bridge))
+    return local_client(bridge)
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def served(bridge):
     """Where the bridge's printer is served."""
     thread, socket = WebThread(), listening("127.0.0.1", 0)
     port = socket.getsockname()[1]
-    thread.serve(web_app(bridge), socket)
+    thread.serve(site(bridge), socket)
     yield f"http://127.0.0.1:{port}"
     thread.close()
 

@@ -47,14 +47,6 @@ def test_file_is_sent_as_the_client_can_read_it(web, accepted, encoding):
     assert answer.headers["vary"] == "Accept-Encoding"
 
 
-def test_nothing_but_its_own_files_may_run(web):
-    policy = web.get("/").headers["content-security-policy"]
-    assert "script-src 'self';" in policy
-    assert "style-src 'self';" in policy
-    assert "frame-ancestors 'none'" in policy
-    assert "unsafe" not in policy
-
-
 def test_other_files_are_not_served(web):
     for path in ("/.sources", "/assets/index-1a2b.js.gz", "/assets/", "/../pages.py"):
         assert web.get(path).status_code == 404

@@ -9,8 +9,10 @@ import logging
 import sys
 from collections.abc import AsyncGenerator
 from functools import partial
+from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from passo.cli.clock import factor
 from passo.cli.log_file import LEVELS, LogFile
@@ -74,6 +76,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_http,
         metavar="HOST:PORT|none",
         help=f"the web interface; {_HTTP[0]}:{_HTTP[1]} by default",
+    )
+    parser.add_argument(
+        "--http-name",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a host name that the web interface is reached by, for example that of a proxy",
     )
     parser.add_argument(
         "--sd",
@@ -268,8 +277,10 @@ async def _serve(
                     host, port, clients=arguments.tcp_clients, advanced_ok=advanced_ok
                 )
                 places.append(place)
-            if address := _web_address(printer, arguments.http):
+            if address := _web_address(printer, arguments.http, arguments.http_name):
                 places.append(address)
+            if address and (code := printer.one_time_code):
+                _tell_of_administrator(address, code, kept=arguments.state is not None)
             if arguments.stdin:
                 alone = places == [address] and arguments.http is None  # nobody asked for the web
                 over = printer.end if alone or not places else _go_on_serving
@@ -279,7 +290,18 @@ async def _serve(
             await printer.serve()
 
 
-def _web_address(printer: Printer, asked: tuple[str, int] | str | None) -> str:
+def _tell_of_administrator(address: str, code: str, *, kept: bool) -> None:
+    """How the web interface gets its first account."""
+    if ip_address(urlsplit(address).hostname or "").is_loopback:
+        text = "has no administrator yet: programs of this computer may do all"
+        text = f"{text}. Open {address} to create one"
+    else:
+        text = f"needs an administrator: open it and enter the code {code}"
+    lasts = "" if kept else ". Without --state accounts last until Passo ends"
+    print(f"The web interface {text}{lasts}.", file=sys.stderr)
+
+
+def _web_address(printer: Printer, asked: tuple[str, int] | str | None, names: list[str]) -> str:
     """Opens the web interface; empty without one. Where it was not asked for by name, a printer
     without it is better than none: a line says why it is missing."""
     from passo.errors import PassoError
@@ -287,7 +309,7 @@ def _web_address(printer: Printer, asked: tuple[str, int] | str | None) -> str:
     if isinstance(asked, str):
         return ""
     try:
-        return printer.open_http(*(asked or _HTTP))
+        return printer.open_http(*(asked or _HTTP), names=names)
     except (PassoError, ImportError) as error:
         if asked is not None and isinstance(error, PassoError):
             raise

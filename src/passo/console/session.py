@@ -83,6 +83,7 @@ class Session:
         self._protocol = LineProtocol()
         self._shown = printer.state.console_lines
         self.number = self._shown.join()
+        self.sender = ""  # who sends the lines that come now, if that is known
         self._lines = ReceiveQueue()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
@@ -134,7 +135,7 @@ class Session:
         for line in heard:
             whole = isinstance(line, Line)
             text = line.text if whole else f"{line.text} ({line.reason})"
-            self._shown.received(self.number, text)
+            self._shown.received(self.number, text, self.sender)
             if whole:
                 command = command_of(line.text)
                 seen = self._emergency_parser.see(command, line.number, self._upload)

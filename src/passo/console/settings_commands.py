@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.console.aprinter_options import OptionCommands
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command, numeral
-from passo.job.settings_store import Override, Store, commands_of, same, settings_in
+from passo.job.settings_store import Override, Setting, Store, commands_of, same, settings_in
 from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
@@ -88,6 +88,23 @@ class SettingsCommands:
         """All settings as commands."""
         for _, commands in self.groups():
             yield from commands
+
+    def provenance(self) -> Iterator[tuple[str, Setting, str | None, str | None, str]]:
+        """Each value in force, by its heading: the setting, the machine file's value and the stored
+        one (None: there is none), and which of them it is: `file`, `stored`, else `command`."""
+        try:
+            overrides = (self._store.load() if self._store else None) or []
+        except CommandError:
+            overrides = []
+        held = {override.setting.key: override.setting.value for override in overrides}
+        for group, lines in self.groups():
+            for setting in settings_in(lines):
+                file, stored = self._file.get(setting.key), held.get(setting.key)
+                if stored is not None and same(stored, setting.value):
+                    source = "stored"
+                else:
+                    source = "file" if same(file, setting.value) else "command"
+                yield group, setting, file, stored, source
 
     def restore(self, lines: Iterable[str], reply: Reply) -> None:
         """Carries out commands of settings. The caller has the turn, and the machine stands."""

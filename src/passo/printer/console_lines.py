@@ -21,12 +21,14 @@ _SECRET = re.compile(
 
 
 class ConsoleLine(NamedTuple):
-    """A line at a host time in seconds; `console` counts from 1, and 0 stands for all."""
+    """A line at a host time in seconds; `console` counts from 1, and 0 stands for all. `sender` is
+    who has sent a received line, where the console knows."""
 
     host_s: float
     console: int
     received: bool
     text: str
+    sender: str = ""
 
 
 class ConsoleLines:
@@ -38,15 +40,16 @@ class ConsoleLines:
         self._received: deque[ConsoleLine] = deque(maxlen=KEPT)
         self._sent: deque[ConsoleLine] = deque(maxlen=KEPT)
         self._consoles = 0
+        self.listeners: list[Callable[[ConsoleLine], None]] = []  # to lines without secrets
 
     def join(self) -> int:
         """The number of another console."""
         self._consoles += 1
         return self._consoles
 
-    def received(self, console: int, text: str) -> None:
+    def received(self, console: int, text: str, sender: str = "") -> None:
         """A line that a host has sent, its bytes beyond ASCII as in `gcode.line_protocol.Line`."""
-        self._received.append(ConsoleLine(self._now_s(), console, True, text[:_LONGEST]))
+        self._add(self._received, ConsoleLine(self._now_s(), console, True, text, sender))
         if _log.isEnabledFor(logging.DEBUG):
             _log.debug("> %s", without_secrets(decoded(text)), extra={"console": console})
 
@@ -54,14 +57,26 @@ class ConsoleLines:
         """A line that a console, or 0 for all of them, is answered with."""
         if text == "wait" or text.startswith("echo:busy: "):
             return  # they only keep a host from a timeout
-        self._sent.append(ConsoleLine(self._now_s(), console, False, text[:_LONGEST]))
+        self._add(self._sent, ConsoleLine(self._now_s(), console, False, text))
         if _log.isEnabledFor(logging.DEBUG):
             _log.debug("< %s", text, extra={"console": console})
+
+    def _add(self, lines: deque[ConsoleLine], line: ConsoleLine) -> None:
+        line = line._replace(text=line.text[:_LONGEST])
+        lines.append(line)
+        if self.listeners:
+            shown = _shown(line)
+            for listener in list(self.listeners):
+                listener(shown)
 
     def last(self) -> list[ConsoleLine]:
         """The last lines in the order of their times, without secrets."""
         lines = sorted([*self._received, *self._sent], key=lambda line: line.host_s)
-        return [line._replace(text=without_secrets(decoded(line.text))) for line in lines]
+        return [_shown(line) for line in lines]
+
+
+def _shown(line: ConsoleLine) -> ConsoleLine:
+    return line._replace(text=without_secrets(decoded(line.text)))
 
 
 def without_secrets(text: str) -> str:

@@ -2,28 +2,149 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from ipaddress import ip_address
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 from passo.errors import WebError
-from passo.web.operation import Caller, Role
+from passo.web.accounts.accounts import FRESH_S, digest
+from passo.web.accounts.limiter import address_key
+from passo.web.operation import HEADER, Caller
+from passo.web.roles import Role
 
 if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
 
+    from passo.web.accounts.accounts import Accounts
     from passo.web.operation import Operation
+
+_LOCAL = "local"  # the caller on this computer while there is no administrator
+# What a proxy adds: its clients are not on this computer, though it is.
+_OF_PROXIES = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """Where a web interface listens: on `loopback` or beyond; `names` are further host names that
+    it is reached by."""
+
+    loopback: bool
+    names: frozenset[str] = frozenset()
+
+    def has(self, host: str) -> bool:
+        """Whether a host of a request means this printer. A name that is not its own may be one
+        that another web page has pointed here (DNS rebinding); an address cannot."""
+        try:
+            name = urlsplit(f"//{host}").hostname or ""
+        except ValueError:
+            return False
+        if name in self.names or name == "localhost":
+            return True
+        try:
+            address = ip_address(name.partition("%")[0])
+        except ValueError:
+            return False
+        return address.is_loopback or not self.loopback
 
 
 class Access:
-    """Finds the caller of each request."""
+    """Finds the caller of each request. No address gives rights, but this computer's own before
+    there is an administrator, where nothing else can reach the web interface."""
 
-    def caller(self, connection: HTTPConnection) -> Caller:
-        """Who asks. Raises WebError for a request that must not be."""
-        return Caller("local", Role.ADMIN)
+    def __init__(self, accounts: Accounts, binding: Binding) -> None:
+        self._accounts, self._binding = accounts, binding
+
+    def needs_code(self, connection: HTTPConnection) -> bool:
+        """Whether it takes the one-time code to create the administrator."""
+        return not (self._binding.loopback and _is_local(connection))
+
+    def caller(self, connection: HTTPConnection, *, writes: bool) -> Caller:
+        """Who asks; `writes` if the request may change something. Raises WebError for a key that is
+        none, and for what another web page has made a browser send."""
+        peer = connection.client.host if connection.client is not None else ""
+        address = address_key(peer)
+        # Before there is an administrator there are no keys: one that is sent means nothing.
+        if self._accounts.exist and (token := _key_of(connection)) is not None:
+            key = self._accounts.key(token)
+            if key is None:
+                raise WebError.of("web.log-in")
+            return Caller(key.name, key.role, key=key.hash, address=address)
+        self._require_own_page(connection)
+        found = self._accounts.session(_session_of(connection, self._accounts.cookie))
+        if found is not None:
+            if writes and HEADER.lower() not in connection.headers:
+                raise WebError.of("web.origin", value=f"it has no header {HEADER}")
+            session, account = found
+            return Caller(account.name, account.role, session=session.hash, address=address)
+        if not self._accounts.exist and not self.needs_code(connection):
+            return Caller(_LOCAL, Role.ADMIN, address=address)
+        return Caller("", Role.PUBLIC, address=address)
+
+    def holds(self, caller: Caller) -> bool:
+        """Whether a caller still has the rights that it had. Never waits."""
+        if caller.key:
+            return any(key.hash == caller.key for key in self._accounts.keys)
+        if caller.session:
+            found = self._accounts.session(caller.session)
+            return found is not None and found[1].role == caller.role
+        return not self._accounts.exist
 
     def permit(self, caller: Caller, operation: Operation) -> None:
         """Raises WebError unless the caller may do it."""
-        if caller.role >= operation.role:
+        self.require(caller, operation.role)
+        if not operation.fresh:
+            return
+        if not self._accounts.exist:
+            raise WebError.of("web.no-administrator")
+        if not self._accounts.fresh(caller.session):
+            raise WebError.of("web.password", limit=f"{FRESH_S / 60:g}")
+
+    def require(self, caller: Caller, role: Role) -> None:
+        """Raises WebError unless the caller has a role."""
+        if caller.role >= role:
             return
         if caller.role is Role.PUBLIC:
             raise WebError.of("web.log-in")
-        raise WebError.of("web.role", value=caller.name, limit=operation.role)
+        raise WebError.of("web.role", value=caller.name, limit=role)
+
+    async def used(self, caller: Caller) -> None:
+        """A session is used: it goes on."""
+        if caller.session and (found := self._accounts.session(caller.session)) is not None:
+            await self._accounts.use(found[0])
+
+    def _require_own_page(self, connection: HTTPConnection) -> None:
+        """Raises WebError for a request that another web page has made a browser send."""
+        site = connection.headers.get("sec-fetch-site", "none")
+        if site not in ("same-origin", "none"):
+            raise WebError.of("web.origin", value=f"Sec-Fetch-Site is {site}")
+        origin = connection.headers.get("origin")
+        if origin is None:
+            return
+        parts = urlsplit(origin)
+        host = connection.headers.get("host", "")
+        default = {"https": ":443", "http": ":80"}.get(parts.scheme, "")
+        same = parts.netloc.lower() in (host.lower(), host.lower().removesuffix(default))
+        if not (same or parts.hostname in self._binding.names):
+            raise WebError.of("web.origin", value=f"Origin is {origin}")
+
+
+def _key_of(connection: HTTPConnection) -> str | None:
+    if (token := connection.headers.get("x-api-key")) is not None:
+        return token
+    scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+    return token.strip() if scheme.lower() == "bearer" else None
+
+
+def _session_of(connection: HTTPConnection, cookie: str) -> str:
+    return digest(connection.cookies.get(cookie, ""))
+
+
+def _is_local(connection: HTTPConnection) -> bool:
+    """Whether a program of this computer asks, for itself."""
+    if any(name in connection.headers for name in _OF_PROXIES):
+        return False
+    try:
+        return connection.client is not None and ip_address(connection.client.host).is_loopback
+    except ValueError:
+        return False

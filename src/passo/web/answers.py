@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
 import msgspec
 from msgspec import Struct
@@ -25,6 +26,15 @@ _STATUS = {
     "web.media-type": 415,
     "web.too-many": 429,
     "web.unreachable": 502,
+    "web.credentials": 401,
+    "web.code": 401,
+    "web.no-administrator": 403,
+    "web.set-up": 409,
+    "web.account-exists": 409,
+    "web.last-administrator": 409,
+    "web.accounts": 500,
+    "web.slow": 408,
+    "web.scripts": 429,
     "web.program": 500,
     "heat.unknown": 404,
     "input.cold": 409,
@@ -78,6 +88,17 @@ class Refusal(Struct):
     others: list[Fault] = []
 
 
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, slots=True)
+class Answer(Generic[_T]):
+    """An answer with headers of its own."""
+
+    body: _T
+    headers: Mapping[str, str]
+
+
 def status_of(code: str) -> int:
     """The HTTP status that fits an error of the catalogue: 400 where nothing else says more."""
     if (status := _STATUS.get(code)) is not None:
@@ -97,6 +118,8 @@ def refusal(error: PassoError, headers: Mapping[str, str] | None = None) -> Resp
     first, *others = [fault(problem) for problem in error.problems]
     status = status_of(first.code)
     known = {"WWW-Authenticate": 'Passo realm="printer"'} if status == 401 else {}
+    if status == 429:
+        known = {"Retry-After": str(first.values["limit"])}
     return json(Refusal(first, others), status, {**known, **(headers or {})})
 
 

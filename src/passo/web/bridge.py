@@ -26,6 +26,36 @@ class Snapshot:
     status: Status
 
 
+@dataclass(frozen=True, slots=True)
+class PastPrint:
+    """A print that is over. `started_s` is the wall clock in seconds since 1970, None if that is
+    not known; `ended` is done, cancelled, failed or interrupted; `print_s` is print time without
+    pauses; `note` says what went not so well, or is empty."""
+
+    file: str
+    size: int
+    started_s: float | None
+    ended: str
+    print_s: float
+    filament_mm: float
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class SettingValue:
+    """A value that commands set: `command` with `word` and a value sets it. `value` is in force,
+    `file` is that of the machine file (None: it has none), `stored` the one that M500 has stored
+    (None: none is). `source` says which of them is in force: `file`, `stored` or `command`."""
+
+    group: str
+    command: str
+    word: str
+    value: str
+    file: str | None
+    stored: str | None
+    source: str
+
+
 class Listener(Protocol):
     """Who hears what happens. Its methods are called in the web's event loop, and return at
     once."""
@@ -66,9 +96,15 @@ class Bridge(Protocol):
 
     # -- commands ---------------------------------------------------------------------------------
 
-    async def run(self, script: str) -> tuple[str, ...]:
+    def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
+        """Calls `call` in the web's event loop with each line that a console sends or is sent from
+        now on, without secrets; it returns at once. Returns what ends that."""
+        ...
+
+    async def run(self, script: str, *, sender: str = "") -> tuple[str, ...]:
         """Carries out lines of G-code, one after the other, and returns their answers, a string a
         line. A move is answered when it is planned. The first line that fails ends the script.
+        `sender` is shown with its lines.
 
         Scripts do not mix: one waits for those that came before. Only a single line that acts at
         once (a report, a temperature with F, M108, M112) overtakes them."""
@@ -106,6 +142,14 @@ class Bridge(Protocol):
 
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
         """Leaves an object out of the print, or takes it in again."""
+        ...
+
+    async def past_prints(self, most: int) -> list[PastPrint]:
+        """The newest prints that are over, newest first."""
+        ...
+
+    async def settings(self) -> list[SettingValue]:
+        """What commands can set, each value with where it comes from."""
         ...
 
     # -- files ------------------------------------------------------------------------------------

@@ -28,4 +28,4 @@ class Call:
 
     async def run(self, script: str) -> tuple[str, ...]:
         """Carries out lines of G-code in the name of the caller, as `Bridge.run`."""
-        return await self.site.bridge.run(script)
+        return await self.site.bridge.run(script, sender=self.caller.name)

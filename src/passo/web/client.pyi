@@ -3,10 +3,14 @@
 import builtins
 import passo.printer.status
 import passo.web.answers
+import passo.web.endpoints.accounts
 import passo.web.endpoints.console
+import passo.web.endpoints.files
 import passo.web.endpoints.history
 import passo.web.endpoints.machine
+import passo.web.endpoints.session
 import passo.web.endpoints.status
+import typing
 
 class RequestError(Exception):
     status: int
@@ -32,6 +36,110 @@ class Machine:
         self,
     ) -> passo.web.endpoints.machine.Machine:
         """The parts of the machine, which stay the same while it is served."""
+        ...
+
+class Session:
+    def get(
+        self,
+    ) -> passo.web.endpoints.session.Identity:
+        """Who the caller is, and whether there is an administrator yet."""
+        ...
+    def set_up(
+        self,
+        name: str,
+        password: str,
+        code: str = ...,
+    ) -> passo.web.endpoints.session.Identity:
+        """Creates the administrator, once, and logs in. From this computer; from elsewhere
+        with the one-time code that `passo serve` prints."""
+        ...
+    def log_in(
+        self,
+        name: str,
+        password: str,
+    ) -> passo.web.endpoints.session.Identity:
+        """Logs in: the answer sets a cookie."""
+        ...
+    def log_out(
+        self,
+    ) -> None:
+        """Ends the log-in of the cookie."""
+        ...
+    def confirm(
+        self,
+        password: str,
+    ) -> None:
+        """Enters the password again, for operations that need it: for the next five
+        minutes."""
+        ...
+    def change_password(
+        self,
+        old: str,
+        new: str,
+    ) -> None:
+        """Changes the password of one's own account, and ends its other log-ins."""
+        ...
+    def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.session.LogInRecord]:
+        """One's own log-ins; for an administrator those of all accounts."""
+        ...
+    def revoke(
+        self,
+        id: str,
+    ) -> None:
+        """Ends a log-in at once, one's own or, for an administrator, any."""
+        ...
+
+class Accounts:
+    def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.accounts.AccountRecord]:
+        """All accounts."""
+        ...
+    def add(
+        self,
+        name: str,
+        password: str,
+        role: typing.Literal['viewer', 'operator', 'admin'],
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Makes an account."""
+        ...
+    def change(
+        self,
+        name: str,
+        password: str | None = ...,
+        role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Changes the password or the role of an account, and ends its log-ins, but for
+        this one."""
+        ...
+    def remove(
+        self,
+        name: str,
+    ) -> None:
+        """Removes an account and ends its log-ins. One administrator stays."""
+        ...
+
+class Keys:
+    def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
+        """All API keys, without what is secret."""
+        ...
+    def add(
+        self,
+        name: str,
+        role: typing.Literal['viewer', 'operator', 'admin'] = ...,
+    ) -> passo.web.endpoints.accounts.MadeKey:
+        """Makes an API key for a slicer or a script: it goes into the header `X-Api-
+        Key`."""
+        ...
+    def revoke(
+        self,
+        id: str,
+    ) -> None:
+        """Makes a key worthless at once."""
         ...
 
 class Emergency:
@@ -118,6 +226,15 @@ class Fans:
         be set."""
         ...
 
+class Files:
+    def upload(
+        self,
+        data: bytes,
+        path: str,
+    ) -> passo.web.endpoints.files.StoredFile:
+        """Puts a file onto the card, in place of one of that path."""
+        ...
+
 class History:
     def temperatures(
         self,
@@ -146,6 +263,110 @@ class AsyncMachine:
         self,
     ) -> passo.web.endpoints.machine.Machine:
         """The parts of the machine, which stay the same while it is served."""
+        ...
+
+class AsyncSession:
+    async def get(
+        self,
+    ) -> passo.web.endpoints.session.Identity:
+        """Who the caller is, and whether there is an administrator yet."""
+        ...
+    async def set_up(
+        self,
+        name: str,
+        password: str,
+        code: str = ...,
+    ) -> passo.web.endpoints.session.Identity:
+        """Creates the administrator, once, and logs in. From this computer; from elsewhere
+        with the one-time code that `passo serve` prints."""
+        ...
+    async def log_in(
+        self,
+        name: str,
+        password: str,
+    ) -> passo.web.endpoints.session.Identity:
+        """Logs in: the answer sets a cookie."""
+        ...
+    async def log_out(
+        self,
+    ) -> None:
+        """Ends the log-in of the cookie."""
+        ...
+    async def confirm(
+        self,
+        password: str,
+    ) -> None:
+        """Enters the password again, for operations that need it: for the next five
+        minutes."""
+        ...
+    async def change_password(
+        self,
+        old: str,
+        new: str,
+    ) -> None:
+        """Changes the password of one's own account, and ends its other log-ins."""
+        ...
+    async def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.session.LogInRecord]:
+        """One's own log-ins; for an administrator those of all accounts."""
+        ...
+    async def revoke(
+        self,
+        id: str,
+    ) -> None:
+        """Ends a log-in at once, one's own or, for an administrator, any."""
+        ...
+
+class AsyncAccounts:
+    async def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.accounts.AccountRecord]:
+        """All accounts."""
+        ...
+    async def add(
+        self,
+        name: str,
+        password: str,
+        role: typing.Literal['viewer', 'operator', 'admin'],
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Makes an account."""
+        ...
+    async def change(
+        self,
+        name: str,
+        password: str | None = ...,
+        role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
+    ) -> passo.web.endpoints.accounts.AccountRecord:
+        """Changes the password or the role of an account, and ends its log-ins, but for
+        this one."""
+        ...
+    async def remove(
+        self,
+        name: str,
+    ) -> None:
+        """Removes an account and ends its log-ins. One administrator stays."""
+        ...
+
+class AsyncKeys:
+    async def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
+        """All API keys, without what is secret."""
+        ...
+    async def add(
+        self,
+        name: str,
+        role: typing.Literal['viewer', 'operator', 'admin'] = ...,
+    ) -> passo.web.endpoints.accounts.MadeKey:
+        """Makes an API key for a slicer or a script: it goes into the header `X-Api-
+        Key`."""
+        ...
+    async def revoke(
+        self,
+        id: str,
+    ) -> None:
+        """Makes a key worthless at once."""
         ...
 
 class AsyncEmergency:
@@ -232,6 +453,15 @@ class AsyncFans:
         be set."""
         ...
 
+class AsyncFiles:
+    async def upload(
+        self,
+        data: bytes,
+        path: str,
+    ) -> passo.web.endpoints.files.StoredFile:
+        """Puts a file onto the card, in place of one of that path."""
+        ...
+
 class AsyncHistory:
     async def temperatures(
         self,
@@ -253,6 +483,12 @@ class Client:
     @property
     def machine(self) -> Machine: ...
     @property
+    def session(self) -> Session: ...
+    @property
+    def accounts(self) -> Accounts: ...
+    @property
+    def keys(self) -> Keys: ...
+    @property
     def emergency(self) -> Emergency: ...
     @property
     def console(self) -> Console: ...
@@ -262,6 +498,8 @@ class Client:
     def heaters(self) -> Heaters: ...
     @property
     def fans(self) -> Fans: ...
+    @property
+    def files(self) -> Files: ...
     @property
     def history(self) -> History: ...
 
@@ -277,6 +515,12 @@ class AsyncClient:
     @property
     def machine(self) -> AsyncMachine: ...
     @property
+    def session(self) -> AsyncSession: ...
+    @property
+    def accounts(self) -> AsyncAccounts: ...
+    @property
+    def keys(self) -> AsyncKeys: ...
+    @property
     def emergency(self) -> AsyncEmergency: ...
     @property
     def console(self) -> AsyncConsole: ...
@@ -286,5 +530,7 @@ class AsyncClient:
     def heaters(self) -> AsyncHeaters: ...
     @property
     def fans(self) -> AsyncFans: ...
+    @property
+    def files(self) -> AsyncFiles: ...
     @property
     def history(self) -> AsyncHistory: ...

@@ -1,42 +1,78 @@
-"""One WebSocket: the status as it changes, and each event. A slow client misses states."""
+"""One WebSocket: the status as it changes, each event, and console lines both ways. A slow client
+misses states."""
 
 from __future__ import annotations
 
 from collections import deque
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import msgspec
 from anyio import Event as Signal
-from anyio import create_task_group, fail_after
+from anyio import create_task_group, fail_after, move_on_after
+from msgspec import Meta, Struct
 from starlette.websockets import WebSocketDisconnect
 
+from passo.errors import PassoError, WebError
+from passo.web.answers import fault, refusal
 from passo.web.deltas import Tree, changes, tree
+from passo.web.roles import Role
 
 if TYPE_CHECKING:
     from anyio.abc import TaskGroup
     from starlette.websockets import WebSocket
 
     from passo.events import Event
-    from passo.web.bridge import Bridge, Snapshot
+    from passo.printer.console_lines import ConsoleLine
+    from passo.web.bridge import Snapshot
+    from passo.web.operation import Caller
+    from passo.web.site import Site
 
-_MAX_EVENTS = 1000  # that wait for a slow client
-_TIMEOUT_S = 5.0  # with a client that does not read
+_MAX_WAITING = 1000  # events, and as many lines, for a slow client
+_MAX_SCRIPTS = 16  # of one client under way
+_TIMEOUT_S = 5.0  # of a client that does not read
+_RIGHTS_EVERY_S = 5.0  # how often an idle feed looks whether its log-in goes on
 _TOO_SLOW = 1013  # "try again later" (IANA, WebSocket close codes)
+_NOT_ALLOWED = 1008  # "policy violation"
+
+
+class Script(Struct, tag_field="type", tag="script", forbid_unknown_fields=True):
+    """Lines of G-code from a client. The answer has the same `id`."""
+
+    id: int
+    script: Annotated[str, Meta(max_length=50_000)]
+
+
+class Listen(Struct, tag_field="type", tag="listen", forbid_unknown_fields=True):
+    """Whether the client wants the lines of all consoles."""
+
+    console: bool
+
+
+async def serve_feed(site: Site, websocket: WebSocket) -> None:
+    """Serves a client if it may see the printer; nothing is sent before that is certain."""
+    try:
+        caller = site.access.caller(websocket, writes=False)
+        site.access.require(caller, Role.VIEWER)
+    except PassoError as error:
+        await websocket.send_denial_response(refusal(error))
+        return
+    await Feed(site, websocket, caller).run()
 
 
 class Feed:
-    """Messages are JSON objects with a `type`: `status` is the whole status, and first; `changes`
-    what has changed since the last one that was sent, as a merge patch; `event` something that has
-    happened; `lost` tells how many events were dropped."""
+    """Messages are JSON objects with a `type`: docs/reference/http.md lists them."""
 
-    def __init__(self, bridge: Bridge, websocket: WebSocket) -> None:
-        self._bridge, self._websocket = bridge, websocket
+    def __init__(self, site: Site, websocket: WebSocket, caller: Caller) -> None:
+        self._site, self._websocket, self._caller = site, websocket, caller
         self._snapshot: Snapshot | None = None  # newer than the one that was sent
-        self._events: deque[Event] = deque()
+        self._waiting: deque[Event | ConsoleLine] = deque()
+        self._answers: deque[Tree] = deque()
         self._lost = 0
         self._sent: Tree = {}
         self._news = Signal()
+        self._scripts = 0
+        self._end_lines = lambda: None
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """As `Listener.on_snapshot`."""
@@ -45,37 +81,83 @@ class Feed:
 
     def on_event(self, event: Event) -> None:
         """As `Listener.on_event`."""
-        if len(self._events) == _MAX_EVENTS:
-            self._events.popleft()
+        self._queue(event)
+
+    def _queue(self, one: Event | ConsoleLine) -> None:
+        if len(self._waiting) == _MAX_WAITING:
+            self._waiting.popleft()
             self._lost += 1
-        self._events.append(event)
+        self._waiting.append(one)
         self._news.set()
 
     async def run(self) -> None:
-        """Serves the client until it leaves, or does not read."""
+        """Serves the client until it leaves, does not read, or may not see the printer any more."""
         await self._websocket.accept()
-        end = self._bridge.listen(self)
+        end = self._site.bridge.listen(self)
         try:
             async with create_task_group() as group:
-                group.start_soon(self._leave, group)
+                group.start_soon(self._receive, group)
                 await self._send_all()
+                group.cancel_scope.cancel()
         finally:
             end()
+            self._end_lines()
 
-    async def _leave(self, group: TaskGroup) -> None:
-        """Ends all when the client has left."""
-        with suppress(WebSocketDisconnect, KeyError):
+    # -- from the client --------------------------------------------------------------------------
+
+    async def _receive(self, group: TaskGroup) -> None:
+        """Takes what the client sends; ends all when it has left."""
+        with suppress(WebSocketDisconnect, KeyError):  # KeyError: of a message that is not text
             while True:
-                await self._websocket.receive_text()  # a client has nothing to say here
+                self._take(await self._websocket.receive_text(), group)
         group.cancel_scope.cancel()
 
+    def _take(self, text: str, group: TaskGroup) -> None:
+        try:
+            message = msgspec.json.decode(text, type=Script | Listen)
+        except msgspec.DecodeError as error:
+            self._answer(None, WebError.of("web.malformed", value=error))
+            return
+        if isinstance(message, Listen):
+            self._end_lines()
+            listen = self._site.bridge.on_console_line
+            self._end_lines = listen(self._queue) if message.console else lambda: None
+        else:
+            group.start_soon(self._run, message)
+
+    async def _run(self, message: Script) -> None:
+        self._scripts += 1
+        try:
+            if not self._site.access.holds(self._caller):
+                raise WebError.of("web.log-in")
+            self._site.access.require(self._caller, Role.OPERATOR)
+            if self._scripts > _MAX_SCRIPTS:
+                raise WebError.of("web.scripts", limit=_MAX_SCRIPTS)
+            lines = await self._site.bridge.run(message.script, sender=self._caller.name)
+            self._answers.append({"id": message.id, "lines": lines, "error": None})
+            self._news.set()
+        except PassoError as error:
+            self._answer(message.id, error)
+        finally:
+            self._scripts -= 1
+
+    def _answer(self, id_: int | None, error: PassoError) -> None:
+        self._answers.append({"id": id_, "lines": [], "error": fault(error.problems[0])})
+        self._news.set()
+
+    # -- to the client ----------------------------------------------------------------------------
+
     async def _send_all(self) -> None:
-        snapshot = self._bridge.latest()
+        snapshot = self._site.bridge.latest()
         self._sent = tree(snapshot.status)
         try:
             await self._send("status", version=snapshot.version, status=self._sent)
             while True:
-                await self._news.wait()
+                with move_on_after(_RIGHTS_EVERY_S):
+                    await self._news.wait()
+                if not self._site.access.holds(self._caller):
+                    await self._websocket.close(_NOT_ALLOWED)
+                    return
                 self._news = Signal()
                 await self._send_news()
         except TimeoutError:
@@ -84,16 +166,21 @@ class Feed:
     async def _send_news(self) -> None:
         if (lost := self._lost) > 0:
             self._lost = 0
-            await self._send("lost", events=lost)
+            await self._send("lost", count=lost)
         snapshot, self._snapshot = self._snapshot, None
         if snapshot is not None:
             now = tree(snapshot.status)
             changed, self._sent = changes(self._sent, now), now
             if changed:
                 await self._send("changes", version=snapshot.version, changes=changed)
-        while self._events:
-            event = self._events.popleft()
-            await self._send("event", event={"kind": type(event).__name__, **tree(event)})
+        while self._waiting:
+            one = self._waiting.popleft()
+            if isinstance(one, tuple):
+                await self._send("line", line=one._asdict())
+            else:
+                await self._send("event", event={"kind": type(one).__name__, **tree(one)})
+        while self._answers:
+            await self._send("answer", **self._answers.popleft())
 
     async def _send(self, kind: str, **fields: object) -> None:
         text = msgspec.json.encode({"type": kind, **fields}).decode()

@@ -11,7 +11,8 @@ from msgspec.json import schema_components
 
 from passo.version import __version__
 from passo.web.answers import JSON, Refusal, status_of
-from passo.web.operation import API, Operation, Role
+from passo.web.operation import API, Operation
+from passo.web.roles import Role
 
 Tree: TypeAlias = dict[str, Any]
 _REFERENCE = "#/components/schemas/{name}"
@@ -53,7 +54,7 @@ def statuses(operation: Operation) -> dict[int, list[str]]:
     if operation.body is not None or operation.query is not None or operation.parameters:
         codes.append("web.invalid")
     if operation.body is not None:
-        codes += ["web.malformed", "web.media-type", "web.too-large"]
+        codes += ["web.malformed", "web.media-type", "web.slow", "web.too-large"]
     if operation.parameters:
         codes.append("web.not-found")
     if operation.fresh:

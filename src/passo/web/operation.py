@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from enum import IntEnum
 from inspect import getdoc, signature
-from typing import Any, Literal, TypeAlias, get_type_hints
+from typing import Any, Literal, TypeAlias, get_args, get_origin, get_type_hints
 
-from passo.web.answers import JSON
+from passo.web.answers import JSON, Answer
+from passo.web.roles import Role
 
 API = "/api/v1"
 HEADER = "X-Passo-Request"  # that no form of another web page can send
@@ -19,32 +19,24 @@ _PARAMETER = re.compile(r"\{(\w+)(?::\w+)?\}")
 Method: TypeAlias = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
 
 
-class Role(IntEnum):
-    """Who may do it. Each role may do what those before it may."""
-
-    PUBLIC = 0  # without a log-in
-    VIEWER = 1
-    OPERATOR = 2
-    ADMIN = 3
-
-    def __str__(self) -> str:
-        """The name, in lower case."""
-        return self.name.lower()
-
-
 @dataclass(frozen=True, slots=True)
 class Caller:
-    """Who makes a request. `session` is the key of the log-in; empty of an API key, and of programs
-    of this computer while there is no administrator. `ambient`: a browser may send the request
-    without that its user wants it."""
+    """Who makes a request. `session` is the hash of the log-in, and empty without one; `key` the
+    hash of an API key, or empty. `address` is the key of the limiter."""
 
     name: str
     role: Role
     session: str = ""
-    ambient: bool = False
+    key: str = ""
+    address: str = ""
 
 
 Handler: TypeAlias = Callable[..., Awaitable[object]]
+
+
+def _body_of(response: Any) -> Any:
+    """The type of the body of an answer, which may have headers of its own."""
+    return get_args(response)[0] if get_origin(response) is Answer else response
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +129,7 @@ def operation(
             handler=handler,
             body=hints.get("body"),
             query=hints.get("query"),
-            response=None if response is type(None) else response,
+            response=None if response is type(None) else _body_of(response),
             parameters={parameter: hints[parameter] for parameter in given},
             errors=errors,
             consumes=consumes,

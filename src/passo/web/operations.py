@@ -6,23 +6,30 @@ from __future__ import annotations
 from types import ModuleType
 
 from passo.web.endpoints import (
+    accounts,
     console,
     emergency,
     fans,
+    files,
     heaters,
     history,
     job,
     machine,
+    session,
     status,
 )
 from passo.web.operation import Operation
+from passo.web.slicers import octoprint
 
 
 def _declared(module: ModuleType) -> list[Operation]:
     return [value for value in vars(module).values() if isinstance(value, Operation)]
 
 
-_MODULES = (status, machine, emergency, console, job, heaters, fans, history)
+_MODULES = (
+    *(status, machine, session, accounts, emergency, console, job, heaters, fans),
+    *(files, history, octoprint),
+)
 OPERATIONS: tuple[Operation, ...] = tuple(
     operation for module in _MODULES for operation in _declared(module)
 )

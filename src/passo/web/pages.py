@@ -17,23 +17,6 @@ if TYPE_CHECKING:
 _BUILT = Path(__file__).with_name("static")
 _INDEX = "index.html"
 _HASHED = "assets/"  # their names hold a hash of their content
-_CSP = "; ".join(
-    (
-        "default-src 'self'",
-        "script-src 'self'",
-        "style-src 'self'",
-        "object-src 'none'",
-        "base-uri 'none'",
-        "form-action 'self'",
-        "frame-ancestors 'none'",
-    )
-)
-_SECURITY = {
-    "Content-Security-Policy": _CSP,
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Referrer-Policy": "no-referrer",
-    "X-Content-Type-Options": "nosniff",
-}
 _NOT_BUILT = b"""<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
@@ -91,7 +74,7 @@ def _read(name: str, path: Path) -> _File:
 
 
 def _headers(kind: str, kept: str, tag: str) -> dict[str, str]:
-    return {"Content-Type": kind, "Cache-Control": kept, "ETag": tag, **_SECURITY}
+    return {"Content-Type": kind, "Cache-Control": kept, "ETag": tag}
 
 
 def _route(path: str, file: _File) -> Route:

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+from anyio import fail_after
 
 from passo.errors import WebError
 from passo.web.answers import JSON
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from passo.web.operation import Operation
 
+BODY_S = 20.0  # until a request in JSON is whole
 _AT = re.compile(r"(?P<what>.*?)(?: - at `(?:key in )?\$(?P<path>.*)`)?\Z", re.DOTALL)
 _STEP = re.compile(r"\.(\w+)|\[(\d+|\.\.\.)\]")
 
@@ -36,12 +38,16 @@ async def arguments(operation: Operation, request: Request) -> dict[str, Any]:
 
 
 async def limited(request: Request, most: int) -> bytes:
-    """The body of a request, of at most so many bytes. Raises WebError."""
+    """The body of a request, of at most so many bytes, within `BODY_S`. Raises WebError."""
     body = bytearray()
-    async for part in request.stream():
-        body += part
-        if len(body) > most:
-            raise WebError.of("web.too-large", limit=most)
+    try:
+        with fail_after(BODY_S):
+            async for part in request.stream():
+                body += part
+                if len(body) > most:
+                    raise WebError.of("web.too-large", limit=most)
+    except TimeoutError:
+        raise WebError.of("web.slow", limit=f"{BODY_S:g}") from None
     return bytes(body)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
@@ -12,7 +12,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from passo.errors import PassoError, WebError
-from passo.web.answers import json, refusal
+from passo.web.answers import Answer, json, refusal
 from passo.web.call import Call
 from passo.web.deltas import tree
 from passo.web.operation import Operation
@@ -57,8 +57,9 @@ class _Endpoint:
     async def _answer(self, operation: Operation, request: Request) -> Response:
         access = self._site.access
         try:
-            caller = access.caller(request)
+            caller = access.caller(request, writes=operation.writes)
             access.permit(caller, operation)
+            await access.used(caller)
             given = await arguments(operation, request)
             answer = await operation.handler(Call(self._site, caller, request), **given)
         except PassoError as error:
@@ -76,6 +77,9 @@ def _response(answer: object, status: int) -> Response:
         return answer
     if answer is None:
         return Response(status_code=204)
+    if isinstance(answer, Answer):
+        told = cast("Answer[object]", answer)
+        return json(tree(told.body), status, told.headers)
     return json(tree(answer), status)
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import uvicorn
 
 from passo.errors import InputError
+from passo.web.protocol import LimitedProtocol
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -72,6 +73,7 @@ class WebThread:
         """Serves an application on a socket that listens."""
         config = uvicorn.Config(
             app,
+            http=LimitedProtocol,
             lifespan="off",
             ws="websockets-sansio",
             ws_per_message_deflate=False,

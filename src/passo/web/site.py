@@ -7,14 +7,19 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from passo.web.access import Access
+    from passo.web.accounts.accounts import Accounts
     from passo.web.bridge import Bridge
+    from passo.web.files.uploads import Uploads
     from passo.web.temperature_history import TemperatureHistory
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """One printer, who may use it, and what is kept of its past."""
+    """One printer, who may use it, the uploads that are on their way to its card, and what is kept
+    of its past."""
 
     bridge: Bridge
+    accounts: Accounts
     access: Access
+    uploads: Uploads
     temperatures: TemperatureHistory

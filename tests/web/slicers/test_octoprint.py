@@ -1,13 +1,12 @@
 """What slicers of the host type OctoPrint ask, and what they get."""
 
 import pytest
-from starlette.testclient import TestClient
 from tests.web.fake_bridge import FakeBridge
+from tests.web.local_site import local_client
 from tests.web.slicers import recorded
 from tests.web.slicers.recorded import GCODE
 
 from passo.errors import CommandError
-from passo.web.app import web_app
 
 
 @pytest.fixture
@@ -17,7 +16,7 @@ def bridge(tmp_path):
 
 @pytest.fixture
 def client(bridge):
-    with TestClient(web_app(bridge), base_url="http://127.0.0.1:4000") as client:
+    with local_client(bridge) as client:
         yield client
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import sqlite3
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 _SCHEMA = """
 create table if not exists prints (
@@ -14,11 +17,15 @@ create table if not exists prints (
     ended text not null,      -- done, cancelled, failed; interrupted, also while it goes on
     print_s real not null,
     filament_mm real not null,
-    note text not null default ''  -- what went not so well
+    note text not null default '',  -- what went not so well
+    started_s real  -- the wall clock, in seconds since 1970
 )
 """
 _RUNS = "create table if not exists runs (id integer primary key, on_s real not null)"
-_NOTE = "alter table prints add column note text not null default ''"  # older bases lack it
+_LATER = {  # columns that older bases lack
+    "note": "alter table prints add column note text not null default ''",
+    "started_s": "alter table prints add column started_s real",
+}
 
 
 _TIMEOUT_S = 0.1  # with another one who writes: the printer waits meanwhile
@@ -36,10 +43,24 @@ class Totals:
     on_s: float  # that the printer was on, printing or not
 
 
+class PrintRow(NamedTuple):
+    """A print that is over; `started_s` is the wall clock, None if that is not known."""
+
+    file: str
+    size: int
+    started_s: float | None
+    ended: str
+    print_s: float
+    filament_mm: float
+    note: str
+
+
 class History:
     """The prints of one printer. Raises sqlite3.Error."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: Path, wall_s: Callable[[], float] = time.time) -> None:
+        """`wall_s` is the wall clock, in seconds since 1970."""
+        self._wall_s = wall_s
         directory.mkdir(parents=True, exist_ok=True)
         self._run: int | None = None  # row of this one
         self._base = sqlite3.connect(directory / "history.sqlite", timeout=_TIMEOUT_S)
@@ -54,10 +75,10 @@ class History:
         with self._base:
             self._base.execute(_SCHEMA)
             self._base.execute(_RUNS)
-            if not self._base.execute(
-                "select 1 from pragma_table_info('prints') where name = 'note'"
-            ).fetchone():
-                self._base.execute(_NOTE)
+            query = "select 1 from pragma_table_info('prints') where name = ?"
+            for name, addition in _LATER.items():
+                if not self._base.execute(query, (name,)).fetchone():
+                    self._base.execute(addition)
 
     def add(
         self,
@@ -73,9 +94,11 @@ class History:
         returns."""
         with self._base:
             return self._base.execute(
-                "insert or replace into prints (id, file, size, ended, print_s, filament_mm, note)"
-                " values (?, ?, ?, ?, ?, ?, ?)",
-                (row, file, size, ended, print_s, filament_mm, note),
+                "insert or replace into prints"
+                " (id, file, size, ended, print_s, filament_mm, note, started_s)"
+                " values (?, ?, ?, ?, ?, ?, ?,"
+                " coalesce((select started_s from prints where id = ?), ?))",
+                (row, file, size, ended, print_s, filament_mm, note, row, self._wall_s()),
             ).lastrowid
 
     def was_on(self, seconds: float) -> None:
@@ -97,14 +120,14 @@ class History:
         ).fetchone()
         return Totals(*row)
 
-    def last(self, most: int, but: int | None = None) -> list[tuple[str, str, float, str]]:
-        """The newest prints, `but` for that row: file, how it ended, print time in seconds, what
-        went not so well."""
-        return self._base.execute(
-            "select file, ended, print_s, note from prints where id is not ?"
-            " order by id desc limit ?",
+    def last(self, most: int, but: int | None = None) -> list[PrintRow]:
+        """The newest prints, `but` for that row."""
+        rows = self._base.execute(
+            "select file, size, started_s, ended, print_s, filament_mm, note from prints"
+            " where id is not ? order by id desc limit ?",
             (but, most),
-        ).fetchall()
+        )
+        return [PrintRow(*row) for row in rows]
 
     def forget(self) -> None:
         """All rows go."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.job.live.history import History
+from passo.job.live.history import History, PrintRow
 from passo.printer.wait_requests import Handler, Reply, Wait
 
 if TYPE_CHECKING:
@@ -134,6 +134,15 @@ class Statistics:
                 self._store()
             self._history.close()
 
+    def last(self, most: int) -> list[PrintRow]:
+        """The newest prints that are over. Raises CommandError."""
+        if self._history is None:
+            raise self._missing
+        try:
+            return self._history.last(most, self._job.row if self._job is not None else None)
+        except sqlite3.Error as error:
+            raise _unusable(None, error) from None
+
     def _statistics(self, command: Command, reply: Reply) -> Wait | None:
         """Never a reason for a print that asks to end."""
         if self._history is None:
@@ -160,10 +169,10 @@ class Statistics:
             f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
             f" filament: {totals.filament_mm / 1000:.2f}m",
         ]
-        for file, ended, seconds, note in last:
-            lines.append(f"echo:  {file}: {ended}, {spoken(seconds)}")
-            if note:
-                lines.append(f"echo:    {note}")
+        for row in last:
+            lines.append(f"echo:  {row.file}: {row.ended}, {spoken(row.print_s)}")
+            if row.note:
+                lines.append(f"echo:    {row.note}")
         return [*lines, f"echo:Power on: {spoken(totals.on_s)}"]
 
 

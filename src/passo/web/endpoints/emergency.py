@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from passo.web.call import Call
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
+from passo.web.roles import Role
 
 
 @operation("emergency.stop", "POST", "/stop", Role.OPERATOR)

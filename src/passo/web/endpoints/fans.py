@@ -9,7 +9,8 @@ from msgspec import Meta, Struct
 from passo.errors import WebError
 from passo.gcode.command import numeral
 from passo.web.call import Call
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
+from passo.web.roles import Role
 
 
 class FanSpeed(Struct, forbid_unknown_fields=True):

@@ -11,7 +11,8 @@ from passo.errors import WebError
 from passo.gcode.command import numeral
 from passo.printer.status import HeaterStatus
 from passo.web.call import Call
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
+from passo.web.roles import Role
 
 _COMMANDS = {"hotend": "M104 T", "bed": "M140 P", "chamber": "M141 P"}
 

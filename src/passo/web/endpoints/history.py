@@ -8,7 +8,8 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from passo.web.call import Call
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
+from passo.web.roles import Role
 
 
 class Span(Struct):

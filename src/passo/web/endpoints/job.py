@@ -5,7 +5,8 @@ from __future__ import annotations
 from msgspec import Struct
 
 from passo.web.call import Call
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
+from passo.web.roles import Role
 
 
 class FileToPrint(Struct, forbid_unknown_fields=True):

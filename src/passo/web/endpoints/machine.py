@@ -8,7 +8,8 @@ from msgspec import Struct
 
 from passo.config.heater_numbers import heater_of
 from passo.web.call import Call
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
+from passo.web.roles import Role
 
 
 class HeaterOfMachine(Struct):

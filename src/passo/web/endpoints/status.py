@@ -7,7 +7,8 @@ from msgspec import Struct
 from passo.printer.status import Status
 from passo.version import __version__
 from passo.web.call import Call
-from passo.web.operation import Role, operation
+from passo.web.operation import operation
+from passo.web.roles import Role
 
 
 class StatusNow(Struct):

@@ -1,0 +1,1 @@
+"""Accounts, log-ins and API keys of one web interface."""

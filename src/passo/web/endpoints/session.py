@@ -1,0 +1,188 @@
+"""Log-ins: the first administrator, in and out, one's own sessions."""
+
+from __future__ import annotations
+
+from typing import Annotated, TypeAlias
+
+from msgspec import Meta, Struct
+
+from passo.errors import WebError
+from passo.web.accounts.accounts import MAX_AGE_S, digest
+from passo.web.answers import Answer
+from passo.web.call import Call
+from passo.web.operation import operation
+from passo.web.roles import Role
+
+Name: TypeAlias = Annotated[str, Meta(pattern=r"^[A-Za-z0-9._@-]{1,64}$")]
+NewPassword: TypeAlias = Annotated[str, Meta(min_length=8, max_length=200)]
+GivenPassword: TypeAlias = Annotated[str, Meta(max_length=200)]
+
+
+class Administrator(Struct, forbid_unknown_fields=True):
+    """The first account. `code` is the one-time code of `passo serve`, where `code_needed`."""
+
+    name: Name
+    password: NewPassword
+    code: Annotated[str, Meta(max_length=32)] = ""
+
+
+class LogIn(Struct, forbid_unknown_fields=True):
+    """A name and its password."""
+
+    name: Annotated[str, Meta(max_length=64)]
+    password: GivenPassword
+
+
+class Password(Struct, forbid_unknown_fields=True):
+    """The password of the log-in."""
+
+    password: GivenPassword
+
+
+class PasswordChange(Struct, forbid_unknown_fields=True):
+    """The password of the log-in, and the one that replaces it."""
+
+    old: GivenPassword
+    new: NewPassword
+
+
+class Identity(Struct):
+    """Who the caller is. `role` is `public` without a log-in; `set_up`: there is an administrator;
+    `code_needed`: creating it takes the one-time code; `fresh`: the password was entered within the
+    last five minutes."""
+
+    name: str
+    role: str
+    set_up: bool
+    code_needed: bool
+    fresh: bool
+
+
+class LogInRecord(Struct):
+    """A log-in of an account, with times in seconds since 1970; `own` is the one that asks."""
+
+    id: str
+    account: str
+    started_s: float
+    used_s: float
+    own: bool
+
+
+@operation("session.get", "GET", "/session", Role.PUBLIC)
+async def identity(call: Call) -> Identity:
+    """Who the caller is, and whether there is an administrator yet."""
+    caller, accounts = call.caller, call.site.accounts
+    needed = not accounts.exist and call.site.access.needs_code(call.request)
+    fresh = accounts.fresh(caller.session)
+    return Identity(caller.name, str(caller.role), accounts.exist, needed, fresh)
+
+
+@operation(
+    "session.set_up",
+    "POST",
+    "/session/administrator",
+    Role.PUBLIC,
+    errors=("web.set-up", "web.code", "web.too-many", "web.accounts"),
+)
+async def set_up(call: Call, body: Administrator) -> Answer[Identity]:
+    """Creates the administrator, once, and logs in. From this computer; from elsewhere with the
+    one-time code that `passo serve` prints."""
+    code = body.code if call.site.access.needs_code(call.request) else None
+    accounts = call.site.accounts
+    token = await accounts.create_administrator(body.name, body.password, call.caller.address, code)
+    return _with_cookie(call, token)
+
+
+@operation(
+    "session.log_in",
+    "POST",
+    "/session",
+    Role.PUBLIC,
+    errors=("web.credentials", "web.too-many", "web.accounts"),
+)
+async def log_in(call: Call, body: LogIn) -> Answer[Identity]:
+    """Logs in: the answer sets a cookie."""
+    token = await call.site.accounts.log_in(body.name, body.password, call.caller.address)
+    return _with_cookie(call, token)
+
+
+@operation("session.log_out", "DELETE", "/session", Role.VIEWER, errors=("web.accounts",))
+async def log_out(call: Call) -> None:
+    """Ends the log-in of the cookie."""
+    if call.caller.session:
+        await call.site.accounts.end(call.caller.session)
+
+
+@operation(
+    "session.confirm",
+    "POST",
+    "/session/password",
+    Role.VIEWER,
+    errors=("web.credentials", "web.too-many", "web.not-found"),
+)
+async def confirm(call: Call, body: Password) -> None:
+    """Enters the password again, for operations that need it: for the next five minutes."""
+    accounts = call.site.accounts
+    await accounts.confirm(_own(call), body.password, call.caller.address)
+
+
+@operation(
+    "session.change_password",
+    "PUT",
+    "/session/password",
+    Role.VIEWER,
+    errors=("web.credentials", "web.too-many", "web.not-found", "web.accounts"),
+)
+async def change_password(call: Call, body: PasswordChange) -> None:
+    """Changes the password of one's own account, and ends its other log-ins."""
+    accounts, caller = call.site.accounts, call.caller
+    await accounts.change_own_password(_own(call), body.old, body.new, caller.address)
+
+
+@operation("session.list", "GET", "/sessions", Role.VIEWER)
+async def sessions(call: Call) -> list[LogInRecord]:
+    """One's own log-ins; for an administrator those of all accounts."""
+    return [
+        LogInRecord(s.hash[:16], s.account, s.started_s, s.used_s, s.hash == call.caller.session)
+        for s in call.site.accounts.sessions(_whose(call))
+    ]
+
+
+@operation(
+    "session.revoke",
+    "DELETE",
+    "/sessions/{id}",
+    Role.VIEWER,
+    errors=("web.not-found", "web.accounts"),
+)
+async def revoke(call: Call, id: str) -> None:
+    """Ends a log-in at once, one's own or, for an administrator, any."""
+    accounts = call.site.accounts
+    found = [s.hash for s in accounts.sessions(_whose(call)) if s.hash[:16] == id]
+    if not found:
+        raise WebError.of("web.not-found", value=f"log-in {id}")
+    await accounts.end(*found)
+
+
+def _own(call: Call) -> str:
+    if not call.caller.session:
+        raise WebError.of("web.not-found", value="log-in of this request")
+    return call.caller.session
+
+
+def _whose(call: Call) -> str | None:
+    return None if call.caller.role is Role.ADMIN else call.caller.name
+
+
+def _with_cookie(call: Call, token: str) -> Answer[Identity]:
+    """Who is logged in now, with the cookie."""
+    accounts, request = call.site.accounts, call.request
+    found = accounts.session(digest(token))
+    assert found is not None
+    account = found[1]
+    known = Identity(account.name, str(account.role), set_up=True, code_needed=False, fresh=True)
+    parts = [f"{accounts.cookie}={token}", f"Max-Age={MAX_AGE_S:.0f}"]
+    parts += [f"Path={request.scope.get('root_path', '') or '/'}", "HttpOnly", "SameSite=Strict"]
+    if request.headers.get("origin", "").startswith("https:"):
+        parts.append("Secure")
+    return Answer(known, {"Set-Cookie": "; ".join(parts)})
