@@ -1,4 +1,4 @@
-"""Commands that act when their line comes in, ahead of every queue."""
+"""Emergency parser: commands that act as soon as their line is received, before the queued ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE | re.ASCII)
 
 
 def halts(command: Command) -> bool:
-    """M112, also behind another command of its line, which may be refused."""
+    """True for M112, also after another command in its line, even if that one is refused."""
     if command.code == "M112":
         return True
     if command.name or "112" not in command.text:
@@ -39,15 +39,16 @@ def answers(command: Command) -> bool:
 
 @dataclass(slots=True)
 class _Answer:
-    """One of the lines in hand that end a wait for a user. `used`: it has ended a wait; `done`:
-    nothing is left to do when its turn comes."""
+    """A queued line that ends a wait for the user. `used`: it has ended a wait; `done`: nothing is
+    left to do when it is reached."""
 
     used: bool
     done: bool
 
 
 class EmergencyParser:
-    """Sees the lines of one console as they come in, before those in hand are done."""
+    """Looks at the lines of one console when they are received, before those in its queue are
+    done."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -58,11 +59,11 @@ class EmergencyParser:
         self._failures: deque[int] = deque()  # that those of LIFTS in hand may know of
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
-        """Acts on M108, M112, M410 and M876, and on what ends a host's pause, unless they are text
-        for a file that is open, or that a line in hand will open; `upload` is where lines go now.
-        In a file whose lines have numbers one without is no text. False for text; `reached` is to
-        be called for each other M28, M29, `answered` for each other one that `answers`, and
-        `outdated` for each other M922, M999.
+        """Acts on M108, M112, M410 and M876, and on commands that end the pause of a host, unless
+        they are text of an upload that is open, or that a queued line will open; `upload` is the
+        open one. In an upload with line numbers a line without one is a command. False for text.
+        For each command, call `reached` if it is M28 or M29, `answered` if it `answers`, and
+        `outdated` if it is M922 or M999, when the line is taken from the queue.
         """
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
@@ -83,16 +84,16 @@ class EmergencyParser:
         return True
 
     def reached(self) -> None:
-        """The turn of one of the M28 and M29 in hand has come."""
+        """A queued M28 or M29 is reached."""
         self._in_hand -= 1
 
     def answered(self) -> bool:
-        """The turn of a command that `answers` has come; True if it has acted already."""
+        """A queued command that `answers` is reached; True if it has acted already."""
         return self._answers.popleft().done
 
     def take_answer(self) -> bool:
-        """A wait for a user begins; True if an answer in hand ends it: one that came too early for
-        that, and has ended no other wait. Of M24 and M602 a paused file is still to go on."""
+        """A wait for the user begins; True if a queued answer ends it: one that was received too
+        early, and has ended no other wait. After M24 and M602 a paused file has still to resume."""
         answer = next((answer for answer in self._answers if not answer.used), None)
         if answer is None:
             return False
@@ -101,8 +102,8 @@ class EmergencyParser:
         return True
 
     def outdated(self) -> bool:
-        """The turn of one of LIFTS has come; True if something has failed since it came in: who
-        sent it did not know of that."""
+        """A queued M999 or M922 is reached; True if a failure occurred after it was received, of
+        which its sender did not know."""
         return self._failures.popleft() != self._printer.state.failures
 
     def _resume(self) -> bool:

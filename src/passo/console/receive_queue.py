@@ -1,7 +1,6 @@
-"""Lines that a console has sent and that are not carried out yet.
+"""Lines that a console has sent and that are not executed yet.
 
-Far more is taken in than a host should have under way, since only what was read can be seen to be
-an emergency stop. What is taken in is bounded all the same.
+The queue is long, since an emergency stop is seen only in a line that was read; but it is bounded.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ MAX_LINES = 1 << 15  # are in hand before the sender is held up
 MAX_BYTES = 1 << 20  # of text, likewise
 
 Heard = tuple[Line, Command, bool] | Refusal
-"""A line, its command, and whether `Ahead` saw it; or why it is none."""
+"""A line, its command, and whether `EmergencyParser.see` took it for one; or why it is refused."""
 
 
 class ReceiveQueue:
-    """A queue that knows when it holds enough."""
+    """A queue of lines with a limit, at which the sender is held up."""
 
     def __init__(self) -> None:
         self._lines: deque[Heard] = deque()
@@ -32,7 +31,7 @@ class ReceiveQueue:
 
     @property
     def room(self) -> int:
-        """Lines that a host may send without running far ahead."""
+        """Lines that a host should send before it waits for an `ok`."""
         return max(0, BACKLOG - len(self._lines))
 
     @property
@@ -46,12 +45,12 @@ class ReceiveQueue:
         return len(self._lines) <= MAX_LINES // 2 and self._bytes <= MAX_BYTES // 2
 
     def append(self, heard: Heard) -> None:
-        """What came last."""
+        """Adds a line at the end."""
         self._lines.append(heard)
         self._bytes += _size(heard)
 
     def popleft(self) -> Heard:
-        """What is next."""
+        """Removes and returns the first line."""
         heard = self._lines.popleft()
         self._bytes -= _size(heard)
         return heard

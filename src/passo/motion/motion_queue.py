@@ -1,4 +1,4 @@
-"""Print time, and what happens as it passes: the board is fed, plans are settled, waits end."""
+"""Print time, and what happens as it passes: boards get moves, plans are settled, waits end."""
 
 from __future__ import annotations
 
@@ -42,12 +42,13 @@ class Alarm:
 
 
 class MotionQueue:
-    """Lets print time pass on one board and one plan. One task runs `run`; all else is called from
-    the same event loop.
+    """Lets print time pass for the boards and the plan of one machine. One task runs `run`; other
+    calls come from the same event loop.
 
-    Time is the board's own, if that is live; else it is tied to the loop's, or `free`: then it
-    passes, as fast as it goes, only while something waits for it, or moves are left and no host has
-    spoken for a moment. While only a person is waited for it stands.
+    Print time follows the clock of a live board, or the event loop if boards are simulated. If it
+    is `free`, it passes as fast as it can, but only while a command waits for it, or while moves
+    are left and no host has sent a line for a moment. It does not pass while only the user is
+    waited for.
     """
 
     def __init__(
@@ -115,8 +116,8 @@ class MotionQueue:
 
     @property
     def idle(self) -> bool:
-        """Nothing moves or dwells, and nothing is about to; a command that came in just now may
-        have reserved the time to its first step."""
+        """Nothing moves or dwells, or will soon; a new command may have reserved the time until its
+        first step."""
         job, now = self._job, max(self.passed, 0)  # the job begins a moment after the boards
         if self.standing:
             return True
@@ -145,7 +146,8 @@ class MotionQueue:
         return ahead > BUFFER_S * self.hz or job.queued > MAX_QUEUED
 
     def before_moves(self) -> None:
-        """Call before anything is added to the plan: on a machine that stands it starts anew."""
+        """Call before adding to the plan: if the machine is idle, the plan starts again from
+        now."""
         self._heard_s = self._loop.time()
         job = self._job
         if job.queued == 0 and job.clock <= self.now + LEAD_S / 2 * self.hz:
@@ -153,7 +155,7 @@ class MotionQueue:
             self._first_move_s = self._heard_s
 
     def after_moves(self) -> None:
-        """Call when something was added to the plan."""
+        """Call after adding to the plan."""
         self._dirty = True
         self._woken.set()
 
@@ -163,8 +165,9 @@ class MotionQueue:
         speed_mm_s: float,
         within: Within = Within.LIMITS,
     ) -> bool:
-        """Adds a straight move to these places, by slot, in machine mm; what is not named stays.
-        False, and nothing moves, if it is too long or not `within` that: see the job's error."""
+        """Adds a straight move to these positions, by slot, in machine mm; other axes stay. False,
+        and nothing moves, if it is too long or not `within` the limits: see the error of the
+        job."""
         places = [target.get(slot, math.nan) for slot in range(SLOTS)]
         self.before_moves()
         reached = self._job.move_to(places, speed_mm_s, within)
@@ -180,13 +183,13 @@ class MotionQueue:
         self.after_moves()
 
     def replan(self) -> None:
-        """Plans anew, each move by its limits of now, what the board does not have yet."""
+        """Replans the moves that the board does not have yet, by the present limits."""
         self._job.replan_from(self._earliest())
         self._replanned()
 
     def shift(self, axis: int, mm: float) -> bool:
-        """All that the board does not have yet lies so much further along an axis. False if that
-        is out of range; the job's error says why."""
+        """Offsets along an axis all moves that the board does not have yet. False if that is out of
+        range; the error of the job says why."""
         self.before_moves()
         if self._job.shift_from(self._earliest(), axis, mm) is None:
             return False
@@ -194,15 +197,15 @@ class MotionQueue:
         return True
 
     def scale_flow(self, extruder: int, factor: float) -> None:
-        """What the board does not have yet, and all that follows, moves so much of an extruder's
-        filament for what the program means."""
+        """Sets the flow factor of an extruder, for the moves that the board does not have yet and
+        for all later ones."""
         self.before_moves()
         self._job.scale_flow_from(self._earliest(), extruder, factor)
         self._replanned()
 
     def record_at_once(self, target: int, value: int) -> float:
-        """Sets an output, by number, as early as the board can be told in time, but behind all
-        that is planned where that ends soon, as on a machine that stands. Returns the clock."""
+        """Sets an output, by number, as early as the board can get it in time, or after the plan if
+        that ends soon. Returns the clock."""
         job, clock = self._job, self._earliest()
         if job.queued == 0 and job.clock <= self.now + SOON_S * self.hz:
             clock = max(clock, job.clock + 1)
@@ -211,26 +214,26 @@ class MotionQueue:
         return clock
 
     def skip_dwell(self) -> None:
-        """Ends a dwell that is under way, as early as it can be taken back."""
+        """Ends the present dwell, as early as it can be revoked."""
         if self._job.skip_dwell_from(self._earliest()) is not None:
             self._replanned()
 
     def hold(self) -> None:
-        """Brakes to a stop on the path; what is left is held. A lit laser goes dark."""
+        """Brakes to a stop on the path and holds the rest of the plan. The laser goes off."""
         self.before_moves()  # where the machine stands, darkness must not come in the past
         self._job.hold_from(self._earliest())
         self._replanned()
 
     def stop(self, *, program: bool = True) -> None:
-        """Brakes to a stop on the path; what is left is forgotten, of a `program` its retraction
-        too. A lit laser goes dark."""
+        """Brakes to a stop on the path and forgets the rest of the plan; of a `program` its
+        retraction, too. The laser goes off."""
         self.before_moves()
         self._job.stop_from(self._earliest(), program)
         self._replanned()
 
     def use_commits(self, on: bool) -> None:
-        """Whether the boards brake by themselves when they are left alone, if they can: not while
-        switches are to stop motors, as axes home. Only while the machine stands."""
+        """Sets whether boards that can brake by themselves do so after a link loss: not while
+        endstops stop motors, as in homing. Only while the machine is idle."""
         if not self._connection.survives:
             return
         if on:
@@ -243,15 +246,15 @@ class MotionQueue:
         self.commits = on
 
     def recover_from(self, serial: int) -> bool:
-        """The boards have stopped by themselves behind a commit: all that was to follow is held.
-        False if that commit is not known."""
+        """The boards have stopped by themselves after a commit: holds the rest of the plan. False
+        if that commit is not known."""
         if self._job.recover_from(serial) is None:
             return False
         self._replanned()
         return True
 
     def release(self) -> None:
-        """Goes on with what is held."""
+        """Resumes the held plan."""
         if self._job.holds:
             self.on_motion()
         self.before_moves()
@@ -267,8 +270,8 @@ class MotionQueue:
         self._woken.set()
 
     async def until(self, condition: Callable[[], bool], *, idly: bool = False) -> None:
-        """Waits until the condition holds; it is looked at as time passes. `idly`: what it waits
-        for comes from elsewhere, so that free time may stand, once nothing moves."""
+        """Waits until the condition, which is checked as time passes, is true. `idly`: the
+        condition does not depend on print time, so free time need not pass once nothing moves."""
         if self._closed:
             raise asyncio.CancelledError
         if condition():
@@ -284,8 +287,8 @@ class MotionQueue:
                 self._waiting.remove(entry)
 
     def call_after(self, seconds: float, action: Callable[[], None]) -> Alarm | None:
-        """Calls an action once, after so much print time, where that does not follow the loop's
-        time; else None, for the loop's own timers do so."""
+        """Calls an action once after so much print time, if that is free; else returns None: use a
+        timer of the loop."""
         if not self._free:
             return None
         alarm = Alarm(self.now + round(seconds * self.hz), action)
@@ -293,12 +296,12 @@ class MotionQueue:
         return alarm
 
     def cancel(self, alarm: Alarm) -> None:
-        """Does not make that call, if it was not made yet."""
+        """Cancels that call, if it was not made yet."""
         if alarm in self._alarms:
             self._alarms.remove(alarm)
 
     def close(self) -> None:
-        """No time passes any more: the tasks that wait for it are cancelled."""
+        """Ends: cancels the tasks that wait for print time."""
         self._closed = True
         for _, future, _ in self._waiting:
             future.cancel()
@@ -309,7 +312,7 @@ class MotionQueue:
         await self.until(lambda: self.now >= end)
 
     async def run(self) -> None:
-        """Lets time pass until cancelled. Raises MachineError when the board fails."""
+        """Lets print time pass until cancelled. Raises MachineError when a board fails."""
         while True:
             if self._free:
                 await self._free_stride()
@@ -338,7 +341,8 @@ class MotionQueue:
             await either(self._woken, GATHER_S / 2 if moving else None)
 
     def await_answer(self) -> None:
-        """Time passes also where nothing waits for it, until the board has told that it stopped."""
+        """Lets time pass, even if nothing waits for it, until the board reports that it has
+        stopped."""
         self._awaited = True
         self._woken.set()
 
@@ -347,8 +351,8 @@ class MotionQueue:
         self._run(self.now)
 
     async def hear_stop(self) -> None:
-        """Lets time pass on the board, and no more, until it has told that it stopped: raises the
-        MachineError of that."""
+        """Lets time pass at the board only, until it reports that it has stopped: raises that
+        MachineError."""
         while True:
             self._run(self.now + int(TICK_S * self.hz))
             await asyncio.sleep(TICK_S)
@@ -367,7 +371,7 @@ class MotionQueue:
         self._connection.stand_by(max(self.base + self.now, self._connection.now))
 
     def live_on(self, seconds: float) -> None:
-        """So much time has passed at the boards, whatever has become of them and of their links."""
+        """Lets so much time pass at the boards, whatever their state and that of their links."""
         boards, until = self._connection, self._connection.now
         if not boards.live:  # questions may have let it run ahead of the loop's
             until = max(until + int(seconds * self.hz), self.base + self.now)
@@ -422,7 +426,7 @@ class MotionQueue:
             self._stop_clock = job.clock
 
     def _begin_in_time(self) -> None:
-        """After a stall of the program: what should begin about now, from rest, begins later."""
+        """After a stall of the program: moves from rest that should begin now begin later."""
         job = self._job
         if job.queued > 0 and job.rests and job.clock < self.now + MIN_LEAD_S * self.hz:
             job.wait_until(self.now + LEAD_S * self.hz)

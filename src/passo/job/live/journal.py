@@ -1,4 +1,4 @@
-"""The journal of a print: enough, at any moment, to go on after everything has stopped."""
+"""The journal of a print: the state needed to resume it after a crash or power loss."""
 
 from __future__ import annotations
 
@@ -44,12 +44,11 @@ def crc_of_macros(machine: MachineConfig) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """The file that is printed: its path on the card, and what tells it from another one. Beside
-    that what it was begun with: commands for the printer's `settings`, stored or not, and for its
-    `modes`, and where all axes were: of the machine with the offset of the tool in use, carried
-    out or not, and, with E, of the program. `changes` are those of both that consoles have made
-    since, each with the bytes that were read before. `macros` tells those of the machine file from
-    others (see `crc_of_macros`)."""
+    """The file that is printed: its path on the card, and marks to recognise it. Also the state at
+    its start: commands for the `settings` of the printer and for its `modes`, and the positions of
+    all axes: of the machine, with the offset of the tool in use, applied or not, and, with E, of
+    the program. `changes` are the settings and modes that consoles have changed since, each with
+    the bytes that were read before. `macros` is the `crc_of_macros` of the machine."""
 
     machine: str
     path: str

@@ -1,4 +1,4 @@
-"""What a print obeys, as far as its file alone does not tell it."""
+"""Overrides of a print that are not in its file: speed, flow, fans."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ _SET_BY = ("M106", "M107", "M220", "M221")
 
 
 def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
-    """What holds for what is read next, each a factor: "speed", "flow" with the extruder's number,
-    "fan" with its name."""
+    """The factors for the lines read next: "speed", "flow" with the number of the extruder, "fan"
+    with its name."""
     flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.flows)}
     fans = {f"fan {name}": commands.fans.get(name, 0.0) for name in commands.commanded_fans}
     return {"speed": job.speed_factor, **flows, **fans}
 
 
 def override(job: _core.Job, commands: Commands, name: str, factor: float) -> None:
-    """Sets one of them, for what is read next. What the machine does not have is left alone."""
+    """Sets one of them for the lines read next; nothing if the machine does not have it."""
     what, _, which = name.partition(" ")
     if what == "speed":
         job.set_speed_factor(factor)
@@ -39,8 +39,8 @@ def override(job: _core.Job, commands: Commands, name: str, factor: float) -> No
 
 
 class Overrides:
-    """Those that hold when the print from the card begins, and what consoles set since; each with
-    the bytes of the file that were read before. What the file itself sets is read again there."""
+    """The factors at the start of a print from the card, and those that consoles have set since;
+    each with the bytes of the file that were read before. Commands of the file are not included."""
 
     def __init__(self, printer: Printer, runner: Runner) -> None:
         self._printer, self._runner = printer, runner
@@ -49,7 +49,7 @@ class Overrides:
         printer.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
-        """A print begins, or goes on after an interruption."""
+        """A print begins, or resumes after an interruption."""
         self._seen = self._now()
         offset = self._runner.offset
         self.held = {name: (offset, factor) for name, factor in self._seen.items()}

@@ -1,4 +1,4 @@
-"""The beginning of a program, read for where it leaves the machine."""
+"""Scans a program up to a resume point to recover the state of machine and program there."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ class _Observed(Commands):
 
 
 class PreambleScan:
-    """The beginning of a program, `end` bytes of it, read without motion with the settings that the
-    printer has, what else it was begun with, and what consoles have changed: where the machine is
-    then (`job`), and in which state the program. `settings` are commands for what it has set of the
-    printer, other than offsets of axes: `homed_mm` as they were when it homed, `home_offset_mm`
-    those at its end. Raises CardError."""
+    """The first `end` bytes of a program, interpreted without motion, with the settings of the
+    printer, the state at the start of the print, and the changes by consoles since. `job` has the
+    position and the modal state at the end. `settings` are commands for the printer settings that
+    the program has changed, other than home offsets: `homed_mm` are those when it homed,
+    `home_offset_mm` those at the end. Raises CardError."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""What goes off when a printer stands idle: motors, heaters, a laser, all of it."""
+"""Idle timeouts: motors, heaters and laser go off; M85 halts the printer."""
 
 from __future__ import annotations
 
