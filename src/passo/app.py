@@ -80,8 +80,8 @@ def assembled(
 
 
 def _hold(printer: Printer, state: Path) -> None:
-    """The folder is this printer's alone, as long as it lives. Where that cannot be, whoever needs
-    it says so."""
+    """Locks the folder for this printer until it is closed. A folder that cannot be locked is
+    reported when it is used."""
     try:
         held = directory_held(state)
     except BlockingIOError:

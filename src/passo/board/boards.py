@@ -69,7 +69,7 @@ class Boards:
 
     @property
     def live(self) -> bool:
-        """Real time passes at the boards, whoever waits."""
+        """Real time passes at the boards, even if no caller waits."""
         return self.main.port.live
 
     @property

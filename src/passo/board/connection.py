@@ -43,7 +43,7 @@ LEAD_S = 0.25  # from a word to what it begins
 _FAREWELL_S = 0.6
 BRAKING_S = 10.0  # no machine brakes for longer
 LOOK_S = 0.05  # between two looks whether it stands
-ABSOLUTE_ZERO_C = -273.15  # hosts read it as a number, and nobody takes it for a temperature
+ABSOLUTE_ZERO_C = -273.15  # hosts read it as a number, and it is clearly no temperature
 _RESET_S = 0.05  # a board that was sent `reset` has begun to restart by then
 _REOPEN_S = 5.0  # and its port is back by then
 _RESPONSES_KEPT = 1024
@@ -99,9 +99,9 @@ class Connection:
     def connect(self, *, adopt: bool = False) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
 
-        A board that was in use is reset first, for nobody knows any more what it was doing. With
-        `adopt` one that outlived its host, and has the very configuration, stays as it is, but for
-        outputs other than heaters and motors; then `adopted` is true.
+        A board that was in use is reset first, since its state is unknown. With `adopt` one that
+        outlived its host, and has the very configuration, stays as it is, but for outputs other
+        than heaters and motors; then `adopted` is true.
         """
         self.begin(adopt=adopt and self.left_alone())
 
@@ -283,8 +283,7 @@ class Connection:
         return found
 
     def take_responses(self, *names: str) -> list[tuple[str, Values]]:
-        """Reports since the last call that nobody asked for, oldest first: those of these names, or
-        all."""
+        """Unsolicited reports since the last call, oldest first: those of these names, or all."""
         self._collect()
         taken = [r for r in self._responses if not names or r[0] in names]
         self._responses = [r for r in self._responses if names and r[0] not in names]
@@ -384,7 +383,8 @@ class Connection:
         return [o for o in self.board.outputs if o.name not in heated]
 
     def _switch_off_loads(self) -> None:
-        """Fans and the laser; motors stay on, lest they lose their place. A tone ends by itself."""
+        """Fans and the laser; motors stay on, so that they keep their position. A tone ends by
+        itself."""
         self._switch_off_lasers()
         for o in self._unheated():
             if o.kind == "digital" and o.cycle_ticks > 0 and o.max_duration_ticks == 0:
@@ -638,7 +638,7 @@ class Connection:
 
     def _collect(self) -> None:
         self._responses += self.link.take_responses()
-        del self._responses[:-_RESPONSES_KEPT]  # what nobody takes
+        del self._responses[:-_RESPONSES_KEPT]  # reports that no caller takes
 
     def silence(self, question: str) -> LinkLostError:
         """The board has left a question unanswered, perhaps because it has begun anew."""

@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 # acknowledgement.
 _TIMEOUT_S = 0.3
 _STEP_S = 0.01
-_MAX_LOST = 50  # answers one after the other, where somebody waits for them
+_MAX_LOST = 50  # answers one after the other, while a caller waits for them
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 
 @dataclass
 class DriverState:
     """One driver: what it is to be set to, the `failure` if it is not, and the `reading` when it
-    was last asked, `fresh` until somebody has looked at it."""
+    was last asked, `fresh` until it was read."""
 
     link: DriverLink
     settings: DriverSettings
@@ -70,7 +70,7 @@ class Drivers:
     """All drivers of a connection that have registers, by their motors.
 
     `configure` waits for the answers, before anything moves. After that everything is asked while
-    time passes elsewhere: whoever lets it pass calls `poll` now and then.
+    time passes elsewhere: the caller that lets it pass calls `poll` now and then.
     """
 
     def __init__(self, connection: Connection) -> None:

@@ -24,8 +24,8 @@ class LinkLostError(MachineError):
 
 
 class Port(Protocol):
-    """What a link can be attached to. `live`: real time passes at the board, whoever waits. A byte
-    takes `byte_s` seconds on the way, where that is known."""
+    """What a link can be attached to. `live`: real time passes at the board, even if no caller
+    waits. A byte takes `byte_s` seconds on the way, where that is known."""
 
     live: bool
     byte_s: float

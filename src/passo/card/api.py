@@ -20,7 +20,7 @@ _PIECE = 1 << 20
 
 
 def is_removed(error: CardError) -> bool:
-    """Whether the medium failed, so that nobody knows what of the last step it has kept."""
+    """True if the medium failed: how much of the last step it has kept is unknown."""
     return error.problems[0].code == "card.removed"
 
 

@@ -1,4 +1,4 @@
-"""The bytes below a file system: an image file or a block device, used by nobody else meanwhile."""
+"""The bytes below a file system: an image file or a block device, locked against other programs."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class Device:
 
     def flush(self) -> None:
         """A barrier: what was written before is on the medium before anything written later. Raises
-        CardError, also of an image that was deleted meanwhile: nobody would find it there."""
+        CardError, also for an image that was deleted meanwhile."""
         try:
             os.fdatasync(self._opened())
             if not os.fstat(self._opened()).st_nlink:

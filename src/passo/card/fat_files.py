@@ -20,7 +20,7 @@ _PIECE = 256 * 1024
 
 
 class Extents:
-    """The runs of neighbouring clusters of a file, followed as far as somebody has read."""
+    """The runs of neighbouring clusters of a file, followed as far as it was read."""
 
     def __init__(self, volume: Volume, first: int, size: int, path: str) -> None:
         self._volume = volume

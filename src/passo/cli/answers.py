@@ -29,7 +29,7 @@ class Answers:
         self._kept = deque(kept)  # not yet asked for
 
     def ask(self, question: str) -> str | None:
-        """One answer, without blanks around it; None when there is nobody to ask any more."""
+        """One answer, without blanks around it; None when the input has ended."""
         print(question, end="", flush=True)
         if self._kept:
             print(self._kept[0])

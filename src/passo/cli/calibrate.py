@@ -142,8 +142,8 @@ def _check_order(before: Point, point: Point) -> None:
 
 
 def _round(answers: Answers, heats: str, ladder: range) -> tuple[list[Point], bool]:
-    """The points of one round, and whether there is nobody to ask any more. `heats`: see
-    `_heats`. It ends where the true temperature would be above what the ladder ends with."""
+    """The points of one round, and whether the input has ended. `heats`: see `_heats`. It ends
+    where the true temperature would be above what the ladder ends with."""
     print(f"\nRound in steps of {ladder.step} °C")
     points: list[Point] = []
     at = 0

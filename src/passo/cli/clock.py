@@ -48,7 +48,7 @@ class Pace:
 
     @property
     def every_s(self) -> float:
-        """Print time after which to look again, lest the machine work in bursts."""
+        """Print time after which to look again, so that the machine does not work in bursts."""
         return inf if self._scale is None else _LOOK_S * self._scale
 
     def keep(self, print_s: float) -> None:

@@ -282,7 +282,7 @@ async def _serve(
             if address and (code := printer.one_time_code):
                 _tell_of_administrator(address, code, kept=arguments.state is not None)
             if arguments.stdin:
-                alone = places == [address] and arguments.http is None  # nobody asked for the web
+                alone = places == [address] and arguments.http is None  # the web was not asked for
                 over = printer.end if alone or not places else _go_on_serving
                 places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
             print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)

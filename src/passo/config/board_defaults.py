@@ -120,7 +120,7 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         if name is None:
             return
         on = placed(name)[0]
-        # Elsewhere nobody has meant anything for this part.
+        # Elsewhere there is no binding for this part.
         if original is not None and placed(original)[0] != on:
             original = None
         own = None if original is None else machine.pin(original)

@@ -290,7 +290,7 @@ def _resolved(value: Any, names: Mapping[str, str]) -> Any:
 
 
 def known_pins(board: Mapping[str, Any]) -> set[str]:
-    """The pins of the board's microcontroller, or of its dictionary; empty if nobody knows."""
+    """The pins of the board's microcontroller, or of its dictionary; empty if unknown."""
     mcu = board.get("mcu")
     if isinstance(mcu, str) and mcu in chip_names():
         return set(chip(mcu).pins)

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 Raw = Mapping[str, Any]
 
-# Of a cycle of pulses, lest its two interrupts stand in the way of the motors' steps: at 16 MHz
-# that is 250 Hz.
+# Of a cycle of pulses, so that its two interrupts do not delay steps of motors: at 16 MHz that is
+# 250 Hz.
 _MIN_CYCLE_TICKS = 64_000
 
 

@@ -19,7 +19,7 @@ _ASSUMED = {"hotend": "a hotend of 40 W", "bed": "a bed of 200 W", "chamber": "a
 
 
 def unchecked_boards(machine: MachineConfig) -> list[str]:
-    """The tables of boards whose pins nobody knows: neither their chip nor a dictionary is."""
+    """The tables of boards whose pins are unknown: neither chip nor dictionary is known."""
     return [
         key_text(section(name))
         for name, board in machine.all_boards.items()

@@ -390,7 +390,7 @@ class _Owners:
         return Finding("config.conflict", claim.path, claim.written, limit)
 
     def _offer(self, able: list[str]) -> str:
-        """The pins among `able` that nobody has, under their names on the board."""
+        """The free pins among `able`, under their names on the board."""
         printed: dict[str, str] = {}
         for name, pin in self.names.items():
             printed.setdefault(bare(str(pin)), name)

@@ -135,8 +135,8 @@ class JobCommands:
     def _stand_by(
         self, text: str, words: Mapping[str, float], reply: Reply, *, by_file: bool = False
     ) -> Wait | None:
-        """A file pauses and parks, whoever says so; in its pause the nozzle only leaves the place
-        where it stands. A host that prints is asked to pause, and waits. `by_file`: see
+        """A file pauses and parks, on a command of any console; in its pause the nozzle only leaves
+        the place where it stands. A host that prints is asked to pause, and waits. `by_file`: see
         `Runner.pause`."""
 
         def gone() -> bool:
@@ -168,7 +168,7 @@ class JobCommands:
 
     @property
     def _asks(self) -> bool:
-        """The file's pause has asked somebody to go on."""
+        """The pause of the file waits for the user."""
         person = self._printer.prompts
         return self._runner.state is JobState.PAUSED and person.asking and not person.awaited
 

@@ -38,7 +38,7 @@ class Listeners:
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """A command that was not carried out."""
-        # Not as CommandError: whoever takes that in says it again, here.
+        # Not as CommandError, which would be reported a second time.
         raise InputError.of("job.failed", value=text.rstrip("."))
 
 

@@ -162,7 +162,7 @@ class Session:
             self._upload = None
         if self._working:
             if self._printer.waits.person:
-                self._printer.targets.cooled_c.clear()  # nobody is there for whom to warm up
+                self._printer.targets.cooled_c.clear()  # no client is left to warm up for
             self._printer.waits.end()  # cutting it off would leave a machine that moves
         elif self._task is not None:
             self._task.cancel()

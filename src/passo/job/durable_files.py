@@ -30,8 +30,8 @@ def replaced(path: Path) -> Generator[Path, None, None]:
 
 
 def directory_held(path: Path) -> int | None:
-    """A descriptor of a directory, which is made if need be; until it is closed nobody else holds
-    that. None where it cannot be opened or held. Raises BlockingIOError: somebody holds it."""
+    """A descriptor that locks a directory, which is made if need be, until it is closed. None where
+    it cannot be opened or locked. Raises BlockingIOError if another process has the lock."""
     try:
         path.mkdir(parents=True, exist_ok=True)
         directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY)

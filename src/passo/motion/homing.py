@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _REST_S = 0.001  # the board looks at a switch at least this often
 _ARMED_S = 0.005  # switches count from so long before the first step
-_FULL_TURN = 360.0  # of an arm whose range nobody has told
+_FULL_TURN = 360.0  # of an arm whose range is not given
 _OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
 SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
 
@@ -353,7 +353,7 @@ class Homer:
         self._interrupts.raise_if_interrupted()
 
     async def _still(self) -> None:
-        """Until the machine stands, which somebody may make it do early."""
+        """Waits until the machine is idle, which a stop may bring about early."""
         queue = self._rig.queue
         await queue.until(lambda: queue.standing or self._interrupts.interrupted)
         if not queue.standing:

@@ -64,7 +64,7 @@ class Positions:
         self.settled = True
 
     def loosen(self) -> None:
-        """Motors of axes are off: somebody may move them, and the counts do not tell."""
+        """Motors of axes are off: they may be moved by hand, and step counts do not show it."""
         axes = self._machine.axes
         self.held = False
         self.settlings += 1

@@ -35,7 +35,7 @@ _IN_THEIR_TURN = ("M25", "M112", "M410", "M524")
 class Dispatch:
     """Commands of several sources, for one printer. To be used within one event loop.
 
-    `immediate` are the commands that act at once, whoever moves the machine; those of
+    `immediate` are the commands that act at once, during moves of any source; those of
     `beside_only` do so only beside a print. Immediate ones that change the plan are `of_plan`.
     `planned` take their place on the timeline or wait for the machine. Handlers may be added before
     the first command.

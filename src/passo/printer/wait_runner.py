@@ -215,7 +215,7 @@ class WaitRunner:
             await rig.queue.until(there)
         finally:
             self.heating = False
-        # The link's thread may have seen a fault of which nobody has been told yet.
+        # The thread of the link may have found a fault that is not reported yet.
         for name, heater in heaters.items():
             if heater.fault is not None and not state.halted:
                 raise CommandError([HeaterFault.of(name, heater.fault).problem])

@@ -95,7 +95,7 @@ def missing(parts: Parts, chip: Chip) -> int | None:
 
 def hole(parts: Parts) -> int | None:
     """The first address that the parts leave out between them, None if there is none. What a linker
-    leaves out to align the next part counts as there: nobody reads it."""
+    leaves out to align the next part counts as there: it is never read."""
     ordered = sorted((address, address + len(content)) for address, content in parts)
     end = ordered[0][1]
     for first, behind in ordered:

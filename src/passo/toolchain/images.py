@@ -59,7 +59,7 @@ def read_about(image: Path) -> About | None:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """An image that may be flashed: what it carries, if it does, and what nobody knows of it."""
+    """An image that may be flashed: what it carries, if it does, and what is unknown of it."""
 
     carried: Carried | None
     unknown: tuple[str, ...]

@@ -55,8 +55,7 @@ def spi_write(register: int, value: int) -> bytes:
 
 
 def spi_value(data: bytes) -> int | None:
-    """The value in what came back; None if nobody drove the line, which then is
-    high."""
+    """The value in what came back; None if no chip drove the line, which then is high."""
     if len(data) != SPI_BYTES or data == b"\xff" * SPI_BYTES:
         return None
     return int.from_bytes(data[1:], "big")

@@ -93,7 +93,7 @@ class StreamWire(asyncio.Protocol):
         self.writer = None  # a transport that has closed itself cannot be closed again
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
-        """Sends bytes; drops them where nobody reads."""
+        """Sends bytes; drops them where no client reads."""
         if self.writer is None or self.writer.is_closing():
             return
         waiting = self.writer.get_write_buffer_size()
@@ -110,7 +110,7 @@ class StreamWire(asyncio.Protocol):
             self.reader.resume_reading()
 
     def close(self) -> None:
-        """Ends the session; what nobody has read is dropped."""
+        """Ends the session; what was not read is dropped."""
         if self.reader is not None:
             self.reader.close()
         if self.writer is not None:

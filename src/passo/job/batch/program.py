@@ -76,11 +76,11 @@ def read_program(
 ) -> Iterator[None]:
     """Feeds the pieces to the job and its commands to the printer, to the end.
 
-    Yields whenever the job has made progress or has as many messages as it may; whoever takes them
-    does so then. At the last yield the job is flushed. Commands that are refused become warnings.
-    Raises InputError with `name` as the file, for words without a number, too, and where the
-    commands do not let a refused one pass. `unsurveyed`: what lines of macros may leave out, which
-    no survey has seen.
+    Yields whenever the job has made progress or has as many messages as it may; the caller that
+    takes them does so then. At the last yield the job is flushed. Commands that are refused become
+    warnings. Raises InputError with `name` as the file, for words without a number, too, and where
+    the commands do not let a refused one pass. `unsurveyed`: what lines of macros may leave out,
+    which no survey has seen.
     """
     status = _core.JobStatus
     source = iter(pieces)

@@ -51,7 +51,7 @@ class HostPause:
             await self._leave_and_return(self._park, text, words, gone, rearms=rearms)
         except BaseException:
             if printer.job.suspended:
-                printer.job.forget_suspended()  # nobody will go on with it
+                printer.job.forget_suspended()  # it will not be resumed
             raise
         printer.resume_job()
         printer.tell("// action:resume")

@@ -151,7 +151,7 @@ class Park:
 
     async def _melt(self) -> None:
         """What could push filament when it was left waits until it can again: what is planned is
-        not asked. Raises CommandError where nobody heats its hotend."""
+        not asked. Raises CommandError if its hotend is not heated."""
         printer = self._printer
         if not self._warm or not printer.job.suspended or printer.can_extrude():
             return

@@ -1,4 +1,4 @@
-"""How far a print is: its time, its layers, its filament, whoever prints it."""
+"""Progress of a print: time, layers and filament, from the card or from a host."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ class Statistics:
         if self._history is not None:
             if self._job is not None:
                 self._note(self._job, "interrupted")
-            with suppress(sqlite3.Error):  # nobody is left to be told; the last minutes are missing
+            with suppress(sqlite3.Error):  # no console is left; the last minutes are missing
                 self._store()
             self._history.close()
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_AGAIN_S = 0.5  # between two tries; whoever hears the first has answered by the second
+_AGAIN_S = 0.5  # between two tries; a board that receives the first has answered by the second
 
 
 async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:

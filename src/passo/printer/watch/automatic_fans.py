@@ -16,7 +16,7 @@ _STAYS_C = 2.0  # so much below its threshold a fan goes off again
 
 class AutomaticFans:
     """The fans of one printer that follow something: fully on, as far as `max_power` lets them,
-    while their heater is above its threshold, or has failed, for nobody knows then how hot it is;
+    while their heater is above its threshold, or has failed, since its temperature is then unknown;
     and while any of their motors is on, and a while longer. A halted board has all its outputs off.
     """
 
