@@ -106,7 +106,7 @@ def test_a_print_is_started_paused_resumed_and_cancelled(tmp_path):
         await bridge.cancel_print()
         await asyncio.sleep(5)
         status = bridge.latest().status
-        assert (status.job, status.last_job) == (None, "cancelled")
+        assert status.job is None and status.ended.outcome == "cancelled"
 
     bridged(test, tmp_path)
 

@@ -15,12 +15,13 @@ from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
     AxisStatus,
     BoardStatus,
+    Coord,
     HeaterStatus,
     MotionStatus,
     PrinterState,
     Status,
 )
-from passo.web.bridge import Listener, PastPrint, SettingValue, Snapshot
+from passo.web.bridge import Hearer, Listener, PastPrint, SettingValue, Snapshot
 
 STATUS = Status(
     state=PrinterState.IDLE,
@@ -35,7 +36,21 @@ STATUS = Status(
     },
     fans={"part": 0.0},
     speed_factor=1.0,
-    motion=MotionStatus(0.0, 0.0, 0.0, 200.0, 3000.0, True, True, 50.0, True),
+    motion=MotionStatus(
+        0.0,
+        0.0,
+        0.0,
+        200.0,
+        3000.0,
+        True,
+        True,
+        50.0,
+        True,
+        Coord(10.0, 20.0, 0.35, 1.5),
+        Coord(10.0, 20.0, 0.3, 1.5),
+        0.0,
+        0.02,
+    ),
     axes={
         "x": AxisStatus(10.0, 10.0, True, 0.0, 250.0),
         "y": AxisStatus(20.0, 20.0, True, 0.0, 220.0),
@@ -97,9 +112,18 @@ class FakeBridge:
         self.line_listeners.append(call)
         return lambda: self.line_listeners.remove(call)
 
-    async def run(self, script: str, *, sender: str = "") -> tuple[str, ...]:
+    async def run(
+        self, script: str, heard: Hearer | None = None, *, sender: str = ""
+    ) -> tuple[str, ...]:
         self.senders.append(sender)
-        return self._answer(script)
+        answer = self._answer(script)
+        for line in answer if heard else ():
+            heard(line)
+        return answer
+
+    async def endstops(self) -> dict[str, bool]:
+        self._answer("endstops")
+        return {"x": False, "y": False, "z": True}
 
     def emergency_stop(self) -> None:
         self.asked.append("emergency stop")

@@ -109,7 +109,7 @@ class Dispatch:
             self.select(console=True)
             commands = self._rig.commands
             text = commands.macros.delayed(
-                self._rig.job, name, commands.status(), lambda text: _respond(reply, text)
+                name, commands.status(), lambda text: _respond(reply, text)
             )
             self._rig.job.insert(text.encode("utf-8", "surrogateescape"))
 

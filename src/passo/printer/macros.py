@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.printer.klipper_objects import Object, Objects, ProgramState, objects
+from passo.printer.klipper.objects import Object, Objects, objects
 
 if TYPE_CHECKING:
     from passo import _core
@@ -92,17 +92,17 @@ class Macros:
             "variables": deepcopy(self.variables[code]),
         }
         gcode = self._machine.macros[code].gcode
-        text = self._render(code, gcode, values, self._tree(job, status), budget, respond)
+        text = self._render(code, gcode, values, self._tree(status), budget, respond)
         if self.watch is not None:
             self.watch(command, text)
         job.insert(text.encode("utf-8", "surrogateescape"))
 
-    def delayed(self, job: _core.Job, name: str, status: Status, respond: Respond) -> str:
+    def delayed(self, name: str, status: Status, respond: Respond) -> str:
         """The lines of delayed G-code. Raises as `expand`."""
         from passo.gcode.template import Budget
 
         text = self._machine.delayed_gcode[name].gcode
-        tree = self._tree(job, status)
+        tree = self._tree(status)
         budget = self._budgets[True] = Budget()
         return self._render(f"delayed_gcode.{name}", text, {}, tree, budget, respond)
 
@@ -166,9 +166,8 @@ class Macros:
         except _Raised as raised:
             raise CommandError.of("macro.raised", axis=name, value=str(raised)) from None
 
-    def _tree(self, job: _core.Job, status: Status) -> _Tree:
-        program = ProgramState.of(job, status.homed)
-        return _Tree(objects(self._machine, status, program, deepcopy(self.variables)))
+    def _tree(self, status: Status) -> _Tree:
+        return _Tree(objects(self._machine, status, deepcopy(self.variables)))
 
 
 def _raise_error(message: object = "") -> str:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from passo.config.motor_roles import axis_order
+from passo.motion.axis_slots import E, X, Y, Z
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -91,12 +92,22 @@ class AxisStatus:
     babystep_mm: float = 0.0
 
 
+class Coord(NamedTuple):
+    """A position in mm, as `.x` and as `[0]`."""
+
+    x: float
+    y: float
+    z: float
+    e: float
+
+
 @dataclass(frozen=True, slots=True)
 class MotionStatus:
     """How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
-    filament; `queued_s` is how much motion is planned. `max_speed_mm_s` and `max_accel_mm_s2` are
-    the limits of the path. `absolute`, `absolute_e` and `feedrate_mm_s` are those that the next
-    move of the program has."""
+    filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
+    `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path. `absolute`,
+    `absolute_e` and `feedrate_mm_s` are those that the next move of the program has, and it begins
+    at `end_mm` of the machine, which is `program_end_mm` of the program."""
 
     speed_mm_s: float
     filament_mm_s: float
@@ -107,6 +118,39 @@ class MotionStatus:
     absolute_e: bool
     feedrate_mm_s: float
     motors_on: bool
+    end_mm: Coord
+    program_end_mm: Coord
+    minimum_cruise_ratio: float
+    junction_deviation_mm: float
+
+    @classmethod
+    def of(
+        cls,
+        job: _core.Job,
+        *,
+        speed_mm_s: float = 0.0,
+        filament_mm_s: float = 0.0,
+        queued_s: float = 0.0,
+        motors_on: bool = True,
+    ) -> MotionStatus:
+        """That of a job now; what the job does not know is given."""
+        machine, program = job.machine_position, job.program_position
+        absolute, absolute_e, feed_mm_s = job.modal
+        return cls(
+            speed_mm_s=speed_mm_s,
+            filament_mm_s=filament_mm_s,
+            queued_s=queued_s,
+            max_speed_mm_s=job.limit("speed"),
+            max_accel_mm_s2=job.limit("print_accel"),
+            absolute=absolute,
+            absolute_e=absolute_e,
+            feedrate_mm_s=feed_mm_s if isfinite(feed_mm_s) else 0.0,
+            motors_on=motors_on,
+            end_mm=Coord(machine[X], machine[Y], machine[Z], machine[E]),
+            program_end_mm=Coord(program[X], program[Y], program[Z], program[-1]),
+            minimum_cruise_ratio=job.limit("minimum_cruise_ratio"),
+            junction_deviation_mm=job.limit("junction_deviation"),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,11 +179,21 @@ class FaultStatus:
 
 @dataclass(frozen=True, slots=True)
 class FilesStatus:
-    """The card: whether it is mounted, and the path of the file that is selected to print, or
-    empty."""
+    """The card: whether it is mounted, the path of the file that is selected to print, or empty,
+    and the folder that is the card, or empty."""
 
     mounted: bool
     selected: str
+    folder: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class EndedJob:
+    """A print that is over: done, cancelled or failed, why it failed, and how far it was."""
+
+    outcome: str
+    reason: str
+    job: JobStatus
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +204,8 @@ class Status:
     moves or heats, or is empty, and `faults` the same as errors of the catalogue; `link` is a name
     of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of a
     print that is done, also of a host's that reports it (M73, M532); `job` is None while no file is
-    printed; `last_job` is how the last one ended (done, cancelled, failed), or empty.
+    printed; `ended` is the last print, until another file is selected; `started`: the boards have
+    started at least once; `macros` are the variables of the macros, by name.
     """
 
     state: PrinterState
@@ -173,7 +228,9 @@ class Status:
     files: FilesStatus = FilesStatus(mounted=False, selected="")
     progress: float | None = None
     job: JobStatus | None = None
-    last_job: str = ""
+    ended: EndedJob | None = None
+    started: bool = True
+    macros: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
 
 
 def planned_status(
@@ -186,7 +243,6 @@ def planned_status(
     them, count as reached."""
     reached = {name: targets_c.get(name, 0.0) for name in machine.heaters}
     axes, locked = axis_order(machine.axes), job.locked_axes
-    absolute, absolute_e, feed_mm_s = job.modal
     return Status(
         state=PrinterState.PRINTING,
         halted="",
@@ -197,17 +253,7 @@ def planned_status(
         heaters={name: HeaterStatus(c if c > 0 else None, c, 0.0) for name, c in reached.items()},
         fans={name: fans.get(name, 0.0) for name in machine.fans},
         speed_factor=job.speed_factor,
-        motion=MotionStatus(
-            speed_mm_s=0.0,
-            filament_mm_s=0.0,
-            queued_s=0.0,
-            max_speed_mm_s=job.limit("speed"),
-            max_accel_mm_s2=job.limit("print_accel"),
-            absolute=absolute,
-            absolute_e=absolute_e,
-            feedrate_mm_s=feed_mm_s if isfinite(feed_mm_s) else 0.0,
-            motors_on=True,
-        ),
+        motion=MotionStatus.of(job),
         axes={},
         boards={},
         flow_factors=list(job.flows),

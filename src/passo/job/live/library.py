@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.card import Card, Entry, Writer, open_card
@@ -25,10 +26,12 @@ _DEEPEST = 8  # directories that a list goes down
 
 class Library:
     """The card of one printer and what is selected of it to print. `path` is the card; None: there
-    is none. Paths are absolute on the card, or `file:///…` of this computer."""
+    is none. `folder` is that of a card which is a folder. Paths are absolute on the card, or
+    `file:///…` of this computer."""
 
     def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
         self._printer, self._runner, self._path = printer, runner, path
+        self.folder = None if path is None or not Path(path).is_dir() else Path(path).resolve()
         self._card: Card | None = None
         self._released = False
         self._selected: Entry | None = None

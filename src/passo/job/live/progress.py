@@ -71,6 +71,7 @@ class Progress:
         self._from_card: Print | None = None
         self._loop = asyncio.get_running_loop()
         self._begun_s: float | None = None  # host time, of that
+        self._last = 0.0, 0.0  # elapsed s and filament mm of the last one
         self._failed: Print | None = None  # the last one from the card, if so it ended
         self._from_host: Print | None = None  # that says by itself when it begins and ends
         self.percent: float | None = None
@@ -93,6 +94,7 @@ class Progress:
         if self._from_card is not None:
             self._watch.pause()
             if state is not JobState.PAUSED:
+                self._last = self.elapsed_s, self.filament_mm
                 job, self._from_card, self._begun_s = self._from_card, None, None
                 self._statistics.ended(job, self._runner.ended)
                 if self._runner.ended != "done" and self._forecast is not None:
@@ -166,14 +168,14 @@ class Progress:
 
     @property
     def elapsed_s(self) -> float:
-        """Host time since the print that is under way began, with its pauses; 0 without one."""
-        return 0.0 if self._begun_s is None else self._loop.time() - self._begun_s
+        """Host time of the print that is under way, or was the last, with its pauses."""
+        return self._last[0] if self._begun_s is None else self._loop.time() - self._begun_s
 
     @property
     def filament_mm(self) -> float:
-        """What all extruders have pushed for the print that is under way; 0 without one."""
+        """What all extruders have pushed for the print that is under way, or was the last."""
         job = self._from_card
-        return 0.0 if job is None else self._printer.filament_mm() - job.filament_mm
+        return self._last[1] if job is None else self._printer.filament_mm() - job.filament_mm
 
     @property
     def layers(self) -> int | None:

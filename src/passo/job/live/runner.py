@@ -63,7 +63,7 @@ class Runner:
         self._state = JobState.NONE
         self.watchers: list[Callable[[JobState, JobState], None]] = []  # of what was, and is
         self.name = self.path = ""
-        self.ended = ""  # done, cancelled or failed: the last print
+        self.ended = ""  # done, cancelled or failed: the last print of the selected file
         printer.state.busy = lambda: self.active
         printer.lateness.program = lambda: self.name if self.active else ""
         printer.state.stop_listeners.append(self._stopped)
@@ -146,7 +146,7 @@ class Runner:
         self._again = False
         if self._reader:
             self._reader.close()
-        self.name, self.path, self._reader = name, path, reader
+        self.name, self.path, self._reader, self.ended = name, path, reader, ""
         self._enter(JobState.READY)
         self._rewind(0)
 
@@ -156,7 +156,7 @@ class Runner:
         self._again = False
         if self._reader:
             self._reader.close()
-        self.name, self.path, self._reader = "", "", None
+        self.name, self.path, self._reader, self.ended = "", "", None, ""
         self._enter(JobState.NONE)
 
     def exchange(self, reader: Reader) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot, isfinite
+from copy import deepcopy
+from math import hypot
 from typing import TYPE_CHECKING
 
 from passo.board.connection import ABSOLUTE_ZERO_C
@@ -14,6 +15,7 @@ from passo.motion.axis_slots import E, slot_of_axis
 from passo.printer.status import (
     AxisStatus,
     BoardStatus,
+    EndedJob,
     FaultStatus,
     FilesStatus,
     HeaterStatus,
@@ -47,6 +49,8 @@ class StatusReader:
         self._printer, self._runner, self._progress = printer, runner, progress
         self._objects, self._library = objects, library
         self._letters = axis_order(printer.machine.axes)
+        self._ended: EndedJob | None = None
+        runner.watchers.append(self._job_changed)
 
     def read(self) -> Status:
         """The printer now."""
@@ -71,11 +75,19 @@ class StatusReader:
             link=printer.supervisor.link.name.lower(),
             message=printer.prompts.message,
             power_supply=printer.power_supply.on,
-            files=FilesStatus(self._library.mounted, self._runner.path),
+            files=FilesStatus(
+                self._library.mounted, self._runner.path, str(self._library.folder or "")
+            ),
             progress=self._progress.share_done(),
             job=self._job(),
-            last_job=self._runner.ended,
+            ended=self._ended if self._runner.ended else None,
+            started=printer.state.start_failure is None,
+            macros=deepcopy(printer.rig.macros.variables),
         )
+
+    def _job_changed(self, was: JobState, state: JobState) -> None:
+        if was.active and not state.active:
+            self._ended = EndedJob(self._runner.ended, self._runner.failed, self._job_status())
 
     def _state(self) -> PrinterState:
         printer = self._printer
@@ -89,18 +101,13 @@ class StatusReader:
         return PrinterState.BUSY if busy else PrinterState.IDLE
 
     def _motion(self) -> MotionStatus:
-        printer, job = self._printer, self._printer.job
-        absolute, absolute_e, feed_mm_s = job.modal
+        printer = self._printer
         nozzle, filament = self._speeds()
-        return MotionStatus(
+        return MotionStatus.of(
+            printer.job,
             speed_mm_s=nozzle,
             filament_mm_s=filament,
             queued_s=max(printer.queue.ahead_s, 0.0),
-            max_speed_mm_s=job.limit("speed"),
-            max_accel_mm_s2=job.limit("print_accel"),
-            absolute=absolute,
-            absolute_e=absolute_e,
-            feedrate_mm_s=feed_mm_s if isfinite(feed_mm_s) else 0.0,
             motors_on=bool(printer.motors.on),
         )
 
@@ -149,9 +156,10 @@ class StatusReader:
         }
 
     def _job(self) -> JobStatus | None:
+        return self._job_status() if self._runner.active else None
+
+    def _job_status(self) -> JobStatus:
         runner, progress = self._runner, self._progress
-        if not runner.active:
-            return None
         job, now = self._printer.job, self._printer.queue.passed
         line = job.line_at(now)  # what lies behind it is forgotten
         return JobStatus(

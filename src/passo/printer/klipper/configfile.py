@@ -1,0 +1,113 @@
+"""The machine file as the sections of a printer.cfg, as far as clients and macros read them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from passo.config.motor_roles import axis_order
+from passo.geometry.delta import Delta
+from passo.printer.klipper.heat import MELTS_C
+from passo.printer.klipper.names import fan_object, heater_object
+
+if TYPE_CHECKING:
+    from passo.config.heat import Heater
+    from passo.config.machine import MachineConfig
+
+Object = dict[str, Any]
+
+# Clients draw all machines but these as cartesian ones.
+_KINEMATICS = {"delta", "rotary_delta", "corexy", "corexz", "cartesian"}
+# Clients warn where these sections are missing. What they do needs no configuration here.
+_NEEDED: dict[str, Object] = {"pause_resume": {}, "display_status": {}, "respond": {}}
+_BUILT_IN = ("PAUSE", "RESUME", "CANCEL_PRINT")
+
+
+def configfile(machine: MachineConfig, folder: str) -> Object:
+    """`settings` have types, and sections in lower case; `config` has texts. `folder` is the card,
+    empty without one."""
+    named: dict[str, Object] = {
+        "printer": _printer(machine),
+        **_axes(machine),
+        **{heater_object(machine, n): _heater(h, machine) for n, h in machine.heaters.items()},
+        **{
+            fan_object(machine, n): {"max_power": f.max_power, "off_below": f.off_below}
+            for n, f in machine.fans.items()
+        },
+        **_macros(machine),
+        **_NEEDED,
+        "exclude_object": {},
+        **({"virtual_sdcard": {"path": folder}} if folder else {}),
+    }
+    return {
+        "settings": {section.lower(): values for section, values in named.items()},
+        "config": {
+            section: {key: str(value) for key, value in values.items()}
+            for section, values in named.items()
+        },
+        "warnings": [],
+        "save_config_pending": False,
+        "save_config_pending_items": {},
+    }
+
+
+def _printer(machine: MachineConfig) -> Object:
+    x, y, z = (machine.axes[name] for name in "xyz")
+    kind = machine.geometry.kind
+    radius = {}
+    if isinstance(machine.geometry, Delta) and machine.bed is not None:
+        radius = {"print_radius": machine.bed.size_mm[0] / 2}
+    return {
+        "kinematics": kind if kind in _KINEMATICS else "cartesian",
+        "max_velocity": max(axis.speed_mm_s for axis in (x, y, z)),
+        "max_accel": machine.limits.print_accel_mm_s2 or min(x.accel_mm_s2, y.accel_mm_s2),
+        "max_z_velocity": z.speed_mm_s,
+        "max_z_accel": z.accel_mm_s2,
+        "minimum_cruise_ratio": machine.limits.minimum_cruise_ratio,
+        **radius,
+    }
+
+
+def _axes(machine: MachineConfig) -> dict[str, Object]:
+    """The carriages of a delta take the limits of Z."""
+    letters = dict(zip("xyz", "abc", strict=True))
+    is_delta = isinstance(machine.geometry, Delta)
+    sections: dict[str, Object] = {}
+    for name in axis_order(machine.axes)[:3]:
+        axis = machine.axes["z" if is_delta else name]
+        homing = machine.homing.get(name)
+        sections[f"stepper_{letters[name] if is_delta else name}"] = {
+            "position_min": axis.min_mm,
+            "position_max": axis.max_mm,
+            "position_endstop": machine.home_mm["z" if is_delta else name],
+            **({"endstop_pin": homing.pin} if homing is not None and homing.pin else {}),
+        }
+    return sections
+
+
+def _heater(part: Heater, machine: MachineConfig) -> Object:
+    settings: Object = {
+        "min_temp": part.min_c,
+        "max_temp": part.max_c,
+        "max_power": part.max_power,
+        "control": "watermark" if part.control.kind == "bang-bang" else part.control.kind,
+    }
+    if part.kind == "hotend":
+        settings |= {
+            "min_extrude_temp": MELTS_C,
+            "nozzle_diameter": 0.4,
+            "filament_diameter": 1.75,
+            "max_extrude_only_distance": 50.0,
+        }
+    return settings
+
+
+def _macros(machine: MachineConfig) -> dict[str, Object]:
+    sections: dict[str, Object] = {f"gcode_macro {name}": {"gcode": name} for name in _BUILT_IN}
+    for name, macro in machine.macros.items():
+        sections[f"gcode_macro {name}"] = {
+            "gcode": macro.gcode,
+            "description": macro.description,
+            **{f"variable_{key}": value for key, value in macro.variables.items()},
+            **({"rename_existing": macro.rename_existing} if macro.rename_existing else {}),
+        }
+    return sections

@@ -1,0 +1,45 @@
+"""Klipper's objects of heaters and fans."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from passo.printer.klipper.names import heater_object
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.printer.status import Status
+
+Object = dict[str, Any]
+
+MELTS_C = 170.0  # filament moves from here on, unless M302 says otherwise
+_ROOM_C = 25.0  # shown of a heater whose sensor has not reported
+
+
+def heater(status: Status, name: str) -> Object:
+    """A heater; its temperature in °C is that of a room until its sensor reports."""
+    seen = status.heaters[name]
+    celsius = _ROOM_C if seen.celsius is None else seen.celsius
+    return {"temperature": round(celsius, 2), "target": seen.target_c, "power": seen.power}
+
+
+def extruder(status: Status, name: str) -> Object:
+    """A hotend with its filament."""
+    seen = heater(status, name)
+    return seen | {
+        "can_extrude": seen["temperature"] >= MELTS_C,
+        "pressure_advance": 0.0,
+        "smooth_time": 0.0,
+        "motion_queue": None,
+    }
+
+
+def fan(status: Status, name: str) -> Object:
+    """A fan; its speed is a fraction of full speed."""
+    return {"speed": status.fans.get(name, 0.0), "rpm": None}
+
+
+def heaters(machine: MachineConfig) -> Object:
+    """The names of all heaters and sensors."""
+    names = [heater_object(machine, name) for name in machine.heaters]
+    return {"available_heaters": names, "available_sensors": names, "available_monitors": []}

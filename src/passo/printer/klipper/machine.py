@@ -1,0 +1,42 @@
+"""Klipper's objects of the printer as a whole and of its boards."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from passo.printer.status import Status
+
+Object = dict[str, Any]
+
+
+def webhooks(status: Status) -> Object:
+    """Whether the printer runs, and if not, why and what to do."""
+    if status.link == "restarting":
+        return {"state": "startup", "state_message": "The boards start. Wait some seconds"}
+    if not status.halted:
+        return {"state": "ready", "state_message": "Printer is ready"}
+    texts = [f"{fault.text}\n{fault.action} [{fault.code}]" for fault in status.faults]
+    message = "\n".join(texts or [status.halted])
+    return {
+        "state": "shutdown" if status.started else "error",
+        "state_message": f"{message}\nRestart the printer with FIRMWARE_RESTART or M999",
+    }
+
+
+def mcu(status: Status, name: str) -> Object:
+    """A board. Passo measures no load of it: its idle figures are 0."""
+    board = status.boards[name]
+    return {
+        "mcu_version": board.firmware,
+        "mcu_build_versions": "",
+        "mcu_constants": {"MCU": board.mcu, "CLOCK_FREQ": board.clock_hz},
+        "last_stats": {
+            "mcu_awake": 0.0,
+            "mcu_task_avg": 0.0,
+            "mcu_task_stddev": 0.0,
+            "bytes_write": board.bytes_sent,
+            "bytes_retransmit": board.bytes_resent,
+            "freq": board.clock_hz,
+        },
+    }

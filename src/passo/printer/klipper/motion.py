@@ -1,0 +1,71 @@
+"""Klipper's objects of motion."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import TYPE_CHECKING, Any
+
+from passo.printer.klipper.names import extruder_object, stepper_object
+from passo.printer.status import Coord, Status
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+Object = dict[str, Any]
+
+
+def toolhead(machine: MachineConfig, status: Status) -> Object:
+    """The machine's position at the end of the plan, its limits and homing."""
+    x, y, z = (machine.axes[name] for name in "xyz")
+    motion = status.motion
+    accel = motion.max_accel_mm_s2
+    return {
+        "position": motion.end_mm,
+        "homed_axes": "".join(name for name in "xyz" if name in status.homed),
+        "axis_minimum": Coord(x.min_mm, y.min_mm, z.min_mm, 0.0),
+        "axis_maximum": Coord(x.max_mm, y.max_mm, z.max_mm, 0.0),
+        "extruder": extruder_object(status.tool) if machine.extruders else "",
+        "max_velocity": min(motion.max_speed_mm_s, max(a.speed_mm_s for a in (x, y, z))),
+        "max_accel": accel,
+        "minimum_cruise_ratio": motion.minimum_cruise_ratio,
+        # A right angle: v² = a δ s/(1 - s) with s = √½.
+        "square_corner_velocity": sqrt(motion.junction_deviation_mm * accel / (sqrt(2) - 1)),
+        "print_time": status.time_s + motion.queued_s,
+        "estimated_print_time": status.time_s,
+        "stalls": 0,
+    }
+
+
+def gcode_move(status: Status) -> Object:
+    """How lines are read: modes, offsets, factors and the program's position."""
+    motion, tool = status.motion, status.tool
+    at, zero = motion.end_mm, motion.program_end_mm
+    flows = status.flow_factors
+    return {
+        "speed_factor": status.speed_factor,
+        "extrude_factor": flows[min(tool, len(flows) - 1)] if flows else 1.0,
+        "speed": motion.feedrate_mm_s,
+        "absolute_coordinates": motion.absolute,
+        "absolute_extrude": motion.absolute_e,
+        "homing_origin": Coord(at.x - zero.x, at.y - zero.y, at.z - zero.z, 0.0),
+        "position": at,
+        "gcode_position": zero,
+    }
+
+
+def motion_report(machine: MachineConfig, status: Status) -> Object:
+    """Where the machine is now, and how fast."""
+    x, y, z = (status.axes[n].machine_mm if n in status.axes else 0.0 for n in "xyz")
+    return {
+        "live_position": Coord(x, y, z, status.position_mm.get("e", 0.0)),
+        "live_velocity": status.motion.speed_mm_s,
+        "live_extruder_velocity": status.motion.filament_mm_s,
+        "steppers": [stepper_object(name) for name in machine.steppers],
+        "trapq": [],
+    }
+
+
+def stepper_enable(machine: MachineConfig, status: Status) -> Object:
+    """Whether the motors are on."""
+    on = status.motion.motors_on
+    return {"steppers": {stepper_object(name): on for name in machine.steppers}}

@@ -1,0 +1,58 @@
+"""All of Klipper's objects that a printer has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from passo.printer.klipper.configfile import configfile
+from passo.printer.klipper.heat import extruder, fan, heater, heaters
+from passo.printer.klipper.job import (
+    display_status,
+    exclude_object,
+    idle_timeout,
+    pause_resume,
+    print_stats,
+    virtual_sdcard,
+)
+from passo.printer.klipper.machine import mcu, webhooks
+from passo.printer.klipper.motion import gcode_move, motion_report, stepper_enable, toolhead
+from passo.printer.klipper.names import board_object, fan_object, heater_object
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.printer.status import Status
+
+Object = dict[str, Any]
+Objects = dict[str, Callable[[], Object]]
+Variables = Mapping[str, Mapping[str, object]]
+
+
+def objects(machine: MachineConfig, status: Status, variables: Variables) -> Objects:
+    """All objects of a printer by their names, each made when it is asked for. `variables` are
+    those of the macros, by name."""
+    found: Objects = {
+        "webhooks": lambda: webhooks(status),
+        "configfile": lambda: configfile(machine, status.files.folder),
+        "toolhead": lambda: toolhead(machine, status),
+        "gcode_move": lambda: gcode_move(status),
+        "motion_report": lambda: motion_report(machine, status),
+        "stepper_enable": lambda: stepper_enable(machine, status),
+        "heaters": lambda: heaters(machine),
+        "print_stats": lambda: print_stats(status),
+        "virtual_sdcard": lambda: virtual_sdcard(status),
+        "pause_resume": lambda: pause_resume(status),
+        "display_status": lambda: display_status(status),
+        "idle_timeout": lambda: idle_timeout(machine, status),
+        "exclude_object": lambda: exclude_object(status),
+    }
+    for name, part in machine.heaters.items():
+        make = extruder if part.kind == "hotend" else heater
+        found[heater_object(machine, name)] = lambda name=name, make=make: make(status, name)
+    for name in machine.fans:
+        found[fan_object(machine, name)] = lambda name=name: fan(status, name)
+    for name in status.boards:
+        found[board_object(name)] = lambda name=name: mcu(status, name)
+    for name, values in variables.items():
+        found[f"gcode_macro {name}"] = lambda values=values: dict(values)
+    return found
