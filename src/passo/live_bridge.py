@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
+from passo.errors import CommandError
 from passo.gcode.dialect import TABLE, When, row_of
 from passo.job.batch.estimate import Estimate, estimate_open
 from passo.printer.commands.program import forced
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from passo.events import Event
     from passo.gcode.dialect import Row
     from passo.printer.console_lines import ConsoleLine
-    from passo.web.bridge import Listener
+    from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
 _PIECE = 1 << 20  # bytes of a file read at once, to be planned
@@ -39,7 +40,8 @@ TICK_S = 0.25  # between two snapshots, of host time, or of print time where tha
 
 class LiveBridge:
     """The bridge of one printer. It is made in the printer's loop; `listen` and all that follows
-    are called in the web's. `close` is for the printer's loop."""
+    are called in the web's. `close` is for the printer's loop. A call that has returned shows in
+    the latest snapshot."""
 
     def __init__(self, assembly: Assembly, observer: Observer) -> None:
         self._assembly = assembly
@@ -87,16 +89,22 @@ class LiveBridge:
         for loop, listener in list(self._listeners):
             _call(loop, partial(listener.on_snapshot, snapshot))
 
-    async def _run(self, script: str, sender: str) -> tuple[str, ...]:
+    async def _run(self, script: str, heard: Hearer | None, sender: str) -> tuple[str, ...]:
+        try:
+            return await self._carry_out(script, heard, sender)
+        finally:
+            self._tick()
+
+    async def _carry_out(self, script: str, heard: Hearer | None, sender: str) -> tuple[str, ...]:
         lines = script.splitlines()
         if len(lines) == 1 and _acts_at_once(lines[0]):
             self._overtaking.sender = sender
-            return (await self._overtaking.send(lines[0])).lines
+            return (await self._overtaking.send(lines[0], heard)).lines
         answers: list[str] = []
         async with self._turn:
             self._scripts.sender = sender
             for line in lines:
-                answers += (await self._scripts.send(line)).lines
+                answers += (await self._scripts.send(line, heard)).lines
         return tuple(answers)
 
     def _line(self, line: ConsoleLine) -> None:
@@ -116,7 +124,10 @@ class LiveBridge:
 
     async def _call(self, action: Callable[[], _T]) -> _T:
         async def run() -> _T:
-            return action()
+            try:
+                return action()
+            finally:
+                self._tick()
 
         return await self._cross(run())
 
@@ -168,9 +179,29 @@ class LiveBridge:
         _call(self._loop, begin)
         return lambda: _call(self._loop, end)
 
-    async def run(self, script: str, *, sender: str = "") -> tuple[str, ...]:
+    async def run(
+        self, script: str, heard: Hearer | None = None, *, sender: str = ""
+    ) -> tuple[str, ...]:
         """As `Bridge.run`."""
-        return await self._cross(self._run(script, sender))
+        loop = asyncio.get_running_loop()
+
+        def cross_back(line: str) -> None:
+            if heard is not None:
+                _call(loop, partial(heard, line))
+
+        return await self._cross(
+            self._run(script, None if heard is None else cross_back, sender)
+        )
+
+    async def endstops(self) -> dict[str, bool]:
+        """As `Bridge.endstops`."""
+
+        def states() -> dict[str, bool]:
+            if self._printer.halted:
+                raise CommandError.of("command.halted", value=self._printer.halted)
+            return self._printer.homer.states()
+
+        return await self._call(states)
 
     def emergency_stop(self) -> None:
         """As `Bridge.emergency_stop`."""

@@ -20,18 +20,28 @@ def free_port() -> int:
 
 
 class Served:
-    """A printer whose print time passes as fast as it goes: on a pty, on TCP, with a card,
-    and with a web interface if the test wants one."""
+    """A printer on a pty, on TCP, with a card, and with a web interface and Klipper's socket if the
+    test wants them. Its print time passes as fast as it goes, or so many times as fast as real."""
 
-    def __init__(self, folder: Path, machine: str = "i3", *, web: bool = False) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        machine: str = "i3",
+        *,
+        clock: str = "fast",
+        web: bool = False,
+        klippy: bool = False,
+    ) -> None:
         self.pty = str(folder / "printer")
         self.tcp = f"127.0.0.1:{free_port()}"
         self.card = folder / "card"
         self.card.mkdir()
-        words = [sys.executable, "-m", "passo", "serve", "--machine", machine, "--clock", "fast"]
+        words = [sys.executable, "-m", "passo", "serve", "--machine", machine, "--clock", clock]
         self.http = f"127.0.0.1:{free_port()}" if web else "none"
         words += ["--http", self.http]
         words += ["--pty", self.pty, "--tcp", self.tcp, "--sd", str(self.card)]
+        self.klippy = str(folder / "klippy.sock")
+        words += ["--klippy-socket", self.klippy] if klippy else []
         self._process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
         assert self._process.stderr is not None
         said = self._process.stderr.readline()

@@ -85,6 +85,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a host name that the web interface is reached by, for example that of a proxy",
     )
     parser.add_argument(
+        "--klippy-socket",
+        type=_path,
+        metavar="PATH",
+        help="Klipper's API for Moonraker, on a Unix socket there; needs --sd with a folder",
+    )
+    parser.add_argument(
         "--sd",
         metavar="DIR|IMAGE|DEVICE",
         help="the SD card: a folder, a FAT32 image, or a block device",
@@ -200,6 +206,13 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.log is None and (arguments.log_level or arguments.log_format):
         print("passo serve: error: --log-level and --log-format need --log FILE", file=sys.stderr)
         return ExitStatus.USAGE
+    if arguments.klippy_socket is not None and not (arguments.sd and Path(arguments.sd).is_dir()):
+        print(
+            "passo serve: error: --klippy-socket needs --sd DIR, the folder that Moonraker has as"
+            " gcodes",
+            file=sys.stderr,
+        )
+        return ExitStatus.USAGE
     from passo.board.fault_injection import FaultOrder
     from passo.errors import CommandError
     from passo.live import run as run_live
@@ -281,6 +294,8 @@ async def _serve(
                 places.append(address)
             if address and (code := printer.one_time_code):
                 _tell_of_administrator(address, code, kept=arguments.state is not None)
+            if arguments.klippy_socket is not None:
+                places.append(_klippy(printer, arguments.klippy_socket, arguments.log))
             if arguments.stdin:
                 alone = places == [address] and arguments.http is None  # the web was not asked for
                 over = printer.end if alone or not places else _go_on_serving
@@ -318,6 +333,20 @@ def _web_address(printer: Printer, asked: tuple[str, int] | str | None, names: l
             why = f"{error.name} is not installed. Install passo[web]."
         print(f"No web interface: {why}", file=sys.stderr)
         return ""
+
+
+def _klippy(printer: Printer, path: str, log_file: str | None) -> str:
+    """Opens Klipper's socket. Raises InputError."""
+    from passo.errors import InputError
+
+    try:
+        return printer.open_klippy(path, log_file=log_file)
+    except ImportError as error:
+        raise InputError.of(
+            "console.unopened",
+            axis=f"socket {path}",
+            value=f"{error.name} is not installed. Install passo[web]",
+        ) from None
 
 
 @contextlib.asynccontextmanager

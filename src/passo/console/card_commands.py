@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.console.session import Session
 from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
-from passo.gcode.command import Command, unescaped
+from passo.gcode.command import Command, pairs_of, unescaped
 from passo.job.live.job_state import JobState
 from passo.job.live.library import Library
 from passo.job.live.runner import Runner
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class CardCommands:
-    """M20 to M36, M524, M928."""
+    """M20 to M36, M524, M928, and Klipper's commands for prints."""
 
     def __init__(self, printer: Printer, runner: Runner, library: Library) -> None:
         self._printer, self._runner, self._library = printer, runner, library
@@ -46,6 +46,11 @@ class CardCommands:
                 ("M36", self._info),
                 ("M524", self._cancel),
                 ("M928", self._log),
+                ("CANCEL_PRINT", self._cancel),
+                ("PAUSE", self._pause),
+                ("RESUME", self._resume),
+                ("SDCARD_PRINT_FILE", self._print_file),
+                ("SDCARD_RESET_FILE", self._forget_file),
             )
         }
 
@@ -137,6 +142,26 @@ class CardCommands:
 
     def _pause(self, _: str, reply: Reply) -> None:
         self._runner.pause(by_file=self._runner.printing_from(reply))
+
+    def _resume(self, _: str, reply: Reply) -> None:
+        """Of a print that is paused, or has failed at a line; as Klipper has it, no error without
+        one."""
+        if self._runner.state in (JobState.PAUSED, JobState.FAILED):
+            self._runner.start()
+        else:
+            reply.say("echo:No print is paused, so none is resumed")
+
+    def _print_file(self, text: str, reply: Reply) -> None:
+        """The path counts from the card's root."""
+        name = pairs_of(text).get("FILENAME", "")
+        if not name:
+            raise CommandError.of("card.no-name")
+        self._library.open(str(PurePosixPath("/") / name))
+        reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
+        self._runner.start()
+
+    def _forget_file(self, _: str, __: Reply) -> None:
+        self._runner.release()
 
     def _seek(self, text: str, _: Reply) -> None:
         offset = int(_numbers(text).get("S", 0))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from passo.console.session import Session
@@ -40,15 +40,16 @@ class Client(Session):
     and those that act at once (M108, M112, M410) act at once."""
 
     def __init__(self, printer: Printer) -> None:
-        self._pending: deque[asyncio.Future[Reply]] = deque()
+        self._pending: deque[tuple[asyncio.Future[Reply], Callable[[str], None] | None]] = deque()
         self._said: list[str] = []
         self._failure: CommandError | None = None
         super().__init__(printer, _NoWire())
         self.every("wait", 0, None)
         self.busy_s = 0.0
 
-    async def send(self, line: str) -> Reply:
-        """Carries out one line of G-code and returns what it answers.
+    async def send(self, line: str, heard: Callable[[str], None] | None = None) -> Reply:
+        """Carries out one line of G-code and returns what it answers. `heard` is called with each
+        line of the answer at once, as a console would receive it.
 
         A move is done with when the plan has it; `M400` waits until the machine stands. Raises
         CommandError when the line is not carried out, and ValueError for more than one line. When
@@ -64,19 +65,19 @@ class Client(Session):
         if not uncommented(text):
             return Reply()
         reply: asyncio.Future[Reply] = asyncio.get_running_loop().create_future()
-        self._pending.append(reply)
+        self._pending.append((reply, heard))
         self.receive(data)
         try:
             return await reply
         except asyncio.CancelledError:
-            if self._working and self._pending[0] is reply:
+            if self._working and self._pending[0][0] is reply:
                 self._printer.waits.end()
             raise
 
     def fail_all(self, error: BaseException) -> None:
         """The printer has ended: no command is answered any more."""
         while self._pending:
-            reply = self._pending.popleft()
+            reply, _ = self._pending.popleft()
             if not reply.done():
                 reply.set_exception(error)
 
@@ -85,8 +86,10 @@ class Client(Session):
         self._shown.sent(self.number, text)
         if text.startswith("Error:"):
             self.fail(text.removeprefix("Error:"))
-        else:
-            self._said.append(text.removeprefix("echo:"))
+            return
+        self._said.append(text.removeprefix("echo:"))
+        if self._pending and (heard := self._pending[0][1]) is not None:
+            heard(text)
 
     def _hear_all(self, text: str) -> None:
         """Nothing: lines to all consoles come as events."""
@@ -101,12 +104,12 @@ class Client(Session):
 
     def _refused(self, code: str) -> bool:
         """Also a line whose caller does not want it any more."""
-        return self._pending[0].cancelled() or super()._refused(code)
+        return self._pending[0][0].cancelled() or super()._refused(code)
 
     def _acknowledge(self, number: int | None) -> None:
         lines, self._said = [*self._said, *([self._ok] if self._ok else [])], []
         failure, self._failure = self._failure, None
-        reply = self._pending.popleft()
+        reply, _ = self._pending.popleft()
         if reply.done():
             return
         if failure is not None:

@@ -13,7 +13,10 @@ from passo.gcode.stray import stray_of
 _WORD = re.compile(
     r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE | re.ASCII
 )
-_PAIR = re.compile(r"([^\s=]+)(?:\s*=\s*(\"[^\"]*\"|(?![^\s=]+\s*=)\S+)?)?")
+_PAIR = re.compile(
+    r"([^\s=]+)(?:\s*=\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=]+\s*=)\S+)?)?", re.DOTALL
+)
+_QUOTED = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
 LARGEST = 1e9  # as in the words of moves
 
@@ -63,14 +66,23 @@ class Command(NamedTuple):
         return dict(words_of(self.text))
 
     def pairs(self) -> dict[str, str]:
-        """KEY=VALUE parameters of an extended command, keys in upper case. Raises WordError for a
-        key without a value."""
-        pairs: dict[str, str] = {}
-        for match in _PAIR.finditer(self.text):
-            if match[2] is None:
-                raise WordError.of("input.number", value=match[1][:30])
-            pairs[match[1].upper()] = match[2].strip('"')
-        return pairs
+        """KEY=VALUE parameters of an extended command: see `pairs_of`."""
+        return pairs_of(self.text)
+
+
+def pairs_of(text: str) -> dict[str, str]:
+    r"""KEY=VALUE parameters, keys in upper case. A value with blanks stands in " or '; in ", `\"`
+    is a quotation mark. Raises WordError for a key without a value."""
+    pairs: dict[str, str] = {}
+    for match in _PAIR.finditer(text):
+        value = match[2]
+        if value is None:
+            raise WordError.of("input.number", value=match[1][:30])
+        if value[:1] in ("'", '"') and value[:1] == value[-1:] and len(value) > 1:
+            quote, value = value[0], value[1:-1]
+            value = _QUOTED.sub(r"\1", value) if quote == '"' else value
+        pairs[match[1].upper()] = value
+    return pairs
 
 
 def written(value: float) -> str:

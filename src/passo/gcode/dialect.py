@@ -256,6 +256,18 @@ TABLE: tuple[Row, ...] = (
         "X Y Z E T, H(microsteps) L(mm)",
         "Steps for a millimetre; H and L tell which layer heights are whole steps of Z's motor.",
     ),
+    Row("CANCEL_PRINT", _S, _I, "", "Cancels the print, as M524.", bare=None),
+    Row("PAUSE", _H, _I, "", "Pauses the print, as M25.", bare=None),
+    Row("RESUME", _S, _I, "", "Ends a pause, as M24.", bare=None),
+    Row(
+        "SDCARD_PRINT_FILE",
+        _S,
+        _I,
+        "FILENAME",
+        "Selects a file by its path on the card, and prints it.",
+        bare=None,
+    ),
+    Row("SDCARD_RESET_FILE", _S, _I, "", "No file is selected any more.", bare=None),
     Row(
         "SET_GCODE_VARIABLE",
         _P,

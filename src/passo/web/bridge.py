@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from passo.card import Card, Writer
@@ -56,6 +56,9 @@ class SettingValue:
     source: str
 
 
+Hearer: TypeAlias = Callable[[str], None]  # of a line; returns at once
+
+
 class Listener(Protocol):
     """Who hears what happens. Its methods are called in the web's event loop, and return at
     once."""
@@ -101,9 +104,12 @@ class Bridge(Protocol):
         now on, without secrets; it returns at once. Returns what ends that."""
         ...
 
-    async def run(self, script: str, *, sender: str = "") -> tuple[str, ...]:
+    async def run(
+        self, script: str, heard: Hearer | None = None, *, sender: str = ""
+    ) -> tuple[str, ...]:
         """Carries out lines of G-code, one after the other, and returns their answers, a string a
         line. A move is answered when it is planned. The first line that fails ends the script.
+        `heard` is called with each answer at once, with the prefix that it has on consoles;
         `sender` is shown with its lines.
 
         Scripts do not mix: one waits for those that came before. Only a single line that acts at
@@ -116,6 +122,10 @@ class Bridge(Protocol):
 
     async def restart(self) -> None:
         """Starts a halted printer again (M999); returns when it runs."""
+        ...
+
+    async def endstops(self) -> dict[str, bool]:
+        """Whether each endstop is triggered, by its name."""
         ...
 
     # -- prints -----------------------------------------------------------------------------------

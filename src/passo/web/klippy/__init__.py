@@ -1,0 +1,1 @@
+"""Klipper's API socket: Moonraker, and with it Mainsail, Fluidd and KlipperScreen, connect here."""

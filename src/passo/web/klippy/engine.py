@@ -1,0 +1,173 @@
+"""All that clients of Klipper's socket may ask of a printer. Sans-IO but for its bridge."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from collections.abc import Awaitable, Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from passo.events import Message
+from passo.printer.klipper.machine import webhooks
+from passo.version import __version__
+from passo.web.klippy.arguments import Arguments, RequestError
+from passo.web.klippy.connection import Connection
+from passo.web.klippy.objects import PrinterObjects
+from passo.web.klippy.scripts import Scripts
+from passo.web.klippy.subscriptions import Subscription, picked
+
+if TYPE_CHECKING:
+    from passo.events import Event
+    from passo.web.bridge import Bridge, Snapshot
+
+_Result = Mapping[str, Any]
+_Method = Callable[[Connection, Arguments], Awaitable[_Result]]
+_PUBLISHED = Path(__file__).parent / "published"  # Moonraker shows its config and docs
+_FAILED = ("shutdown", "error")
+
+
+class Engine:
+    """Klipper's methods, objects and messages for all clients of one printer. `on_restart` is
+    called when the connections have to end, because the printer starts again: with True if it is
+    yet to be restarted."""
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        on_restart: Callable[[bool], None],
+        *,
+        now_s: Callable[[], float],
+        log_file: str | None = None,
+    ) -> None:
+        self._bridge, self._on_restart, self._now_s = bridge, on_restart, now_s
+        self._log_file = log_file
+        self._objects = PrinterObjects(bridge)
+        self._scripts = Scripts(bridge, self._broadcast)
+        self._state: str = webhooks(bridge.latest().status)["state"]
+        self._has_failed = self._state in _FAILED
+        self.connections: list[Connection] = []
+        self._methods: dict[str, _Method] = {
+            "info": self._info,
+            "list_endpoints": self._list_endpoints,
+            "register_remote_method": self._register_remote_method,
+            "objects/list": self._list_objects,
+            "objects/query": self._query_objects,
+            "objects/subscribe": self._subscribe_objects,
+            "gcode/script": self._script,
+            "gcode/help": self._help,
+            "gcode/subscribe_output": self._subscribe_output,
+            "gcode/restart": self._restart,
+            "gcode/firmware_restart": self._restart,
+            "emergency_stop": self._emergency_stop,
+            "pause_resume/pause": partial(self._line, "PAUSE"),
+            "pause_resume/resume": partial(self._line, "RESUME"),
+            "pause_resume/cancel": partial(self._line, "CANCEL_PRINT"),
+            "query_endstops/status": self._query_endstops,
+        }
+
+    # -- what happens -----------------------------------------------------------------------------
+
+    def on_snapshot(self, snapshot: Snapshot) -> None:
+        """As `Listener.on_snapshot`."""
+        state = webhooks(snapshot.status)["state"]
+        if state == self._state:
+            return
+        self._state = state
+        self._broadcast(f"// Klipper state: {state.capitalize()}")
+        if self._has_failed and state == "ready":
+            self._on_restart(False)  # clients do not know a way back on the same connection
+        self._has_failed = self._has_failed or state in _FAILED
+
+    def on_event(self, event: Event) -> None:
+        """As `Listener.on_event`."""
+        if isinstance(event, Message):
+            self._scripts.hear(event.text)
+
+    def tell_changes(self) -> None:
+        """Sends to each client what has changed of the objects that it wants to know of."""
+        lookup, event_s = self._objects.lookup(), self._now_s()
+        for client in list(self.connections):
+            client.tell_changes(lookup, event_s)
+
+    def _broadcast(self, line: str) -> None:
+        for client in list(self.connections):
+            client.tell_output(line)
+
+    # -- requests ---------------------------------------------------------------------------------
+
+    async def answer(self, client: Connection, method: str, arguments: Arguments) -> _Result:
+        """As `Methods.answer`."""
+        found = self._methods.get(method)
+        if found is None:
+            raise RequestError(f"webhooks: No registered callback for path '{method}'")
+        return await found(client, arguments)
+
+    async def _info(self, _: Connection, __: Arguments) -> _Result:
+        log_file = {} if self._log_file is None else {"log_file": self._log_file}
+        return {
+            **webhooks(self._bridge.latest().status),
+            "hostname": socket.gethostname(),
+            "klipper_path": str(_PUBLISHED),
+            "python_path": sys.executable,
+            "process_id": os.getpid(),
+            "user_id": os.getuid(),
+            "group_id": os.getgid(),
+            # Not a plain version: clients would compare it with those of Klipper.
+            "software_version": f"passo-{__version__}",
+            "cpu_info": f"{os.cpu_count()} cores",
+            **log_file,
+        }
+
+    async def _list_endpoints(self, _: Connection, __: Arguments) -> _Result:
+        return {"endpoints": list(self._methods)}
+
+    async def _register_remote_method(self, client: Connection, arguments: Arguments) -> _Result:
+        client.remote_methods[arguments.text("remote_method")] = arguments.template()
+        return {}
+
+    async def _list_objects(self, _: Connection, __: Arguments) -> _Result:
+        return {"objects": self._objects.names}
+
+    async def _query_objects(self, _: Connection, arguments: Arguments) -> _Result:
+        status = picked(arguments.wishes(), self._objects.lookup())
+        return {"eventtime": self._now_s(), "status": status}
+
+    async def _subscribe_objects(self, client: Connection, arguments: Arguments) -> _Result:
+        subscription = Subscription(arguments.wishes(), arguments.template())
+        status = subscription.first(self._objects.lookup())
+        client.objects = subscription if status else None
+        return {"eventtime": self._now_s(), "status": status}
+
+    async def _script(self, _: Connection, arguments: Arguments) -> _Result:
+        if await self._scripts.run(arguments.text("script")):
+            self._on_restart(True)
+        return {}
+
+    async def _line(self, line: str, _: Connection, __: Arguments) -> _Result:
+        await self._scripts.run(line)
+        return {}
+
+    async def _help(self, _: Connection, __: Arguments) -> _Result:
+        return {row.code: row.text for row in self._bridge.commands}
+
+    async def _subscribe_output(self, client: Connection, arguments: Arguments) -> _Result:
+        client.output = arguments.template()
+        return {}
+
+    async def _restart(self, _: Connection, __: Arguments) -> _Result:
+        self._on_restart(True)
+        return {}
+
+    async def _emergency_stop(self, _: Connection, __: Arguments) -> _Result:
+        self._bridge.emergency_stop()
+        return {}
+
+    async def _query_endstops(self, _: Connection, __: Arguments) -> _Result:
+        states = await self._bridge.endstops()
+        self._objects.endstops = {
+            name: "TRIGGERED" if pressed else "open" for name, pressed in states.items()
+        }
+        return self._objects.endstops

@@ -1,0 +1,78 @@
+"""The objects of a printer for clients of Klipper's socket."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from passo.gcode.dialect import Kind, When
+from passo.printer.klipper.machine import webhooks
+from passo.printer.klipper.objects import Object, objects
+
+if TYPE_CHECKING:
+    from passo.web.bridge import Bridge
+    from passo.web.klippy.subscriptions import Lookup
+
+_HALTED = (When.IMMEDIATE, When.AHEAD)  # what a halted printer still answers
+_MEMORY = Path("/proc/meminfo")
+
+
+class PrinterObjects:
+    """Those of one printer. `endstops` are the states that were asked for last."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self.endstops: dict[str, str] = {}
+
+    @property
+    def names(self) -> list[str]:
+        """All objects, each of which has values."""
+        status = self._bridge.latest().status
+        return [*objects(self._bridge.machine, status, status.macros), *self._of_socket()]
+
+    def lookup(self) -> Lookup:
+        """Finds an object of the printer as it is now; empty where it has none of that name."""
+        status = self._bridge.latest().status
+        found = objects(self._bridge.machine, status, status.macros) | self._of_socket()
+        made: dict[str, Object] = {}
+
+        def find(name: str) -> Object:
+            if name not in made:
+                made[name] = found[name]() if name in found else {}
+            return made[name]
+
+        return find
+
+    def _of_socket(self) -> dict[str, Any]:
+        return {
+            "gcode": self._gcode,
+            "query_endstops": lambda: {"last_query": self.endstops},
+            "system_stats": _system_stats,
+        }
+
+    def _gcode(self) -> Object:
+        ready = webhooks(self._bridge.latest().status)["state"] == "ready"
+        rows = self._bridge.commands
+        macros = self._bridge.machine.macros
+        commands = {
+            row.code: {"help": row.text}
+            for row in rows
+            if row.kind is not Kind.NOT_BUILT and (ready or row.when in _HALTED)
+        }
+        own = {name: {"help": macro.description} for name, macro in macros.items()}
+        return {"commands": commands | (own if ready else {})}
+
+
+def _system_stats() -> Object:
+    """The load of this computer, the processor time of this process in s, and free memory in kB."""
+    free = 0
+    if _MEMORY.exists():
+        lines = _MEMORY.read_text().splitlines()
+        free = next((int(line.split()[1]) for line in lines if line.startswith("MemAvail")), 0)
+    times = os.times()
+    return {
+        "sysload": round(os.getloadavg()[0], 2),
+        "cputime": round(times.user + times.system, 3),
+        "memavail": free,
+    }

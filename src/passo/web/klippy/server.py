@@ -1,0 +1,163 @@
+"""Klipper's socket in the web's event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+import stat
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.errors import InputError, PassoError
+from passo.web.klippy.connection import Connection, TooManyRequestsError
+from passo.web.klippy.engine import Engine
+from passo.web.klippy.wire import FrameTooLongError
+
+if TYPE_CHECKING:
+    from passo.web.bridge import Bridge
+
+_log = logging.getLogger(__name__)
+
+PUSH_S = 0.25  # between two messages about objects
+_PATIENCE_S = 5.0  # with a client that does not read
+_MOST_WAITING = 32 << 20  # bytes for such a client
+_BACKLOG = 16
+
+
+class KlippySocket:
+    """Serves one printer on a Unix socket that only this user may open. When the printer starts
+    again, all connections end and the socket is made anew, as clients expect it."""
+
+    def __init__(self, bridge: Bridge, path: str, *, log_file: str | None = None) -> None:
+        """Raises InputError where the socket cannot be made."""
+        self._bridge, self._path, self._log_file = bridge, Path(path), log_file
+        self._listening = _listening(self._path)
+
+    async def run(self) -> None:
+        """Serves until cancelled; the socket is removed then."""
+        try:
+            while True:
+                if await self._serve():
+                    await self._restart()
+                self._listening = _listening(self._path)
+        finally:
+            self._path.unlink(missing_ok=True)
+
+    async def _serve(self) -> bool:
+        """Serves until the printer starts again; True if it is yet to be restarted."""
+        loop = asyncio.get_running_loop()
+        ended: asyncio.Future[bool] = loop.create_future()
+
+        def end(restart: bool) -> None:
+            if not ended.done():
+                # What is answered now reaches the client.
+                loop.call_soon(lambda: ended.done() or ended.set_result(restart))
+
+        engine = Engine(self._bridge, end, now_s=loop.time, log_file=self._log_file)
+        clients: set[_Client] = set()
+        server = await loop.create_unix_server(
+            lambda: _Client(engine, clients), sock=self._listening
+        )
+        silence = self._bridge.listen(engine)
+        try:
+            while not ended.done():
+                await asyncio.wait([ended], timeout=PUSH_S)
+                engine.tell_changes()
+                for client in list(clients):
+                    client.drop_if_slow()
+            return ended.result()
+        finally:
+            silence()
+            server.close()
+            self._path.unlink(missing_ok=True)
+            for client in list(clients):
+                client.close()
+
+    async def _restart(self) -> None:
+        try:
+            await self._bridge.restart()
+        except PassoError as error:
+            _log.error("The restart failed: %s", error)
+
+
+class _Client(asyncio.Protocol):
+    """The connection of one client."""
+
+    def __init__(self, engine: Engine, clients: set[_Client]) -> None:
+        self._engine, self._clients = engine, clients
+        self._connection = Connection(engine, self._send)
+        self._transport: asyncio.Transport | None = None
+        self._waits_since_s: float | None = None  # for the client to read
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """As `asyncio.Protocol.connection_made`."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        self._clients.add(self)
+        self._engine.connections.append(self._connection)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """As `asyncio.Protocol.connection_lost`. Scripts under way go on."""
+        self._transport = None
+        self._clients.discard(self)
+        self._engine.connections.remove(self._connection)
+
+    def data_received(self, data: bytes) -> None:
+        """As `asyncio.Protocol.data_received`."""
+        try:
+            self._connection.receive(data)
+        except FrameTooLongError:
+            self._drop("its request is too long")
+        except TooManyRequestsError:
+            self._drop("it does not wait for its answers")
+
+    def drop_if_slow(self) -> None:
+        """Ends the connection of a client that has not read for some time."""
+        if self._transport is None:
+            return
+        waiting, now_s = self._transport.get_write_buffer_size(), asyncio.get_running_loop().time()
+        if waiting == 0:
+            self._waits_since_s = None
+        elif self._waits_since_s is None:
+            self._waits_since_s = now_s
+        elif now_s - self._waits_since_s > _PATIENCE_S or waiting > _MOST_WAITING:
+            self._drop(f"it has left {waiting} bytes unread")
+
+    def close(self) -> None:
+        """Ends the connection when what was sent has been taken."""
+        if self._transport is not None:
+            self._transport.close()
+
+    def _send(self, frame: bytes) -> None:
+        if self._transport is not None:
+            self._transport.write(frame)
+
+    def _drop(self, why: str) -> None:
+        _log.warning("A client of Klipper's socket is dropped: %s", why)
+        if self._transport is not None:
+            self._transport.abort()
+
+
+def _listening(path: Path) -> socket.socket:
+    """A socket at the path, in place of an older one. Raises InputError."""
+    made = path.with_name(f"{path.name}~")  # nobody opens it before it has its permissions
+    listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        if path.exists() and not stat.S_ISSOCK(path.lstat().st_mode):
+            raise FileExistsError(0, "the path is that of a file")
+        made.unlink(missing_ok=True)
+        listening.bind(str(made))
+        made.chmod(0o600)
+        listening.listen(_BACKLOG)
+        listening.setblocking(False)
+        made.rename(path)
+    except OSError as error:
+        listening.close()
+        with suppress(OSError):
+            made.unlink(missing_ok=True)
+        raise InputError.of(
+            "console.unopened", axis=f"socket {path}", value=error.strerror or str(error)
+        ) from None
+    return listening

@@ -1,0 +1,52 @@
+"""What a client wants to know of the printer's objects, and what of it has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+Object: TypeAlias = dict[str, Any]
+Wishes: TypeAlias = Mapping[str, Sequence[str] | None]  # fields of objects; None: all
+Lookup: TypeAlias = Callable[[str], Object]  # an object by its name; empty if it does not exist
+
+
+def picked(wishes: Wishes, lookup: Lookup) -> dict[str, Object]:
+    """The fields that are wanted. A field that does not exist is None, as is the value of one that
+    is not known."""
+    found: dict[str, Object] = {}
+    for name, fields in wishes.items():
+        values = lookup(name)
+        found[name] = dict(values) if fields is None else {k: values.get(k) for k in fields}
+    return found
+
+
+class Subscription:
+    """Of one client. Where all fields of an object are wanted, they are those of the first answer:
+    a field that comes later is never sent."""
+
+    def __init__(self, wishes: Wishes, template: Mapping[str, Any]) -> None:
+        self._wishes: dict[str, Sequence[str] | None] = dict(wishes)
+        self.template = dict(template)
+        self._sent: dict[str, Object] = {}
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The objects that it is about."""
+        return tuple(self._wishes)
+
+    def first(self, lookup: Lookup) -> dict[str, Object]:
+        """All that is wanted. To be called once, before `changed`."""
+        self._sent = picked(self._wishes, lookup)
+        self._wishes = {name: tuple(values) for name, values in self._sent.items()}
+        return self._sent
+
+    def changed(self, lookup: Lookup) -> dict[str, Object]:
+        """The fields whose values are others than those sent last, by object."""
+        news: dict[str, Object] = {}
+        now = picked(self._wishes, lookup)
+        for name, values in now.items():
+            before = self._sent[name]
+            if fields := {k: v for k, v in values.items() if v != before[k]}:
+                news[name] = fields
+        self._sent = now
+        return news
