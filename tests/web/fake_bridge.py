@@ -15,7 +15,6 @@ from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
     AxisStatus,
     BoardStatus,
-    Coord,
     HeaterStatus,
     MotionStatus,
     PrinterState,
@@ -46,8 +45,8 @@ STATUS = Status(
         True,
         50.0,
         True,
-        Coord(10.0, 20.0, 0.35, 1.5),
-        Coord(10.0, 20.0, 0.3, 1.5),
+        (10.0, 20.0, 0.35, 1.5),
+        (10.0, 20.0, 0.3, 1.5),
         0.0,
         0.02,
     ),

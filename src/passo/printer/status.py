@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 from math import isfinite
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from passo.config.motor_roles import axis_order
 from passo.motion.axis_slots import E, X, Y, Z
@@ -92,22 +92,13 @@ class AxisStatus:
     babystep_mm: float = 0.0
 
 
-class Coord(NamedTuple):
-    """A position in mm, as `.x` and as `[0]`."""
-
-    x: float
-    y: float
-    z: float
-    e: float
-
-
 @dataclass(frozen=True, slots=True)
 class MotionStatus:
     """How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
     filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
     `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path. `absolute`,
     `absolute_e` and `feedrate_mm_s` are those that the next move of the program has, and it begins
-    at `end_mm` of the machine, which is `program_end_mm` of the program."""
+    at `end_mm` of the machine, X, Y, Z and filament, which is `program_end_mm` of the program."""
 
     speed_mm_s: float
     filament_mm_s: float
@@ -118,8 +109,8 @@ class MotionStatus:
     absolute_e: bool
     feedrate_mm_s: float
     motors_on: bool
-    end_mm: Coord
-    program_end_mm: Coord
+    end_mm: tuple[float, float, float, float]
+    program_end_mm: tuple[float, float, float, float]
     minimum_cruise_ratio: float
     junction_deviation_mm: float
 
@@ -146,8 +137,8 @@ class MotionStatus:
             absolute_e=absolute_e,
             feedrate_mm_s=feed_mm_s if isfinite(feed_mm_s) else 0.0,
             motors_on=motors_on,
-            end_mm=Coord(machine[X], machine[Y], machine[Z], machine[E]),
-            program_end_mm=Coord(program[X], program[Y], program[Z], program[-1]),
+            end_mm=(machine[X], machine[Y], machine[Z], machine[E]),
+            program_end_mm=(program[X], program[Y], program[Z], program[-1]),
             minimum_cruise_ratio=job.limit("minimum_cruise_ratio"),
             junction_deviation_mm=job.limit("junction_deviation"),
         )

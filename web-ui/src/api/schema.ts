@@ -36,6 +36,13 @@ export interface Command {
   text: string;
 }
 
+/** A print that is over: done, cancelled or failed, why it failed, and how far it was. */
+export interface EndedJob {
+  outcome: string;
+  reason: string;
+  job: JobStatus;
+}
+
 /** The speed of a fan, as a fraction of full speed. */
 export interface FanSpeed {
   speed: number;
@@ -65,10 +72,12 @@ export interface FileToPrint {
   path: string;
 }
 
-/** The card: whether it is mounted, and the path of the file that is selected to print, or empty. */
+/** The card: whether it is mounted, the path of the file that is selected to print, or empty, and
+ * the folder that is the card, or empty. */
 export interface FilesStatus {
   mounted: boolean;
   selected: string;
+  folder: string;
 }
 
 /** A heater. `max_c` is the temperature above which it is switched off. */
@@ -143,9 +152,10 @@ export interface Machine {
 }
 
 /** How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
- * filament; `queued_s` is how much motion is planned. `max_speed_mm_s` and `max_accel_mm_s2` are
- * the limits of the path. `absolute`, `absolute_e` and `feedrate_mm_s` are those that the next
- * move of the program has. */
+ * filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
+ * `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path. `absolute`,
+ * `absolute_e` and `feedrate_mm_s` are those that the next move of the program has, and it begins
+ * at `end_mm` of the machine, X, Y, Z and filament, which is `program_end_mm` of the program. */
 export interface MotionStatus {
   speed_mm_s: number;
   filament_mm_s: number;
@@ -156,6 +166,10 @@ export interface MotionStatus {
   absolute_e: boolean;
   feedrate_mm_s: number;
   motors_on: boolean;
+  end_mm: [number, number, number, number];
+  program_end_mm: [number, number, number, number];
+  minimum_cruise_ratio: number;
+  junction_deviation_mm: number;
 }
 
 /** An object that the file labels. `number` is the one of M486, or its place in the file; `name`
@@ -188,8 +202,9 @@ export interface Script {
  * speed; `time_s` is print time since the start; `halted` says why nothing moves or heats, or is
  * empty, and `faults` the same as errors of the catalogue; `link` is a name of `LinkState` in
  * lower case; `message` is the text of M117; `progress` is the fraction of a print that is done,
- * also of a host's that reports it (M73, M532); `job` is None while no file is printed;
- * `last_job` is how the last one ended (done, cancelled, failed), or empty. */
+ * also of a host's that reports it (M73, M532); `job` is None while no file is printed; `ended`
+ * is the last print, until another file is selected; `started`: the boards have started at least
+ * once; `macros` are the variables of the macros, by name. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -211,7 +226,9 @@ export interface Status {
   files: FilesStatus;
   progress?: number | null;
   job?: JobStatus | null;
-  last_job: string;
+  ended?: EndedJob | null;
+  started: boolean;
+  macros: Record<string, Record<string, unknown>>;
 }
 
 /** The status, and a number that counts up with each change of it. */

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from math import sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from passo.printer.klipper.names import extruder_object, stepper_object
-from passo.printer.status import Coord, Status
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+    from passo.printer.status import Status
 
 Object = dict[str, Any]
+
+
+class Coord(NamedTuple):
+    """A position in mm, as `.x` and as `[0]`."""
+
+    x: float
+    y: float
+    z: float
+    e: float
 
 
 def toolhead(machine: MachineConfig, status: Status) -> Object:
@@ -20,7 +29,7 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
     motion = status.motion
     accel = motion.max_accel_mm_s2
     return {
-        "position": motion.end_mm,
+        "position": Coord(*motion.end_mm),
         "homed_axes": "".join(name for name in "xyz" if name in status.homed),
         "axis_minimum": Coord(x.min_mm, y.min_mm, z.min_mm, 0.0),
         "axis_maximum": Coord(x.max_mm, y.max_mm, z.max_mm, 0.0),
@@ -39,7 +48,7 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
 def gcode_move(status: Status) -> Object:
     """How lines are read: modes, offsets, factors and the program's position."""
     motion, tool = status.motion, status.tool
-    at, zero = motion.end_mm, motion.program_end_mm
+    at, zero = Coord(*motion.end_mm), Coord(*motion.program_end_mm)
     flows = status.flow_factors
     return {
         "speed_factor": status.speed_factor,
