@@ -189,9 +189,7 @@ class LiveBridge:
             if heard is not None:
                 _call(loop, partial(heard, line))
 
-        return await self._cross(
-            self._run(script, None if heard is None else cross_back, sender)
-        )
+        return await self._cross(self._run(script, None if heard is None else cross_back, sender))
 
     async def endstops(self) -> dict[str, bool]:
         """As `Bridge.endstops`."""

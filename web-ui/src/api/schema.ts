@@ -1,6 +1,25 @@
 /** The types of the API, made from its table of operations: make reference. Numbers that
  * are not finite, and what a merge patch has removed, are missing. */
 
+/** What changes of an account; what is left out stays. */
+export interface AccountChange {
+  password?: string | null;
+  role?: "admin" | "operator" | "viewer" | null;
+}
+
+/** An account. */
+export interface AccountRecord {
+  name: string;
+  role: "admin" | "operator" | "viewer";
+}
+
+/** The first account. `code` is the one-time code of `passo serve`, where `code_needed`. */
+export interface Administrator {
+  name: string;
+  password: string;
+  code?: string;
+}
+
 /** What the printer has answered, a string a line. */
 export interface Answer {
   lines: string[];
@@ -107,6 +126,17 @@ export interface HeaterTarget {
   celsius: number;
 }
 
+/** Who the caller is. `role` is `public` without a log-in; `set_up`: there is an administrator;
+ * `code_needed`: creating it takes the one-time code; `fresh`: the password was entered within
+ * the last five minutes. */
+export interface Identity {
+  name: string;
+  role: string;
+  set_up: boolean;
+  code_needed: boolean;
+  fresh: boolean;
+}
+
 /** The file that is printed. `fraction` is the part of its time that is done, or of its bytes
  * while its time is not known yet, 0 to 1; `line` and `layer` are those of the move under way (0:
  * none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
@@ -132,12 +162,35 @@ export interface JobStatus {
   filament_mm: number;
 }
 
+/** An API key, without what is secret; `made_s` is in seconds since 1970. */
+export interface KeyRecord {
+  id: string;
+  name: string;
+  role: "admin" | "operator" | "viewer";
+  made_s: number;
+}
+
 /** A line of a console, which counts from 1, or is 0 for all consoles. `received`: from a host to
  * the printer. */
 export interface Line {
   console: number;
   received: boolean;
   text: string;
+}
+
+/** A name and its password. */
+export interface LogIn {
+  name: string;
+  password: string;
+}
+
+/** A log-in of an account, with times in seconds since 1970; `own` is the one that asks. */
+export interface LogInRecord {
+  id: string;
+  account: string;
+  started_s: number;
+  used_s: number;
+  own: boolean;
 }
 
 /** A machine as its file describes it. `fans` are those that commands set; `tools` are what T0,
@@ -149,6 +202,12 @@ export interface Machine {
   heaters: Record<string, HeaterOfMachine>;
   fans: string[];
   tools: ToolOfMachine[];
+}
+
+/** A key that was made just now. `key` is shown this once. */
+export interface MadeKey {
+  record: KeyRecord;
+  key: string;
 }
 
 /** How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
@@ -170,6 +229,30 @@ export interface MotionStatus {
   program_end_mm: [number, number, number, number];
   minimum_cruise_ratio: number;
   junction_deviation_mm: number;
+}
+
+/** An account to make. */
+export interface NewAccount {
+  name: string;
+  password: string;
+  role: "admin" | "operator" | "viewer";
+}
+
+/** An API key to make; `name` tells what it is for. */
+export interface NewKey {
+  name: string;
+  role?: "admin" | "operator" | "viewer";
+}
+
+/** The password of the log-in. */
+export interface Password {
+  password: string;
+}
+
+/** The password of the log-in, and the one that replaces it. */
+export interface PasswordChange {
+  old: string;
+  new: string;
 }
 
 /** An object that the file labels. `number` is the one of M486, or its place in the file; `name`
@@ -235,6 +318,12 @@ export interface Status {
 export interface StatusNow {
   version: number;
   status: Status;
+}
+
+/** A file of the card, and its bytes. */
+export interface StoredFile {
+  path: string;
+  size: number;
 }
 
 /** `ages_s` are the times of the samples, in seconds before the answer, oldest first. */

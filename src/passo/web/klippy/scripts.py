@@ -28,7 +28,7 @@ class Scripts:
         before, restarts = _up_to_restart(script.splitlines())
         if before.strip():
             try:
-                await self._bridge.run(before, self.hear)
+                await self._bridge.run(before, self.hear, sender="Klipper's socket")
             except PassoError as error:
                 self._broadcast(failed(str(error)))
                 raise RequestError(str(error)) from None
