@@ -255,30 +255,6 @@ export interface PasswordChange {
   new: string;
 }
 
-/** An account to make. */
-export interface NewAccount {
-  name: string;
-  password: string;
-  role: "admin" | "operator" | "viewer";
-}
-
-/** An API key to make; `name` tells what it is for. */
-export interface NewKey {
-  name: string;
-  role?: "admin" | "operator" | "viewer";
-}
-
-/** The password of the log-in. */
-export interface Password {
-  password: string;
-}
-
-/** The password of the log-in, and the one that replaces it. */
-export interface PasswordChange {
-  old: string;
-  new: string;
-}
-
 /** An object that the file labels. `number` is the one of M486, or its place in the file; `name`
  * is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, are those of
  * EXCLUDE_OBJECT_DEFINE, else None and empty. */
