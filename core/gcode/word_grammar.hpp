@@ -35,7 +35,7 @@ inline std::pair<int, int> code_of(const Word& w) {
   return {code, int(std::lround((w.value - code) * 10))};
 }
 
-// What follows these is not read as words; the dialect table says the same.
+// What follows these is not read as words; passo.gcode.registry says the same.
 inline bool wordless(const Word& w) {
   if (text_command(w)) return true;
   const auto [n, minor] = code_of(w);
@@ -48,7 +48,7 @@ inline bool wordless(const Word& w) {
          n == 666 || n == 800 || n == 851 || n == 908 || n == 925 || n == 926;
 }
 
-// Commands, other than moves, that have a word E; the dialect table says the same.
+// Commands, other than moves, that have a word E; passo.gcode.registry says the same.
 inline bool takes_e(char letter, int code) {
   if (letter == 'G') return code == 61 || code == 92;
   return code == 17 || code == 18 || code == 84 || code == 92 || code == 201 || code == 203 ||
@@ -112,7 +112,7 @@ inline bool moves_otherwise(char letter, int code) {
                            (code >= 81 && code <= 89));
 }
 
-// Words of these that need no number; the dialect table says the same.
+// Words of these that need no number; passo.gcode.registry says the same.
 inline bool may_stand_alone(char letter, int code, char word) {
   if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
   return code == 702 && word == 'C';

@@ -6,6 +6,7 @@ import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from passo.gcode import registry
 from passo.version import __version__
 
 if TYPE_CHECKING:
@@ -45,6 +46,10 @@ _MODULES = dict.fromkeys(_ERRORS, "errors") | {
 
 # Where a program sets up no handler, warnings do not go to standard error.
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+
+# Commands are declared beside their handlers, in layers above the one that looks them up.
+registry.load_with(lambda: import_module("passo.command_modules"))
 
 
 def __getattr__(name: str) -> Any:

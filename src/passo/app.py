@@ -107,29 +107,23 @@ def _furnish(
     objects = PrintObjects(printer, runner)
     status = StatusReader(printer, runner, progress, objects, library)
     printer.rig.macros.status = status.read
-    immediate, planned = printer.dispatch.immediate, printer.dispatch.planned
-    immediate |= answers.handlers
-    immediate |= ConsoleCommands(printer, answers).handlers
-    immediate |= options.immediate
-    immediate |= CardCommands(printer, runner, library).handlers
-    immediate |= statistics.immediate
-    immediate |= jobs.immediate
-    immediate |= ObjectCommands(objects).immediate
-    immediate |= JsonStatus(printer, status, options).handlers
-    planned |= options.planned
-    planned |= DelayedGcode(printer).planned
-    planned |= jobs.planned
+    printer.dispatch.add(
+        *(answers, ConsoleCommands(printer, answers), options, statistics, jobs),
+        *(CardCommands(printer, runner, library), ObjectCommands(objects)),
+        JsonStatus(printer, status, options),
+        DelayedGcode(printer),
+    )
     keeper = None
     if folder is not None:
         keeper = JournalKeeper(printer, runner, library, objects, folder)
-        planned |= RecoveryCommands(printer, runner, keeper).planned
+        printer.dispatch.add(RecoveryCommands(printer, runner, keeper))
         printer.state.greeting = keeper.offer
     stem = folder / "halt" if folder is not None else Path(reports) if reports else None
     if stem is not None:
         HaltReports(printer, runner, progress, stem)
     store = None if folder is None else Store(folder / "settings.json", printer.machine.uuid)
     settings = SettingsCommands(printer, store, options)
-    planned |= settings.planned
+    printer.dispatch.add(settings)
     printer.state.settings = settings.lines
     if store is not None:
         printer.state.store_settings = settings.store

@@ -17,9 +17,9 @@ from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
 from passo.errors import CommandError
-from passo.gcode.dialect import TABLE, When, row_of
+from passo.gcode.command import forced
+from passo.gcode.registry import When, row_of, table
 from passo.job.batch.estimate import Estimate, estimate_open
-from passo.printer.commands.program import forced
 from passo.web.bridge import PastPrint, SettingValue, Snapshot
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.console.observer import Observer
     from passo.events import Event
-    from passo.gcode.dialect import Row
+    from passo.gcode.registry import Declaration
     from passo.printer.console_lines import ConsoleLine
     from passo.web.bridge import Hearer, Listener
 
@@ -137,9 +137,9 @@ class LiveBridge:
         return self._printer.machine
 
     @property
-    def commands(self) -> Sequence[Row]:
+    def commands(self) -> Sequence[Declaration]:
         """As `Bridge.commands`."""
-        return TABLE
+        return tuple(table().values())
 
     def latest(self) -> Snapshot:
         """As `Bridge.latest`."""

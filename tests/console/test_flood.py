@@ -117,7 +117,7 @@ def test_after_200_consoles_the_printer_is_as_it_was():
         assert s.host.ok("M114")[0].startswith("X:100.000 Y:0.000 Z:0.000 E:0.0000 ")
         assert s.positions() == {"x": 100.0, "y": 0.0, "z": 0.0, "e": 0.0}
         assert s.printer.halted == ""
-        assert s.printer.commands.fans["part"] == pytest.approx(128 / 255)
+        assert s.printer.commands.outputs.fans["part"] == pytest.approx(128 / 255)
         targets = {name: heater.target for name, heater in s.printer.connection.heaters.items()}
         assert targets == {"hotend": 45.0, "bed": 0.0}
         s.passes(60)

@@ -18,15 +18,15 @@ def s():
 
 
 NOTES = {
-    "M900 K0.2": "M900 does nothing here. Linear advance is not built.",
+    "M900 K0.2": "M900 does nothing here. Passo has no linear advance yet.",
     "M300 S440 P200": "M300 does nothing here. The machine file has no [beeper].",
     "M413 S0": "M413 does nothing here. A print can always be resumed",
-    "M202 X1000": "M202 does nothing here. M201 bounds axes in every move, M204 T all travel.",
+    "M202 X1000": "M202 does nothing here. M201 limits the axes in every move, M204 T all travel.",
     "M907 X500": "M907 does nothing here. M906 and the machine file set motor currents.",
-    "M862.3 P MK3S": "M862.3 does nothing here. It asks whether this is a Prusa printer.",
-    "G27": "G27 does nothing here. The head parks when a print pauses",
-    "M420 S1": "M420 does nothing here. Bed levelling is not built.",
-    "M800": "M800 does nothing here. M1000 goes on with a print",
+    "M862.3 P MK3S": "M862.3 does nothing here. The command checks that the printer is a Prusa.",
+    "G27": "G27 does nothing here. M25 and M601 park the head.",
+    "M420 S1": "M420 does nothing here. Passo has no bed levelling yet.",
+    "M800": "M800 does nothing here. M1000 resumes a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START labels objects of a file on the card",
     "M205 X8 Y8 S0": "M205: X Y have no effect, because the machine's corners use the junction",
     "SET_VELOCITY_LIMIT FOO=1 ACCEL=900": "SET_VELOCITY_LIMIT: FOO has no effect",
@@ -45,13 +45,13 @@ def test_command_without_effect_is_noted_once_a_console(s, line):
 
 def test_a_frequency_sets_no_speed_of_a_fan(s):
     s.host.ok("M106 S51 F")
-    assert s.printer.commands.fans == {"part": 0.2}
+    assert s.printer.commands.outputs.fans == {"part": 0.2}
     s.host.ok("M106 P0 F250")
-    assert s.printer.commands.fans == {"part": 0.2}
+    assert s.printer.commands.outputs.fans == {"part": 0.2}
     s.host.ok("M106 F250 S102")
-    assert s.printer.commands.fans == {"part": 0.4}
+    assert s.printer.commands.outputs.fans == {"part": 0.4}
     s.host.ok("M106 F")
-    assert s.printer.commands.fans == {"part": 1.0}
+    assert s.printer.commands.outputs.fans == {"part": 1.0}
     s.passes(1)
     assert s.board.output_value("part") == 1_600_000  # of a cycle of 0.1 s
 
@@ -95,7 +95,7 @@ def test_settings_of_a_fan_leave_its_speed(s, words, before):
 def test_m106_with_a_setting_and_a_speed_sets_the_speed(s):
     s.host.ok("M106 S128 X255")
     s.passes(1)
-    assert s.printer.commands.fans["part"] == pytest.approx(128 / 255)
+    assert s.printer.commands.outputs.fans["part"] == pytest.approx(128 / 255)
 
 
 def test_m204_v_is_the_travel_acceleration(s):

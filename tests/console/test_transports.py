@@ -158,7 +158,7 @@ async def test_a_host_that_hangs_up_in_mid_upload_ends_it(s, tmp_path):
             await asyncio.sleep(0)
     host = await at_pty(path)
     assert (await host.ok("M114"))[-2].startswith("X:0.000 ")
-    assert s.printer.commands.fans.get("part", 0) == 0
+    assert s.printer.commands.outputs.fans.get("part", 0) == 0
     assert "NEW.G" not in " ".join(await host.ok("M20"))
     await host.ok("M28 whole.g")
     await host.ok("G1 X5")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from passo.gcode.dialect import BY_CODE, Kind
+from passo.gcode.registry import Kind, table
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "tests/coverage.md").read_text(encoding="utf-8")
@@ -81,7 +81,7 @@ def test_every_command_of_both_is_built_or_not_for_a_reason():
         assert cells[2]
         named |= set(re.findall(r"[GM]\d+", spread(cells[0])))
     wanted = {f"G{n}" for n in numbers(G_CODES)} | {f"M{n}" for n in numbers(M_CODES)}
-    assert sorted(wanted - named - BY_CODE.keys()) == []
+    assert sorted(wanted - named - table().keys()) == []
 
 
 def spread(text: str) -> str:
@@ -97,6 +97,6 @@ def test_a_note_is_answered_where_one_is_promised():
     for cells in rows("Commands that are not built"):
         for code in re.findall(r"[GM]\d+\b(?! [A-Z])", spread(cells[0])):
             if cells[2] == "unknown":
-                assert code not in BY_CODE, code
+                assert code not in table(), code
             elif cells[2] == "a note":
-                assert BY_CODE[code].kind in (Kind.QUIET, Kind.NOT_BUILT), code
+                assert table()[code].kind in (Kind.QUIET, Kind.NOT_BUILT), code

@@ -7,9 +7,9 @@ import pytest
 
 from passo import _core, config
 from passo.gcode.command import Command
-from passo.gcode.dialect import BY_CODE, Kind
+from passo.gcode.registry import Kind, table
 
-MOTION = {code for code, row in BY_CODE.items() if row.kind is Kind.MOTION and code != "T"}
+MOTION = {code for code, row in table().items() if row.kind is Kind.MOTION and code != "T"}
 PIECES = """X5|Y3.5|Z1|E1|F600|S3|S200|P2|p5|I2|R2|L|q|G1|G28|G 4|G17|G54|G43 H1|G94|G80|G90|G91
 G53|G40|G81 X1|M6|M8
 m84|M1|M104|M106|M2.0|M3.5|M400|M862.3|M0 Click|M117 hi M3|M600 X1|T0|T1|T1.5|N5|foo|_do it

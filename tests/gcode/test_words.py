@@ -10,7 +10,7 @@ import pytest
 from passo._core import Fault, Job, JobStatus, without_exponents
 from passo.errors import WordError
 from passo.gcode.command import Command
-from passo.gcode.dialect import ANY, TABLE, Kind
+from passo.gcode.registry import ANY, Kind, table
 
 from .driver import run, spec
 
@@ -162,7 +162,7 @@ def test_an_exponent_where_e_is_no_word_of_the_command():
 
 
 @pytest.mark.parametrize(
-    "row", [r for r in TABLE if r.code[0] in "GM" and r.kind is not Kind.MOTION]
+    "row", [r for r in table().values() if r.code[0] in "GM" and r.kind is not Kind.MOTION]
 )
 def test_the_table_says_where_e_is_a_word(row):
     """Text that is not read as words stays as it is."""
@@ -257,7 +257,7 @@ def test_a_word_without_a_number_is_an_error_that_names_it(line, word):
     "row",
     [
         r
-        for r in TABLE
+        for r in table().values()
         if r.kind is Kind.MOTION and r.code not in ("G0", "G1", "T") and r.bare is not None
     ],
 )

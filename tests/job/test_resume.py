@@ -295,7 +295,7 @@ def cut_and_gone_on(text, places, line, *live, lead=3):
     with Scenario("i3", **places) as s:
         s.host.ok("M302 P1")
         s.host.ok("M1000", 200)
-        before, start = s.printer.commands.fans["part"], s.positions()["e"]
+        before, start = s.printer.commands.outputs.fans["part"], s.positions()["e"]
         s.host.expect("Done printing", 200)
         job = s.printer.job
         return number, s.positions()["e"] - start, before, job.flows, job.speed_factor

@@ -54,7 +54,7 @@ def test_a_fan_set_at_once_behind_a_stop_is_known_as_that() -> None:
         s.passes(1.0)
         s.host.ok("M410")
         s.host.ok("M106 S51 F")
-        assert s.printer.commands.fans["part"] == pytest.approx(0.2)
+        assert s.printer.commands.outputs.fans["part"] == pytest.approx(0.2)
         assert s.until(lambda: s.board.output_value("part") > 0, 5)
 
 

@@ -285,10 +285,10 @@ def test_a_word_without_a_number_changes_nothing(s, line, told):
     s.host.ok("M104 S60")
     s.host.ok("M106 S128")
     s.passes(0.5)
-    before = (s.printer.commands.fans, s.printer.connection.heaters["hotend"].target)
+    before = (s.printer.commands.outputs.fans, s.printer.connection.heaters["hotend"].target)
     assert any(told in text for text in s.host.ok(line))
     s.passes(0.5)
-    after = (s.printer.commands.fans, s.printer.connection.heaters["hotend"].target)
+    after = (s.printer.commands.outputs.fans, s.printer.connection.heaters["hotend"].target)
     assert after == before
     assert after[1] == 60.0
 

@@ -74,7 +74,7 @@ def test_the_text_of_a_pause_is_no_command(s, line):
     s.host.ok(line)
     s.passes(2)
     assert s.printer.connection.heaters["hotend"].target == 0
-    assert s.printer.commands.fans.get("part", 0) == 0
+    assert s.printer.commands.outputs.fans.get("part", 0) == 0
 
 
 def test_m112_ahead_of_the_line_that_it_stands_in(s):

@@ -9,7 +9,7 @@ from passo.card import Card, Writer, open_card
 from passo.config.machine import MachineConfig
 from passo.errors import CardError, PassoError
 from passo.events import Event
-from passo.gcode.dialect import TABLE, Row
+from passo.gcode.registry import Declaration, table
 from passo.job.batch.estimate import Estimate
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
@@ -83,8 +83,8 @@ class FakeBridge:
         return self._machine
 
     @property
-    def commands(self) -> Sequence[Row]:
-        return TABLE
+    def commands(self) -> Sequence[Declaration]:
+        return tuple(table().values())
 
     def latest(self) -> Snapshot:
         return self._snapshot

@@ -8,7 +8,7 @@ from tests.web.local_site import local_client, site
 
 from passo import AsyncClient, Client, RequestError
 from passo.errors import CommandError
-from passo.gcode.dialect import TABLE
+from passo.gcode.registry import table
 from passo.web.operation import operation
 from passo.web.operations import OPERATIONS
 from passo.web.roles import Role
@@ -176,6 +176,6 @@ def test_print_is_started_by_its_path(web, bridge):
 
 def test_console_offers_each_command_with_its_text(web):
     commands = web.get("/api/v1/console/commands").json()
-    assert len(commands) == len(TABLE)
+    assert len(commands) == len(table())
     home = next(command for command in commands if command["code"] == "G28")
     assert home["text"].startswith("Homes")

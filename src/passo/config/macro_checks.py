@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from passo.config.findings import Finding, tables
-from passo.gcode.dialect import row_of
+from passo.gcode.registry import row_of
 
 # Moves, which are planned without Python; what acts before its line's turn, or belongs to the line
 # protocol; what ends a program or calls its parts; labels of objects, which are read ahead.

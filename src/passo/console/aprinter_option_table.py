@@ -13,6 +13,7 @@ from passo.config.sensor_tables import sensor_table
 from passo.config.sensors import Platinum, PlatinumAmplifier, Thermistor
 from passo.heat.rules import FULL_POWER
 from passo.motion.homing import SLOW_OVERRUN
+from passo.printer.commands.extruder_words import extruders
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -36,7 +37,7 @@ def options(printer: Printer) -> Iterator[Option]:
     yield Option("InactiveTime", lambda: printer.motors.idle_s, "M84 S{}")
     for axis in machine.axes:
         yield from _axis(printer, axis)
-    for tool, extruder in printer.motion.extruders():
+    for tool, extruder in extruders(printer.machine):
         yield from _limits(printer, extruder, extruder.upper(), f" {tool}E")
     for name in machine.drivable.by_name:
         yield from _motors(printer, name)
@@ -82,7 +83,7 @@ def _axis(printer: Printer, name: str) -> Iterator[Option]:
 def _motors(printer: Printer, name: str) -> Iterator[Option]:
     """The motors of an actuator, axis or extruder; the second one is APrinter's slave 1."""
     machine, letter = printer.machine, name.upper()
-    words = {extruder: f"{tool}E" for tool, extruder in printer.motion.extruders()}
+    words = {extruder: f"{tool}E" for tool, extruder in extruders(printer.machine)}
     if name in machine.extruders and name not in words:
         return  # no tool has it
     word = words.get(name, letter)

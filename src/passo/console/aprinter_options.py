@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from passo.console.aprinter_option_table import Option, options
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral, unescaped
-from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForMoves
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -24,8 +25,6 @@ class OptionCommands:
         self._options = {option.name.lower(): option for option in options(printer)}
         self._defaults = {name: option.value() for name, option in self._options.items()}
         self.pending: dict[str, float] = {}  # by name in lower case
-        self.immediate: dict[str, Handler] = {"M925": self._tell, "M926": self._note}
-        self.planned: dict[str, Handler] = {"M930": self._apply}
 
     def pending_lines(self) -> Iterator[str]:
         """What was noted and is not yet applied, as commands behind a `;`."""
@@ -46,11 +45,29 @@ class OptionCommands:
             raise CommandError.of("option.unknown", value=name or "without a name")
         return option, words.get("V")
 
+    @command(
+        "M925",
+        Subject.SETTINGS,
+        When.IMMEDIATE,
+        "I(option)",
+        "Reports one of APrinter's options.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
     def _tell(self, command: Command, reply: Reply) -> Wait | None:
         option, _ = self._named(command)
         reply.say(numeral(option.value()))
         return None
 
+    @command(
+        "M926",
+        Subject.SETTINGS,
+        When.IMMEDIATE,
+        "I(option) V",
+        "Notes a new value of an option, without V its first value.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
     def _note(self, command: Command, _: Reply) -> Wait | None:
         option, text = self._named(command)
         if not option.command:
@@ -67,6 +84,14 @@ class OptionCommands:
         self.pending[name] = value
         return None
 
+    @command(
+        "M930",
+        Subject.SETTINGS,
+        When.EXCLUSIVE,
+        "",
+        "Applies the options that M926 has noted.",
+        kind=Kind.SERVED,
+    )
     def _apply(self, _: Command, reply: Reply) -> Wait | None:
         return WaitForMoves(lambda: self._apply_now(reply))
 

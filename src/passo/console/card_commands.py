@@ -10,14 +10,35 @@ from passo.console.session import Session
 from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
 from passo.gcode.command import Command, pairs_of, unescaped
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.job_state import JobState
 from passo.job.live.library import Library
 from passo.job.live.runner import Runner
 from passo.printer.unfit_commands import ALL
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+
+_Action = Callable[["CardCommands", str, Reply], None]
+
+
+def _guarded(action: _Action) -> Callable[[CardCommands, Command, Reply], None]:
+    """A handler of an action with the command's text. A failure is an answer to the console, also
+    one of the SD card."""
+
+    def handler(self: CardCommands, command: Command, reply: Reply) -> None:
+        try:
+            action(self, command.text, reply)
+        except PassoError as error:
+            if command.code in ("M23", "M32"):
+                name = _unquoted(command.text)
+                reply.fail(f"file.open failed, File: {name}. {error}", error.problems)
+            else:
+                reply.fail(str(error), error.problems)
+
+    return handler
 
 
 class CardCommands:
@@ -26,42 +47,33 @@ class CardCommands:
     def __init__(self, printer: Printer, runner: Runner, library: Library) -> None:
         self._printer, self._runner, self._library = printer, runner, library
         self._directory = PurePosixPath("/")
-        self.handlers: dict[str, Handler] = {
-            code: _guarded(action)
-            for code, action in (
-                ("M20", self._list),
-                ("M21", self._mount),
-                ("M22", self._release),
-                ("M23", self._choose),
-                ("M24", self._start),
-                ("M25", self._pause),
-                ("M26", self._seek),
-                ("M27", self._progress),
-                ("M28", self._upload),
-                ("M29", self._end_upload),
-                ("M30", self._delete),
-                ("M32", self._select_and_start),
-                ("M33", self._long_name),
-                ("M34", _no_sorting),
-                ("M36", self._info),
-                ("M524", self._cancel),
-                ("M928", self._log),
-                ("CANCEL_PRINT", self._cancel),
-                ("PAUSE", self._pause),
-                ("RESUME", self._resume),
-                ("SDCARD_PRINT_FILE", self._print_file),
-                ("SDCARD_RESET_FILE", self._forget_file),
-            )
-        }
 
     # -- the card ---------------------------------------------------------------------------------
 
+    @command(
+        "M21",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "",
+        "Mounts the SD card.",
+        kind=Kind.QUIET,
+    )
+    @_guarded
     def _mount(self, _: str, reply: Reply) -> None:
         if not (self._library.mounted and self._runner.engaged):
             self._library.mount()
             self._directory = PurePosixPath("/")
         reply.say("SD card ok")
 
+    @command(
+        "M22",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "",
+        "Releases the SD card.",
+        kind=Kind.SERVED,
+    )
+    @_guarded
     def _release(self, _: str, reply: Reply) -> None:
         self._library.release()
         self._directory = PurePosixPath("/")
@@ -89,6 +101,17 @@ class CardCommands:
 
     # -- commands ---------------------------------------------------------------------------------
 
+    @command(
+        "M20",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "L T, D(directory)",
+        "Lists the programs on the SD card, with long names (L) and times (T); D lists one"
+        " directory.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    @_guarded
     def _list(self, text: str, reply: Reply) -> None:
         if text[:1].upper() == "D":
             directory = self._place(unescaped(text[1:]))
@@ -106,6 +129,16 @@ class CardCommands:
             reply.say(line)
         reply.say("End file list")
 
+    @command(
+        "M23",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "name, or F(file) D(directory) R",
+        "Selects a file to print. D and R select the directory that names count from.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _choose(self, text: str, reply: Reply) -> None:
         self._select(text, reply)
 
@@ -128,10 +161,30 @@ class CardCommands:
         reply.say("File selected")
         return True
 
+    @command(
+        "M32",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "name",
+        "Selects a file and prints it.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _select_and_start(self, text: str, reply: Reply) -> None:
         if self._select(text, reply):  # a directory starts nothing
             self._runner.start()
 
+    @command(
+        "M24",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "S(byte) U",
+        "Starts the selected file, or resumes after a pause. U1 also starts a file with unknown"
+        " commands that may move the machine, or with bed levelling.",
+        kind=Kind.SERVED,
+    )
+    @_guarded
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)
         if self._printer.job.suspended and not self._runner.active:
@@ -140,9 +193,39 @@ class CardCommands:
             self._runner.seek(int(words["S"]))
         self._runner.start(skips=ALL if words.get("U") else None)
 
+    @command(
+        "PAUSE",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Pauses the print, as M25.",
+        kind=Kind.USER,
+        bare=None,
+        in_turn=True,
+    )
+    @command(
+        "M25",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "",
+        "Pauses the print: brakes on the path, and parks.",
+        kind=Kind.USER,
+        in_turn=True,
+    )
+    @_guarded
     def _pause(self, _: str, reply: Reply) -> None:
         self._runner.pause(by_file=self._runner.printing_from(reply))
 
+    @command(
+        "RESUME",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Ends a pause, as M24.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _resume(self, _: str, reply: Reply) -> None:
         """Of a print that is paused, or has failed at a line; as Klipper has it, no error without
         one."""
@@ -151,6 +234,16 @@ class CardCommands:
         else:
             reply.say("echo:No print is paused, so none is resumed")
 
+    @command(
+        "SDCARD_PRINT_FILE",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "FILENAME",
+        "Selects a file by its path on the card, and prints it.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _print_file(self, text: str, reply: Reply) -> None:
         """The path counts from the card's root."""
         name = pairs_of(text).get("FILENAME", "")
@@ -160,9 +253,28 @@ class CardCommands:
         reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
         self._runner.start()
 
+    @command(
+        "SDCARD_RESET_FILE",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "No file is selected any more.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _forget_file(self, _: str, __: Reply) -> None:
         self._runner.release()
 
+    @command(
+        "M26",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "S(byte)",
+        "Sets the byte at which the next start begins; in a pause S0 cancels the print.",
+        kind=Kind.SERVED,
+    )
+    @_guarded
     def _seek(self, text: str, _: Reply) -> None:
         offset = int(_numbers(text).get("S", 0))
         if self._runner.state is JobState.PAUSED and offset == 0:
@@ -170,6 +282,17 @@ class CardCommands:
             return
         self._runner.seek(offset)
 
+    @command(
+        "M27",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "C S(s)",
+        "Reports the progress of the print, with S every S seconds; C reports the name of the"
+        " file.",
+        kind=Kind.QUIET,
+        bare="C",
+    )
+    @_guarded
     def _progress(self, text: str, reply: Reply) -> None:
         words = _numbers(text)
         if text.strip().upper() == "C":
@@ -186,9 +309,29 @@ class CardCommands:
             return "Not SD printing"
         return f"SD printing byte {self._runner.offset}/{self._runner.size}"
 
+    @command(
+        "M28",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "name",
+        "Writes the lines that follow into a file, until M29.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _upload(self, text: str, reply: Reply) -> None:
         self._begin_writing(text, reply, log=False)
 
+    @command(
+        "M928",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "name",
+        "Writes the lines that follow into a file as M28, and carries them out as well.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _log(self, text: str, reply: Reply) -> None:
         self._begin_writing(text, reply, log=True)
 
@@ -217,6 +360,16 @@ class CardCommands:
         parent = str(PurePosixPath(self._place(name)).parent)
         return unescaped(name[1:]) if strict or not self._library.there(parent) else name
 
+    @command(
+        "M29",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "",
+        "Ends the file that is written, and stores it on the SD card.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    @_guarded
     def _end_upload(self, _: str, reply: Reply) -> None:
         if not isinstance(reply, Session) or reply.upload is None:
             return
@@ -227,6 +380,15 @@ class CardCommands:
         except CardError as error:
             reply.fail(f"error writing to file {upload.name}: {error}", error.problems)
 
+    @command(
+        "M30",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "name",
+        "Deletes a file. In a program it ends the program.",
+        bare=None,
+    )
+    @_guarded
     def _delete(self, text: str, reply: Reply) -> None:
         if self._runner.printing_from(reply):
             self._printer.commands.ended = True  # in a program M30 is its end
@@ -239,6 +401,16 @@ class CardCommands:
             return
         reply.say(f"File deleted:{_unquoted(text)}")
 
+    @command(
+        "M33",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "name",
+        "Reports the long name of a file; without a name it cancels the print.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    @_guarded
     def _long_name(self, text: str, reply: Reply) -> None:
         if not text.strip():
             self._runner.cancel()
@@ -249,6 +421,29 @@ class CardCommands:
             parts.append(self._library.card.find(str(PurePosixPath(*parts, part))).name)
         reply.say(str(PurePosixPath(*parts)))
 
+    @command(
+        "M34",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "",
+        "Reports that files are always sorted by name.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    @_guarded
+    def _no_sorting(self, _: str, reply: Reply) -> None:
+        reply.say("echo:Files are always listed by name")
+
+    @command(
+        "M36",
+        Subject.CARD,
+        When.IMMEDIATE,
+        "name",
+        "Reports size and time of a file.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    @_guarded
     def _info(self, text: str, reply: Reply) -> None:
         path = self._existing(text) if text.strip() else self._runner.path
         if not path:
@@ -259,27 +454,28 @@ class CardCommands:
             f" Modified: {entry.modified:%Y-%m-%d %H:%M:%S}"
         )
 
+    @command(
+        "CANCEL_PRINT",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Cancels the print, as M524.",
+        kind=Kind.SERVED,
+        bare=None,
+        in_turn=True,
+    )
+    @command(
+        "M524",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Cancels the print.",
+        kind=Kind.SERVED,
+        in_turn=True,
+    )
+    @_guarded
     def _cancel(self, _: str, __: Reply) -> None:
         self._runner.cancel()
-
-
-def _guarded(action: Callable[[str, Reply], None]) -> Handler:
-    def handler(command: Command, reply: Reply) -> Wait | None:
-        try:
-            action(command.text, reply)
-        except PassoError as error:
-            if command.code in ("M23", "M32"):
-                name = _unquoted(command.text)
-                reply.fail(f"file.open failed, File: {name}. {error}", error.problems)
-            else:
-                reply.fail(str(error), error.problems)
-        return None
-
-    return handler
-
-
-def _no_sorting(_: str, reply: Reply) -> None:
-    reply.say("echo:Files are always listed by name")
 
 
 def _numbers(text: str) -> dict[str, float]:

@@ -7,10 +7,11 @@ from collections.abc import Callable
 
 from passo.console.session import Session
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.commands.ranges import beyond
 from passo.printer.commands.reports import Reports
 from passo.printer.printer import Printer
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 
 _OPTION = re.compile(r"([AEPaep])(\d)(?:\s+|\Z)")  # of M118; P, the port, has no meaning here
 
@@ -20,25 +21,54 @@ class ConsoleCommands:
 
     def __init__(self, printer: Printer, reports: Reports) -> None:
         self._printer, self._reports = printer, reports
-        self.handlers: dict[str, Handler] = {
-            "M108": _nothing,  # acted when the line came in, as M110, M112 and M410
-            "M110": _nothing,
-            "M112": _nothing,
-            "M410": _nothing,
-            "M999": self._restart,
-            "M113": self._busy,
-            "M118": self._message,
-            "M154": self._report_position,
-            "M155": self._report_temperatures,
-            "M921": self._trace,
-            "M932": self._strict,
-            "M937": lambda c, r: _say(r, "echo:No corrections of the bed are in effect"),
-            "M940": lambda c, r: _say(
-                r, "echo:The network is the computer's; see passo serve --tcp"
-            ),
-            "M933": self._lenient,
-        }
 
+    @command(
+        "M108",
+        Subject.STOPS,
+        When.AHEAD,
+        "",
+        "Cancels the current wait.",
+        kind=Kind.QUIET,
+    )
+    @command(
+        "M110",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "N",
+        "Sets the number of the line before the next one.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    @command(
+        "M112",
+        Subject.STOPS,
+        When.AHEAD,
+        "",
+        "Emergency stop: everything off at once; M999 restarts. A print without consoles fails"
+        " there.",
+        in_turn=True,
+    )
+    @command(
+        "M410",
+        Subject.STOPS,
+        When.AHEAD,
+        "",
+        "Brakes to a stop, and drops all planned moves and the moves that a console has sent. A"
+        " print without consoles fails there.",
+        in_turn=True,
+    )
+    def _acted(self, _: Command, __: Reply) -> None:
+        """These acted when the line came in."""
+
+    @command(
+        "M113",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "S(s)",
+        "Sets how often a command that waits reports that it is busy.",
+        kind=Kind.QUIET,
+        bare="S",
+    )
     def _busy(self, command: Command, reply: Reply) -> Wait | None:
         seconds = command.words().get("S")
         if isinstance(reply, Session):
@@ -50,6 +80,15 @@ class ConsoleCommands:
                     reply.say(f"echo:{note}")
         return None
 
+    @command(
+        "M118",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "E1 A1 text",
+        "Sends a line to all consoles.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
     def _message(self, command: Command, _: Reply) -> Wait | None:
         text, marks = command.text, set[str]()
         while option := _OPTION.match(text):
@@ -59,12 +98,30 @@ class ConsoleCommands:
         self._printer.tell(prefix + text)
         return None
 
+    @command(
+        "M154",
+        Subject.POSITIONS,
+        When.IMMEDIATE,
+        "S(s)",
+        "Reports the position every S seconds.",
+        kind=Kind.QUIET,
+        bare="S",
+    )
     def _report_position(self, command: Command, reply: Reply) -> Wait | None:
         seconds = command.words().get("S", 0.0)
         if isinstance(reply, Session):
             reply.report_every("position", seconds, lambda: reply.hear(self._reports.position()))
         return None
 
+    @command(
+        "M155",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "S(s)",
+        "Reports the temperatures every S seconds.",
+        kind=Kind.QUIET,
+        bare="S",
+    )
     def _report_temperatures(self, command: Command, reply: Reply) -> Wait | None:
         seconds = command.words().get("S", 0.0)
         if isinstance(reply, Session):
@@ -75,6 +132,14 @@ class ConsoleCommands:
             )
         return None
 
+    @command(
+        "M921",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "S(s)",
+        "Reports the terms of each heater's controller, with S every S seconds.",
+        kind=Kind.QUIET,
+    )
     def _trace(self, command: Command, reply: Reply) -> Wait | None:
         """Once, or on this console every S seconds until S0: what each controller does."""
         seconds = command.words().get("S")
@@ -92,25 +157,62 @@ class ConsoleCommands:
                 f" p:{t.p:.4f} i:{t.i:.4f} d:{t.d:.4f} out:{t.output:.4f}"
             )
 
+    @command(
+        "M999",
+        Subject.STOPS,
+        When.IMMEDIATE,
+        "",
+        "Restarts after a halt.",
+        kind=Kind.SERVED,
+    )
     def _restart(self, _: Command, __: Reply) -> Wait | None:
         self._printer.request_restart()
         return None
 
+    @command(
+        "M932",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "",
+        "After a failure, refuses all commands of this console.",
+        kind=Kind.QUIET,
+    )
     def _strict(self, _: Command, reply: Reply) -> Wait | None:
         if isinstance(reply, Session):
             reply.strict, reply.failed = True, False
         return None
 
+    @command(
+        "M933",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "",
+        "Ends M932.",
+        kind=Kind.QUIET,
+    )
     def _lenient(self, _: Command, reply: Reply) -> Wait | None:
         if isinstance(reply, Session):
             reply.strict = False
         return None
 
+    @command(
+        "M937",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "",
+        "Reports the corrections of the bed: none yet.",
+        kind=Kind.QUIET,
+    )
+    def _no_corrections(self, _: Command, reply: Reply) -> None:
+        reply.say("echo:No corrections of the bed are in effect")
 
-def _nothing(_: Command, __: Reply) -> Wait | None:
-    return None
-
-
-def _say(reply: Reply, text: str) -> Wait | None:
-    reply.say(text)
-    return None
+    @command(
+        "M940",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "",
+        "Reports that the network is the computer's.",
+        kind=Kind.QUIET,
+    )
+    def _network(self, _: Command, reply: Reply) -> None:
+        reply.say("echo:The network is the computer's; see passo serve --tcp")

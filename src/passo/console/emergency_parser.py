@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from passo.console.upload import Upload
 from passo.gcode.command import Command, worded
-from passo.gcode.dialect import ANY, row_of
+from passo.gcode.registry import ANY, row_of
 from passo.printer.printer import Printer
 
 _RESUMES = ("M24", "M602")

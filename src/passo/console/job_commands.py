@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 from passo.console.session import Session
 from passo.errors import CommandError, PassoError
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.host_pause import HostPause
 from passo.job.live.job_state import JobState
 from passo.job.live.park import check_words
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import spoken
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForProcedure
+from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -31,22 +32,6 @@ class JobCommands:
     ) -> None:
         self._printer, self._runner, self._progress = printer, runner, progress
         self._host_pause = HostPause(printer)
-        self.immediate: dict[str, Handler] = {
-            "M31": self._time,
-            "M73": self._tell_progress,
-            "M75": lambda c, r: self._timer(runs=True),
-            "M76": lambda c, r: self._timer(runs=False),
-            "M77": lambda c, r: self._stop_timer(),
-            "M530": self._host_print,
-            "M531": self._host_name,
-            "M532": self._host_progress,
-            "M602": self._resume,
-            "M876": self._answer,
-        }
-        self.planned: dict[str, Handler] = {
-            "M600": self._change_filament,
-            "M601": self._pause,
-        }
         printer.state.end_asking = self._end_asking
         runner.watchers.append(self._job_changed)
 
@@ -58,21 +43,66 @@ class JobCommands:
             if state.prints:
                 self._printer.tell("// action:resumed")
 
+    @command(
+        "M31",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Reports the print time.",
+        kind=Kind.QUIET,
+    )
     def _time(self, _: Command, reply: Reply) -> Wait | None:
         reply.say(f"echo:Print time {spoken(self._progress.printed_s)}")
         return None
 
-    def _timer(self, *, runs: bool) -> Wait | None:
-        self._progress.timer(runs=runs)
-        return None
+    @command(
+        "M75",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Starts the print timer.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _start_timer(self, _: Command, __: Reply) -> None:
+        self._progress.timer(runs=True)
 
-    def _stop_timer(self) -> Wait | None:
+    @command(
+        "M76",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Pauses the print timer.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _pause_timer(self, _: Command, __: Reply) -> None:
+        self._progress.timer(runs=False)
+
+    @command(
+        "M77",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Stops the print timer and reports it.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _stop_timer(self, _: Command, __: Reply) -> Wait | None:
         """A print from the card is timed by itself, whatever its file says."""
         self._progress.timer(runs=False)
         self._printer.tell(f"echo:Print time {spoken(self._progress.printed_s)}")
         self._progress.stop_timer()
         return None
 
+    @command(
+        "M530",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "S",
+        "Starts (S1) or ends (S0) the print of a host, for the print timer.",
+        kind=Kind.QUIET,
+    )
     def _host_print(self, command: Command, reply: Reply) -> Wait | None:
         """A host says that its print begins or ends."""
         begins = command.words().get("S", 0) > 0
@@ -80,16 +110,43 @@ class JobCommands:
         reply.say("echo:Start Printing" if begins else "echo:Stop Printing")
         return None
 
+    @command(
+        "M531",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "name",
+        "Sets the name of a host's print.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
     def _host_name(self, command: Command, _: Reply) -> Wait | None:
         self._progress.name_host_print(command.text.strip())
         return None
 
+    @command(
+        "M532",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "X(%) L",
+        "Sets the progress, as M73 P.",
+        kind=Kind.QUIET,
+    )
     def _host_progress(self, command: Command, _: Reply) -> Wait | None:
         words = command.words()
         if "X" in words:
             self._progress.percent = _percent(words["X"])
         return None
 
+    @command(
+        "M73",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "P(%) R(min)",
+        "Sets the progress that a slicer has calculated; without parameters it reports the"
+        " progress.",
+        kind=Kind.QUIET,
+        bare="PR",
+    )
     def _tell_progress(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if "P" in words:
@@ -111,6 +168,16 @@ class JobCommands:
         reply.say(f"echo:Progress: {', '.join(parts) or 'nothing is printed'}")
         return None
 
+    @command(
+        "M600",
+        Subject.FILAMENT,
+        When.EXCLUSIVE,
+        "T E Z X Y U L(mm) S(C) B",
+        "Parks, waits for the user to change the filament, and returns. E retracts, Z raises the"
+        " nozzle, X and Y are the position; U unloads there, L loads when the hotend has reached"
+        " S. T must be the tool in use; B is not used.",
+        kind=Kind.USER,
+    )
     def _change_filament(self, command: Command, reply: Reply) -> Wait | None:
         """Raises CommandError for a tool that is not in use, what its hotend cannot reach, and
         where the nozzle cannot go."""
@@ -120,7 +187,9 @@ class JobCommands:
         if words.get("T", tool) != tool:
             raise CommandError.bad_value("T", words["T"], f"{tool}, the tool in use")
         if "S" in words:
-            hotend = self._printer.machine.heaters[self._printer.commands.heater("hotend")]
+            hotend = self._printer.machine.heaters[
+                self._printer.commands.set_points.heater("hotend")
+            ]
             if not hotend.min_c < words["S"] <= hotend.max_c:
                 limit = f"{hotend.min_c:g} to {hotend.max_c:g} C"
                 raise CommandError.bad_value("S", words["S"], limit)
@@ -128,6 +197,14 @@ class JobCommands:
             reply.note("M600 B", "M600 beeps not: there is no beeper")
         return self._stand_by("Change the filament, then go on with M108", words, reply)
 
+    @command(
+        "M601",
+        Subject.PRINTS,
+        When.EXCLUSIVE,
+        "",
+        "Parks, waits for the user, and returns.",
+        kind=Kind.USER,
+    )
     def _pause(self, _: Command, reply: Reply) -> Wait | None:
         by_file = self._runner.printing_from(reply)
         return self._stand_by("Paused; go on with M108", {}, reply, by_file=by_file)
@@ -157,6 +234,14 @@ class JobCommands:
         self._runner.pause(words, by_file=by_file)
         self._printer.prompts.ask(text, awaited=False)
 
+    @command(
+        "M876",
+        Subject.STOPS,
+        When.IMMEDIATE,
+        "S P",
+        "Answers a prompt.",
+        kind=Kind.QUIET,
+    )
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         """M876: of a wait it acted when the line came in. Raises CommandError."""
         words = command.words()
@@ -179,6 +264,14 @@ class JobCommands:
             except PassoError as error:
                 self._printer.tell(f"echo:{error}")
 
+    @command(
+        "M602",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Resumes the print after a pause.",
+        kind=Kind.SERVED,
+    )
     def _resume(self, _: Command, __: Reply) -> Wait | None:
         """M602: of a wait for a person it acted when the line came in. Raises CommandError."""
         if self._runner.state is JobState.PAUSED:

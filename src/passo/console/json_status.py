@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 from passo.board.connection import ABSOLUTE_ZERO_C
 from passo.console.aprinter_options import OptionCommands
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.status_reader import StatusReader
 from passo.printer.status import HeaterStatus, Status
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -24,8 +25,15 @@ class JsonStatus:
 
     def __init__(self, printer: Printer, reader: StatusReader, options: OptionCommands) -> None:
         self._printer, self._reader, self._options = printer, reader, options
-        self.handlers: dict[str, Handler] = {"M408": self._say}
 
+    @command(
+        "M408",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "S(0-3)",
+        "Reports the state of the printer as JSON; S2 adds the machine, S3 the print.",
+        kind=Kind.QUIET,
+    )
     def _say(self, command: Command, reply: Reply) -> Wait | None:
         kind = command.words().get("S", 0)
         status = self._reader.read()

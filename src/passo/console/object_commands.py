@@ -5,9 +5,10 @@ from __future__ import annotations
 from passo import _core
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.objects import PrintObjects
 from passo.printer.status import PrintObject
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 
 _Action = _core.ObjectAction
 _OF_A_FILE = (
@@ -21,14 +22,25 @@ class ObjectCommands:
 
     def __init__(self, objects: PrintObjects) -> None:
         self._objects = objects
-        self.immediate: dict[str, Handler] = {
-            "M486": self._order,
-            "EXCLUDE_OBJECT": self._order,
-            "EXCLUDE_OBJECT_DEFINE": _label,
-            "EXCLUDE_OBJECT_START": _label,
-            "EXCLUDE_OBJECT_END": _label,
-        }
 
+    @command(
+        "M486",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "P(object) U(object) C T(count) S(object) A(name)",
+        "P cancels an object of a print from the SD card, C the current one, U prints it again;"
+        " without parameters it lists the objects. Files label their objects with T, S and A.",
+        bare=None,
+    )
+    @command(
+        "EXCLUDE_OBJECT",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "NAME CURRENT RESET",
+        "NAME= cancels an object of a print from the SD card, CURRENT=1 the current one; RESET=1"
+        " prints all again, with NAME= this one. Without parameters it lists the objects.",
+        bare=None,
+    )
     def _order(self, command: Command, reply: Reply) -> Wait | None:
         """Raises CommandError."""
         orders = _core.object_orders(command.code, command.text)
@@ -51,8 +63,38 @@ class ObjectCommands:
                     if found.cancelled:
                         self._cancel(found.number, reply, cancelled=False)
             else:
-                _label(command, reply)
+                self._label(command, reply)
         return None
+
+    @command(
+        "EXCLUDE_OBJECT_DEFINE",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "NAME CENTER POLYGON",
+        "Defines an object of a file on the SD card.",
+        kind=Kind.MOTION,
+        bare=None,
+    )
+    @command(
+        "EXCLUDE_OBJECT_START",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "NAME",
+        "Starts the lines of an object in a file.",
+        kind=Kind.MOTION,
+        bare=None,
+    )
+    @command(
+        "EXCLUDE_OBJECT_END",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "NAME",
+        "Ends the lines of an object in a file.",
+        kind=Kind.MOTION,
+        bare=None,
+    )
+    def _label(self, command: Command, reply: Reply) -> None:
+        reply.note(command.code, f"{command.code} {_OF_A_FILE}")
 
     def _cancel(self, number: int, reply: Reply, *, cancelled: bool) -> None:
         changed = self._objects.cancel(number, cancelled=cancelled)
@@ -80,8 +122,3 @@ class ObjectCommands:
 
 def _shown(one: PrintObject) -> str:
     return f"{one.number} {one.name}" if one.name else f"{one.number}"
-
-
-def _label(command: Command, reply: Reply) -> Wait | None:
-    reply.note(command.code, f"{command.code} {_OF_A_FILE}")
-    return None

@@ -23,9 +23,9 @@ class Listeners:
         """A line to all."""
         self._printer.tell(text)
 
-    def note(self, about: str, text: str) -> None:
-        """A line to all, once."""
-        if about not in self._noted:
+    def note(self, about: str, text: str, *, again: bool = False) -> None:
+        """A line to all, once, or `again` each time."""
+        if again or about not in self._noted:
             self._noted.add(about)
             self._printer.tell(f"echo:{text}")
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.journal import Moment, Program
 from passo.job.live.journal_keeper import JournalKeeper
 from passo.job.live.runner import Runner
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForProcedure
+from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -20,8 +21,16 @@ class RecoveryCommands:
 
     def __init__(self, printer: Printer, runner: Runner, keeper: JournalKeeper) -> None:
         self._printer, self._runner, self._keeper = printer, runner, keeper
-        self.planned: dict[str, Handler] = {"M1000": self._go_on}
 
+    @command(
+        "M1000",
+        Subject.PRINTS,
+        When.EXCLUSIVE,
+        "C",
+        "Resumes a print that was interrupted; C drops it.",
+        kind=Kind.SERVED,
+        bare="C",
+    )
     def _go_on(self, command: Command, reply: Reply) -> Wait | None:
         found = self._keeper.interrupted()
         if found is None:

@@ -202,9 +202,9 @@ class Session:
         """The same of a line that all consoles receive."""
         self._wire.write(_encoded(text), dispensable=True)
 
-    def note(self, about: str, text: str) -> None:
-        """A line of answer that this console hears once."""
-        if about not in self._noted:
+    def note(self, about: str, text: str, *, again: bool = False) -> None:
+        """A line of answer that this console receives once, or `again` each time."""
+        if again or about not in self._noted:
             self._noted.add(about)
             self.say(f"echo:{text}")
 

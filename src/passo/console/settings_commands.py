@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 from passo.console.aprinter_options import OptionCommands
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command, numeral
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.settings_store import Override, Setting, Store, commands_of, same, settings_in
-from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForMoves
+from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -28,7 +29,7 @@ class _Collected(NullReply):
         """Collects the line."""
         self._said.append(text)
 
-    def note(self, about: str, text: str) -> None:
+    def note(self, about: str, text: str, *, again: bool = False) -> None:
         """Collects the line."""
         self._said.append(f"echo:{text}")
 
@@ -45,23 +46,17 @@ class SettingsCommands:
         self._printer, self._store, self._options = printer, store, options
         self._defaults = list(self.lines())
         self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}
-        self.planned: dict[str, Handler] = {
-            "M500": self._save,
-            "M501": self._load,
-            "M502": self._reset,
-            "M503": self._report,
-            "M504": self._check,
-        }
 
     def groups(self) -> Iterator[tuple[str, list[str]]]:
         """Headings, each with the commands that bring its settings back."""
         motion, heat, job = self._printer.motion, self._printer.heat, self._printer.job
+        limits = self._printer.commands.limits
         yield "Steps per unit", motion.scale_lines()
-        yield "Maximum feedrates (units/s)", motion.axis_limit_lines("speed")
-        yield "Maximum acceleration (units/s2)", motion.axis_limit_lines("accel")
-        yield "Acceleration (units/s2)", [motion.acceleration_line()]
-        yield "Corners", motion.junction_lines()
-        yield "Speed of the path (units/s), share of cruise", [motion.velocity_line()]
+        yield "Maximum feedrates (units/s)", limits.axis_lines("M203", "speed")
+        yield "Maximum acceleration (units/s2)", limits.axis_lines("M201", "accel")
+        yield "Acceleration (units/s2)", [limits.acceleration_line()]
+        yield "Corners", limits.junction_lines()
+        yield "Speed of the path (units/s), share of cruise", [limits.velocity_line()]
         yield "Home offset", [motion.home_offset_line()]
         if job.tool_offsets:
             yield "Tool offsets", list(motion.tool_offset_lines())
@@ -72,7 +67,7 @@ class SettingsCommands:
         models = list(controls.model_lines())
         if models:
             yield "Heater models", models
-        yield "Material presets", list(self._printer.commands.presets.lines())
+        yield "Material presets", list(self._printer.commands.set_points.presets.lines())
         if self._printer.machine.extruders:
             yield "Filament", list(motion.filament_lines())
             yield "Firmware retraction", list(motion.retraction_lines())
@@ -181,6 +176,14 @@ class SettingsCommands:
         CommandError."""
         return self._needed().save(self._changed())
 
+    @command(
+        "M500",
+        Subject.SETTINGS,
+        When.PLANNED,
+        "",
+        "Stores the settings.",
+        kind=Kind.SERVED,
+    )
     def _save(self, _: Command, reply: Reply) -> Wait | None:
         crc = self.store()
         changed = [str(override.setting) for override in self._changed()]
@@ -191,6 +194,14 @@ class SettingsCommands:
         reply.say(f"echo:Stored, as changed from the machine file: {listed}")
         return None
 
+    @command(
+        "M501",
+        Subject.SETTINGS,
+        When.EXCLUSIVE,
+        "",
+        "Loads the stored settings.",
+        kind=Kind.SERVED,
+    )
     def _load(self, _: Command, reply: Reply) -> Wait | None:
         self._printer.motion.require_scales("M501")
         stored = self._needed().load()
@@ -198,6 +209,14 @@ class SettingsCommands:
             raise CommandError.of("settings.none")
         return WaitForMoves(lambda: self._take("M501", stored, reply))
 
+    @command(
+        "M502",
+        Subject.SETTINGS,
+        When.EXCLUSIVE,
+        "",
+        "Sets all settings to those of the machine file.",
+        kind=Kind.SERVED,
+    )
     def _reset(self, _: Command, reply: Reply) -> Wait | None:
         self._printer.motion.require_scales("M502")
         return WaitForMoves(lambda: self._take("M502", [], reply))
@@ -214,6 +233,15 @@ class SettingsCommands:
             reply.say(line)
         reply.say(f"echo:Stored settings retrieved ({len(held)} values)")
 
+    @command(
+        "M503",
+        Subject.SETTINGS,
+        When.PLANNED,
+        "S0",
+        "Reports the settings as commands; S0 without headings.",
+        kind=Kind.QUIET,
+        bare="SC",
+    )
     def _report(self, command: Command, reply: Reply) -> Wait | None:
         headings = command.words().get("S", 1) != 0
         for heading, lines in self.groups():
@@ -225,6 +253,14 @@ class SettingsCommands:
             reply.say(line)
         return None
 
+    @command(
+        "M504",
+        Subject.SETTINGS,
+        When.PLANNED,
+        "",
+        "Checks the stored settings.",
+        kind=Kind.QUIET,
+    )
     def _check(self, _: Command, reply: Reply) -> Wait | None:
         stored = self._needed().load()
         if stored is None:

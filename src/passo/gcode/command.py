@@ -7,7 +7,7 @@ from decimal import Decimal
 from typing import NamedTuple
 
 from passo.errors import WordError
-from passo.gcode.dialect import ANY, row_of
+from passo.gcode.registry import ANY, row_of
 from passo.gcode.stray import stray_of
 
 _WORD = re.compile(
@@ -18,6 +18,11 @@ _PAIR = re.compile(
 )
 _QUOTED = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
+# Of a whole line of a console, which must hold nothing that has to wait for its turn.
+_FORCED = re.compile(
+    r"(?=.*F)(?:\s*(?:[STPR]\s*[-+]?(?:\d+\.?\d*|\.\d+)|S\s*nan\b|F(?!\s*[-+.\d])))*\s*",
+    re.IGNORECASE,
+)
 LARGEST = 1e9  # as in the words of moves
 
 
@@ -39,9 +44,9 @@ class Command(NamedTuple):
         return f"{self.letter}{self.number}" + (f".{self.minor}" if self.minor else "")
 
     def check(self) -> None:
-        """Raises WordError for the first word with no number, or one beyond 1e9, unless the dialect
-        lets its letter stand alone, for a letter that comes twice, and for a character that is not
-        G-code."""
+        """Raises WordError for the first word with no number, or one beyond 1e9, unless the
+        declaration lets its letter stand alone, for a letter that comes twice, and for a character
+        that is not G-code."""
         row = row_of(self.code)
         if self.name or row is None or row.bare is None:
             return
@@ -112,6 +117,13 @@ def alone(command: Command) -> bool:
         return True
     own = {letter for letter in "GMT" if f" {letter}" in f" {row.parameters}"}
     return not any(m[0][0].upper() not in own for m in _COMMAND.finditer(worded(command.text)))
+
+
+def forced(command: Command) -> bool:
+    """A console's line that sets a heater or a fan at once (F), whichever source moves the
+    machine."""
+    row = row_of(command.code)
+    return row is not None and row.forced and _FORCED.fullmatch(command.text) is not None
 
 
 def words_of(text: str) -> list[tuple[str, float]]:

@@ -1,14 +1,15 @@
-"""The reference page of all commands, made from the dialect table."""
+"""The reference page of all commands, made from their declarations."""
 
 from __future__ import annotations
 
-from passo.gcode.dialect import ANY, BY_CODE, TABLE, Kind, Row
+from passo.gcode.registry import ANY, Declaration, Kind, Subject, table
 
 _HEAD = """# Commands
 
-Made from the dialect table (`passo.gcode.reference`): [how a line is read](#how-a-line-is-read),
-[when a command acts](#when-a-command-acts), then the commands by subject. Commands that do nothing
-are in [a list of their own](#commands-without-an-effect).
+Made from the declarations of the commands (`passo.gcode.registry`):
+[how a line is read](#how-a-line-is-read), [when a command acts](#when-a-command-acts), then the
+commands by subject. Commands that do nothing are in
+[a list of their own](#commands-without-an-effect).
 
 ## How a line is read
 
@@ -151,56 +152,32 @@ print on a machine without a probe: [check a file](../how-to/check-a-file.md).
 |---|---|---|"""
 _COLUMNS = """| command | parameters | when | what it does | without consoles |
 |---|---|---|---|---|"""
-_MARK = {Kind.PERSON: "no wait", Kind.QUIET: "no effect", Kind.SERVED: "skipped"}
-# Which part of the page a command is in. Those without an effect have a list of their own.
-SUBJECTS: dict[str, str] = {
-    "Moves": "G0 G1 G2 G3 G4 G60 G61 M400",
-    "Positions, units and planes": "G17 G18 G19 G20 G21 G28 G53 G90 G91 G92 M82 M83 M206 M290 M114"
-    " M154",
-    "Drilling and sub-programs": "G73 G80 G81 G82 G83 G98 G99 M98 M99 M2 EOF",
-    "Macros": "SET_GCODE_VARIABLE UPDATE_DELAYED_GCODE",
-    "Filament and tools": "G10 G11 T M200 M207 M208 M209 M218 M221 M302 M600 M603 M701 M702",
-    "Speed and acceleration": "M201 M203 M204 M205 M220 SET_VELOCITY_LIMIT",
-    "Heaters": "M104 M109 M140 M190 M141 M191 M116 M105 M155 M145 M149 M301 M303 M304 M305 M306"
-    " M307 M921 M922",
-    "Fans, laser, power supply, beeper": "M106 M107 M3 M4 M5 M80 M81 M300",
-    "Motors, drivers and endstops": "M17 M18 M84 M85 M92 M119 M120 M121 M122 M123 M124 M350 M540"
-    " M569 M906 M911 M912",
-    "SD card": "M20 M21 M22 M23 M24 M25 M26 M27 M28 M29 M30 M32 M33 M34 M36 M928",
-    "Prints": "M31 M73 M75 M76 M77 M78 M486 EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE"
-    " EXCLUDE_OBJECT_START EXCLUDE_OBJECT_END M524 M530 M531 M532 M601 M602 M1000"
-    " PAUSE RESUME CANCEL_PRINT SDCARD_PRINT_FILE SDCARD_RESET_FILE",
-    "Stop and restart": "M112 M410 M108 M0 M1 M876 M999",
-    "Settings": "M500 M501 M502 M503 M504 M925 M926 M930",
-    "Consoles": "M110 M113 M115 M117 M118 M408 M932 M933 M937 M940",
-    "Simulation": "SIMULATE_FAULT",
-}
-
-
-def without_effect(row: Row) -> bool:
-    """Whether a command is only accepted, on a served printer too."""
-    ignored = row.kind is Kind.QUIET and row.bare == ANY and not row.parameters
-    return row.kind is Kind.NOT_BUILT or ignored
+_MARK = {Kind.USER: "no wait", Kind.QUIET: "no effect", Kind.SERVED: "skipped"}
 
 
 def reference() -> str:
     """The page as Markdown."""
     lines = [_HEAD.rstrip("\n") + "\n", _WHEN]
-    for subject, codes in SUBJECTS.items():
-        lines += [f"## {subject}\n", _COLUMNS]
-        lines += [_row(BY_CODE[code]) for code in codes.split()]
-        lines.append("")
+    rows = list(table().values())
+    for subject in Subject:
+        if subject is not Subject.NO_EFFECT:
+            lines += [f"## {subject.value}\n", _COLUMNS]
+            lines += [_row(row) for row in rows if row.subject is subject]
+            lines.append("")
     lines.append(_WITHOUT_EFFECT)
-    for row in filter(without_effect, TABLE):
-        lines.append(f"| {row.code} | {row.text} | {'yes' if row.kind is Kind.NOT_BUILT else ''} |")
+    for row in rows:
+        if row.subject is Subject.NO_EFFECT:
+            lines.append(
+                f"| {row.code} | {row.text} | {'yes' if row.kind is Kind.NOT_BUILT else ''} |"
+            )
     return "\n".join([*lines, ""])
 
 
-def _row(row: Row) -> str:
+def _row(row: Declaration) -> str:
     mark = _MARK.get(row.kind, "")
     return f"| {row.code} | {_parameters(row)} | {row.when.value} | {row.text} | {mark} |"
 
 
-def _parameters(row: Row) -> str:
+def _parameters(row: Declaration) -> str:
     letters = "any letter" if row.bare == ANY else " ".join(row.bare or "")
     return "; ".join(filter(None, (row.parameters, letters and f"alone: {letters}")))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from passo import _core
 from passo.errors import Problem
 from passo.gcode.command import Command
-from passo.gcode.dialect import row_of
+from passo.gcode.registry import row_of
 from passo.printer.input_errors import call_problem
 from passo.printer.unfit_commands import Skips, unfit
 

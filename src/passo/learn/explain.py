@@ -12,7 +12,7 @@ from passo import _core
 from passo.config.pin_names import MAIN
 from passo.errors import InputError, PassoError
 from passo.gcode.command import Command
-from passo.gcode.dialect import row_of
+from passo.gcode.registry import row_of
 from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
 from passo.job.batch.source import lines, open_source

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError, PassoError, Problem
 from passo.gcode.command import Command
-from passo.printer.wait_requests import Handler, Reply, Stopped
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.printer.wait_requests import Reply, Stopped
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -31,9 +32,9 @@ class _Everybody:
         """A line to all."""
         self._state.tell(text)
 
-    def note(self, about: str, text: str) -> None:
-        """A line to all, once."""
-        if about not in self._noted:
+    def note(self, about: str, text: str, *, again: bool = False) -> None:
+        """A line to all, once, or `again` each time."""
+        if again or about not in self._noted:
             self._noted.add(about)
             self._state.tell(f"echo:{text}")
 
@@ -59,11 +60,19 @@ class DelayedGcode:
         self._reply = _Everybody(printer.state)
         self._due: dict[str, asyncio.TimerHandle] = {}
         self._tasks: set[asyncio.Task[None]] = set()
-        self.planned: dict[str, Handler] = {"UPDATE_DELAYED_GCODE": self._update}
         for name, delayed in printer.machine.delayed_gcode.items():
             self._set(name, delayed.initial_duration_s)
         printer.closers.append(self._close)
 
+    @command(
+        "UPDATE_DELAYED_GCODE",
+        Subject.MACROS,
+        When.PLANNED,
+        "ID DURATION(s)",
+        "Carries out the delayed G-code of this name after this time; with 0 not at all.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
     def _update(self, command: Command, _: Reply) -> None:
         words = command.pairs()
         for key in ("ID", "DURATION"):

@@ -9,10 +9,10 @@ from functools import partial
 from passo import _core
 from passo.board.ports import LinkLostError
 from passo.errors import CommandError, InputError
-from passo.gcode.command import Command, alone
-from passo.gcode.dialect import Kind, row_of
+from passo.gcode.command import Command, alone, forced
+from passo.gcode.registry import Kind, Role, When, commands_of, row_of
 from passo.motion.motion_queue import MAX_QUEUED
-from passo.printer.commands.program import forced
+from passo.printer.commands.program import DECLARED
 from passo.printer.live_rig import LiveRig
 from passo.printer.macros import EmergencyStop
 from passo.printer.state import State
@@ -28,17 +28,14 @@ from passo.printer.wait_requests import (
 )
 from passo.printer.wait_runner import WaitRunner
 
-# What stops a machine at once waits in a file, which is read ahead, for the moves before it.
-_IN_THEIR_TURN = ("M25", "M112", "M410", "M524")
-
 
 class Dispatch:
     """Commands of several sources, for one printer. To be used within one event loop.
 
-    `immediate` are the commands that act at once, during moves of any source; those of
-    `beside_only` do so only beside a print. Immediate ones that change the plan are `of_plan`.
-    `planned` take their place on the timeline or wait for the machine. Handlers may be added before
-    the first command.
+    `immediate` has the handlers of commands that act at once, also while another source moves the
+    machine; `planned` those of commands that take their place among the moves or wait for the
+    machine. The job's own commands act where neither has a handler. Parts may be added before the
+    first command.
     """
 
     def __init__(
@@ -53,9 +50,21 @@ class Dispatch:
         self._before_line = before_line  # called when a console's line or the file is read on
         self.immediate: dict[str, Handler] = {}
         self.planned: dict[str, Handler] = {}
-        self.beside_only: frozenset[str] = frozenset()
-        self.of_plan: frozenset[str] = frozenset()
         self._from_console = False
+        for code in DECLARED:
+            row = row_of(code)
+            if row is not None and row.when is When.IMMEDIATE:
+                self.immediate[code] = lambda c, r: rig.commands.run_at_once(c, r)
+                self.planned[code] = lambda c, r: rig.commands.run(c, r)
+
+    def add(self, *parts: object) -> None:
+        """Takes in the handlers that the methods of these parts are."""
+        for part in parts:
+            for code, role, method in commands_of(type(part)):
+                row = row_of(code)
+                assert row is not None
+                at_once = role is Role.DECLARED and row.when in (When.IMMEDIATE, When.AHEAD)
+                (self.immediate if at_once else self.planned)[code] = getattr(part, method)
 
     def begin(self) -> None:
         """The boards have been replaced, and the job with them."""
@@ -65,8 +74,8 @@ class Dispatch:
         """Carries out a command that acts at once when it comes from there; else False."""
         if command.code in self._rig.machine.macros:
             return False
-        handler = self.immediate.get(command.code)
-        in_order = command.code in self.beside_only and not self._state.beside(reply)
+        handler, row = self.immediate.get(command.code), row_of(command.code)
+        in_order = row is not None and row.only_during_print and not self._state.beside(reply)
         if in_order or (handler is None and not forced(command)):
             return False
         if not alone(command):
@@ -78,7 +87,8 @@ class Dispatch:
     def answers_halted(self, code: str) -> bool:
         """A halted printer carries such a command out: it acts at once, and not on the plan. What
         has halted it is not rearmed; M999 restarts it, cold."""
-        return code in self.immediate and code not in self.of_plan and code != "M922"
+        row = row_of(code)
+        return code in self.immediate and row is not None and row.while_halted
 
     # -- lines of consoles ------------------------------------------------------------------------
 
@@ -233,7 +243,9 @@ class Dispatch:
         """Carries out a command that the interpreter handed out."""
         self._rig.queue.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
-        if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
+        row = row_of(command.code)
+        in_turn = row is not None and row.in_turn and not self._from_console
+        if handler is not None and in_turn:  # a file is read ahead: the moves before it come first
             return WaitForMoves(partial(self._carried_out, handler, command, reply))
         surveyed = self._from_console or self._rig.job.macro_depth == 0
         if not surveyed and (problem := unfit(command, self._skips)):
@@ -253,7 +265,7 @@ class Dispatch:
         """By a handler of a printer with consoles, or as in a print without them."""
         try:
             if handler is None:
-                wait = self._rig.commands.run(command)
+                wait = self._rig.commands.run(command, reply)
             else:
                 command.check()
                 wait = handler(command, reply)

@@ -24,14 +24,14 @@ class Laser:
         """Off when the moves so far are done, until it is switched on again."""
         if self._rig.machine.laser and not self._state.halted:
             self._rig.queue.before_moves()
-            self._rig.commands.laser_off()
+            self._rig.commands.outputs.laser_off()
             self._rig.queue.after_moves()
 
     @contextmanager
     def dark(self) -> Generator[None]:
         """Off when the moves so far are done, and as it was at the end, unless it was switched off
         for good meanwhile."""
-        if self._rig.commands.lit and not self._dark:
+        if self._rig.commands.outputs.lit and not self._dark:
             self._shade(dark=True)
         try:
             yield
@@ -46,5 +46,5 @@ class Laser:
     def _shade(self, *, dark: bool) -> None:
         self._dark = dark
         self._rig.queue.before_moves()
-        self._rig.commands.shade(dark=dark)
+        self._rig.commands.outputs.shade(dark=dark)
         self._rig.queue.after_moves()

@@ -6,8 +6,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo.motion.rig import Rig
-from passo.printer.commands.program import Commands, Heat
+from passo.printer.commands.plan import LivePlan
+from passo.printer.commands.program import Commands
+from passo.printer.commands.set_points import Heat
 from passo.printer.macros import Macros
+from passo.printer.wait_requests import Reply
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -22,16 +25,22 @@ class LiveRig(Rig):
         super().__init__(machine, free=free)
         self.macros = Macros(machine)  # their variables survive a restart
 
-    def plan_commands(self, heat: Heat, on_mark: Callable[[int, int], None]) -> None:
-        """As `plan`; commands set their temperatures at `heat`."""
+    def plan_commands(
+        self,
+        heat: Heat,
+        on_mark: Callable[[int, int], None],
+        during_print: Callable[[Reply], bool],
+    ) -> None:
+        """As `plan`; commands set their temperatures at `heat`, and those of a console
+        `during_print` change what is planned, too."""
         self.plan(on_mark)
         boards = self.connection
         full = [boards.full_scale(output.name) for output in boards.board.outputs]
-        self.commands = Commands(self.machine, self.job, heat, full, self.macros)
-        self.commands.record_at_once = self.queue.record_at_once
+        plan = LivePlan(self.queue, during_print)
+        self.commands = Commands(self.machine, self.job, heat, full, plan, self.macros)
 
     def set_fan(self, fan: str, share: float) -> None:
         """Sets a fan's speed, 0 to 1, when the moves so far are done."""
         self.queue.before_moves()
-        self.commands.set_output(fan, share)
+        self.commands.outputs.set_output(fan, share)
         self.queue.after_moves()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import Subject, When, command
 from passo.printer.klipper.objects import Object, Objects, objects
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.gcode.template import Budget, Template
     from passo.printer.status import Status
+    from passo.printer.wait_requests import Reply
 
 MAX_DEPTH = 16  # macros within each other
 _LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
@@ -106,8 +108,16 @@ class Macros:
         budget = self._budgets[True] = Budget()
         return self._render(f"delayed_gcode.{name}", text, {}, tree, budget, respond)
 
-    def set_variable(self, command: Command) -> None:
-        """SET_GCODE_VARIABLE. Raises CommandError."""
+    @command(
+        "SET_GCODE_VARIABLE",
+        Subject.MACROS,
+        When.PLANNED,
+        "MACRO VARIABLE VALUE",
+        "Sets a variable of a macro, until the program ends.",
+        bare=None,
+    )
+    def set_variable(self, command: Command, _: Reply) -> None:
+        """Raises CommandError."""
         words = command.pairs()
         for key in ("MACRO", "VARIABLE", "VALUE"):
             if key not in words:

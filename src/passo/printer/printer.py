@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import MachineError, PassoError
 from passo.gcode.command import Command
+from passo.gcode.registry import in_program
 from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
@@ -94,7 +95,11 @@ class Printer:
         self.driver_commands = DriverCommands(machine, self.drivers, self.motors)
         self.faults = SimulatedFaultCommands(rig, state, free=free)
         self.dispatch = Dispatch(rig, state, self.waits, skips, self.heat.guard_extrusion)
-        self._declare(TuneCommands(rig, state, self.targets, self.controls))
+        tunes = TuneCommands(rig, state, self.targets, self.controls)
+        self.dispatch.add(self, self.heat, self.motion, self.prompts, self.controls, self.endstops)
+        self.dispatch.add(self.faults, self.power_supply, self.motors, tunes, self.driver_commands)
+        if machine.beeper is not None:
+            self.dispatch.add(self.beeper)
         idle = IdleWatch(
             rig,
             state,
@@ -132,25 +137,6 @@ class Printer:
             halt=self.halt,
             restart=self._restart,
         )
-
-    def _declare(self, tunes: TuneCommands) -> None:
-        dispatch = self.dispatch
-        for part in (self.heat, self.motion, self.prompts, self.controls, self.endstops):
-            dispatch.immediate |= part.immediate
-        dispatch.immediate |= self.faults.immediate
-        dispatch.planned |= {"M112": self._halt_by_line, "M410": self._stop_by_line}
-        for part in (
-            self.heat,
-            self.motion,
-            self.power_supply,
-            self.beeper,
-            self.motors,
-            self.prompts,
-        ):
-            dispatch.planned |= part.planned
-        dispatch.planned |= tunes.planned | self.driver_commands.planned
-        dispatch.beside_only = self.motion.beside_only
-        dispatch.of_plan = frozenset(self.motion.immediate)
 
     # -- what the rig has now ---------------------------------------------------------------------
 
@@ -224,7 +210,7 @@ class Printer:
                 raise
             failure = failure or error
         self.state.start_failure = failure
-        rig.plan_commands(self.targets, self._mark_reached)
+        rig.plan_commands(self.targets, self._mark_reached, self.state.beside)
         rig.queue.on_motion = self._before_motion
         rig.queue.on_pass = self._time_passed
         self._stopped_tool = 0
@@ -353,11 +339,13 @@ class Printer:
         if self.halted:
             self.supervisor.request_restart()
 
+    @in_program("M112")
     def _halt_by_line(self, _: Command, __: Reply) -> Wait | None:
         """M112 where no console has seen it come: in a file, or behind another command."""
         self.emergency_stop()
         return None
 
+    @in_program("M410")
     def _stop_by_line(self, _: Command, __: Reply) -> Wait | None:
         self.stop_all("M410")
         return None
@@ -385,8 +373,8 @@ class Printer:
     def stop(self) -> None:
         """Brakes to a stop on the path and forgets all moves that were planned."""
         self.queue.stop()
-        self.commands.plan_forgotten()
-        self.commands.follow_tool()
+        self.commands.outputs.plan_forgotten()
+        self.commands.set_points.follow_tool()
         self.targets.cooled_c.clear()
         self.beeper.forget()
         self.laser.off()
@@ -412,12 +400,12 @@ class Printer:
         self.job.suspend(hand_over_macro)
         self.offsets.suspend()
         self._stopped_tool = self.job.tool
-        self.commands.follow_tool()
+        self.commands.set_points.follow_tool()
 
     def take_stopped_tool(self) -> None:
         """The tool of the suspended job is in use, whatever was selected meanwhile."""
         self.job.use_tool(self._stopped_tool)
-        self.commands.tool_changed(self._stopped_tool)
+        self.commands.set_points.tool_changed(self._stopped_tool)
 
     def resume_job(self) -> None:
         """Goes on with the suspended job, the machine being back at its stop position."""
@@ -425,7 +413,7 @@ class Printer:
         if self.job.suspended:
             self.offsets.resume()
         self.job.resume()
-        self.commands.follow_tool()
+        self.commands.set_points.follow_tool()
         self.queue.after_moves()
         self.laser.light()
 

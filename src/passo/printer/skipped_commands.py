@@ -17,7 +17,7 @@ class SkippedCommand(Enum):
     UNKNOWN = "{} is unknown and was skipped"
     NOT_BUILT = "{} does nothing here and was skipped"
     SERVED = "{} is for a printer that is served and was skipped"
-    PERSON = "{} waits for a person; nobody is here, so it took no time"
+    USER = "{} waits for a person; nobody is here, so it took no time"
     STOP = "{} stops a print; the plan goes on behind it"
     REPEAT = "{} in the main program repeats it on other machines; here it ends the program"
     TOOL = "tool {} does not exist and was ignored"

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from passo.errors import Problem
 from passo.gcode.command import Command
-from passo.gcode.dialect import row_of
+from passo.gcode.registry import row_of
 
 # G codes that move the machine in other dialects, or change where later moves go: splines, pockets,
 # patterns, threads, calibration, probing, radius compensation, scaling, rotation, macros, cycles.

@@ -94,8 +94,8 @@ class Reply(Protocol):
     def say(self, text: str) -> None:
         """A line of answer."""
 
-    def note(self, about: str, text: str) -> None:
-        """A line of answer, once for each `about`."""
+    def note(self, about: str, text: str, *, again: bool = False) -> None:
+        """A line of answer, once for whatever it is about, or `again` each time."""
 
     def with_ok(self, text: str) -> None:
         """Text after `ok` in the same line."""
@@ -116,7 +116,7 @@ class NullReply:
     def say(self, text: str) -> None:
         """Drops the text."""
 
-    def note(self, about: str, text: str) -> None:
+    def note(self, about: str, text: str, *, again: bool = False) -> None:
         """Drops the text."""
 
     def with_ok(self, text: str) -> None:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from passo.card import Card, Writer
     from passo.config.machine import MachineConfig
     from passo.events import Event
-    from passo.gcode.dialect import Row
+    from passo.gcode.registry import Declaration
     from passo.job.batch.estimate import Estimate
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import Status
@@ -81,7 +81,7 @@ class Bridge(Protocol):
         ...
 
     @property
-    def commands(self) -> Sequence[Row]:
+    def commands(self) -> Sequence[Declaration]:
         """Each command that the printer knows, as the table declares it."""
         ...
 

@@ -72,7 +72,7 @@ class Heating:
         self._job.flush()
         self._pass()
         for name, fan in self._fans.items():
-            self._bodies[name].set_fan(commands.fans.get(fan, 0.0))
+            self._bodies[name].set_fan(commands.outputs.fans.get(fan, 0.0))
         loops = {name: self._bodies[name].heater for name in heaters}
         # Only heating is waited for.
         waited = [h for h in loops.values() if h.celsius <= h.target + h.arrival.window_c]

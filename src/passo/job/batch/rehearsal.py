@@ -12,8 +12,9 @@ from passo.gcode.command import Command
 from passo.job.batch.program import with_option
 from passo.motion.endstops import axes_lost, homed_axes, named_axes, named_motors
 from passo.printer.cold_extrusion import ColdExtrusion
-from passo.printer.commands.program import Commands, Heat
-from passo.printer.wait_requests import Wait, WaitForHoming, WaitForMoves
+from passo.printer.commands.program import Commands
+from passo.printer.commands.set_points import Heat
+from passo.printer.wait_requests import Reply, Wait, WaitForHoming, WaitForMoves
 
 if TYPE_CHECKING:
     from passo import _core
@@ -57,11 +58,11 @@ class RehearsedCommands(Commands):
         self._axes = axis_order(machine.axes)
         self._lock(homed_axes(machine))
 
-    def run(self, command: Command) -> Wait | None:
+    def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
         """See `Commands.run`."""
         if command.code == "M302":
             return self._guard_set(command)
-        wait = super().run(command)
+        wait = super().run(command, reply)
         if command.code in ("M18", "M84") and "S" not in command.words():
             self._lock(axes_lost(self._machine, named_motors(self._machine, command.text)))
         self.guard(self._now)  # a tool or a target may have changed

@@ -23,7 +23,10 @@ def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
     """The factors for the lines read next: "speed", "flow" with the number of the extruder, "fan"
     with its name."""
     flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.flows)}
-    fans = {f"fan {name}": commands.fans.get(name, 0.0) for name in commands.commanded_fans}
+    fans = {
+        f"fan {name}": commands.outputs.fans.get(name, 0.0)
+        for name in commands.outputs.commanded_fans
+    }
     return {"speed": job.speed_factor, **flows, **fans}
 
 
@@ -34,8 +37,8 @@ def override(job: _core.Job, commands: Commands, name: str, factor: float) -> No
         job.set_speed_factor(factor)
     elif what == "flow" and int(which) < len(job.flows):
         job.set_flow(int(which), factor)
-    elif what == "fan" and which in commands.commanded_fans:
-        commands.set_output(which, factor)
+    elif what == "fan" and which in commands.outputs.commanded_fans:
+        commands.outputs.set_output(which, factor)
 
 
 class Overrides:

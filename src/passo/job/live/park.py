@@ -155,7 +155,7 @@ class Park:
         printer = self._printer
         if not self._warm or not printer.job.suspended or printer.can_extrude():
             return
-        hotend = printer.commands.heater("hotend")
+        hotend = printer.commands.set_points.heater("hotend")
         if printer.connection.heaters[hotend].target > 0:
             await printer.waits.wait(WaitForTemperatures((hotend,)), NullReply())
         if printer.job.suspended and not printer.can_extrude():
@@ -164,7 +164,7 @@ class Park:
     async def _reach(self, celsius: float) -> None:
         """The new filament's temperature, for the hotend of the tool in use."""
         printer = self._printer
-        hotend = printer.commands.heater("hotend")
+        hotend = printer.commands.set_points.heater("hotend")
         printer.targets.set_target(hotend, celsius, at_once=True)
         await printer.waits.wait(WaitForTemperatures((hotend,), cooling=True), NullReply())
         self._celsius = None

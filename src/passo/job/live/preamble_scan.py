@@ -17,7 +17,7 @@ from passo.job.live.reader import Reader
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.unfit_commands import ALL
-from passo.printer.wait_requests import Wait, WaitForHoming
+from passo.printer.wait_requests import Reply, Wait, WaitForHoming
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -35,11 +35,11 @@ class _Observed(Commands):
 
     observer: Callable[[Command], None] | None = None
 
-    def run(self, command: Command) -> Wait | None:
+    def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
         """See `Commands.run`."""
         if self.observer is not None:
             self.observer(command)
-        return super().run(command)
+        return super().run(command, reply)
 
 
 class PreambleScan:
@@ -63,7 +63,7 @@ class PreambleScan:
         reader.seek(0)
         prepare(job, survey(machine, iter(partial(reader.read, _CHUNK), b"")), "", ALL)
         self.commands = _Observed.of_plan(machine, job)
-        self.commands.take_tool_temperatures(printer.commands)
+        self.commands.set_points.take_tool_temperatures(printer.commands.set_points)
         self.settings: list[str] = []
         self.home_offset_mm = dict(printer.offsets.home_mm)
         self.homed_mm = dict(self.home_offset_mm)

@@ -64,16 +64,16 @@ class Recovery:
         printer.offsets.home_mm |= past.homed_mm
         await self._lift_and_home()
         printer.offsets.home_mm |= past.home_offset_mm
-        await self._warm(past.commands.fans)
+        await self._warm(past.commands.outputs.fans)
         if state.tool != printer.job.tool:
             printer.dispatch.take_setting(f"T{state.tool}", NullReply())  # its nozzle is filled
         await self._approach(at)
         printer.job.adopt(state)
-        printer.commands.follow_tool()
-        printer.commands.take_tool_temperatures(past.commands)
+        printer.commands.set_points.follow_tool()
+        printer.commands.set_points.take_tool_temperatures(past.commands.set_points)
         printer.commands.macros.take_variables(past.commands.macros)
         printer.job.set_speed_factor(state.speed_factor)
-        printer.commands.speed.kept = past.commands.speed.kept
+        printer.commands.factors.kept = past.commands.factors.kept
         printer.offsets.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
@@ -118,7 +118,7 @@ class Recovery:
             printer.targets.set_target(name, target, at_once=True)
         await printer.waits.wait(WaitForTemperatures(hot), NullReply())
         printer.state.raise_if_interrupted()
-        for fan in printer.commands.commanded_fans:
+        for fan in printer.commands.outputs.commanded_fans:
             printer.rig.set_fan(fan, fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:

@@ -304,7 +304,7 @@ class Runner:
         printer = self._printer
         printer.targets.switch_off(printer.machine.heaters)
         printer.queue.before_moves()
-        printer.commands.fans_off()
+        printer.commands.outputs.fans_off()
         printer.queue.after_moves()
 
     def _refuse_if_active(self) -> None:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.live.history import History, PrintRow
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -53,7 +54,6 @@ class Statistics:
         self._on_s = self._stored_s = 0.0
         self._seen_s = self._noted_s = printer.queue.now_s
         self._job: Print | None = None  # the one that is under way
-        self.immediate: dict[str, Handler] = {"M78": self._statistics}
         if directory is None:
             return
         try:
@@ -143,6 +143,14 @@ class Statistics:
         except sqlite3.Error as error:
             raise _unusable(None, error) from None
 
+    @command(
+        "M78",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "S78",
+        "Reports the print statistics; S78 clears them.",
+        kind=Kind.QUIET,
+    )
     def _statistics(self, command: Command, reply: Reply) -> Wait | None:
         """Never a reason for a print that asks to end."""
         if self._history is None:

@@ -65,7 +65,7 @@ class StatusReader:
             homed=homed,
             tool=job.tool,
             heaters={name: _heater_status(printer, name) for name in printer.machine.heaters},
-            fans={n: printer.commands.fans.get(n, 0.0) for n in printer.machine.fans},
+            fans={n: printer.commands.outputs.fans.get(n, 0.0) for n in printer.machine.fans},
             speed_factor=job.speed_factor,
             motion=self._motion(),
             axes=self._axes(shown, homed),

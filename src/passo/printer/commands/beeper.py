@@ -9,8 +9,9 @@ from passo.board.connection import LEAD_S
 from passo.config.pin_names import MAIN, placed
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import ANY, Kind, Subject, When, command
 from passo.printer.state import State
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForProcedure
+from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -59,7 +60,6 @@ class Beeper:
         self._there = machine.beeper is not None
         board = machine.all_boards[placed(machine.beeper.pin)[0] if machine.beeper else MAIN]
         self._highest_hz, self._longest_s = highest_hz(board), longest_tone_s(board)
-        self.planned: dict[str, Handler] = {"M300": self._beep} if self._there else {}
         self._era = 0  # marks of an earlier one are forgotten
         # Clocks of the main board: the last tone's end, with rests, and when its board is silent.
         self._next = self._silent = 0
@@ -111,6 +111,16 @@ class Beeper:
                 self._silent = self._next + int(_APART_S * per_s)
             self._due.popleft()
 
+    @command(
+        "M300",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "S(Hz) P(ms)",
+        "Sounds the [beeper] of the machine file; S0 is a pause.",
+        kind=Kind.QUIET,
+        bare=ANY,
+        lacks="The machine file has no [beeper].",
+    )
     def _beep(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         hz, ms = words.get("S", _HZ), words.get("P", _MS)

@@ -13,7 +13,8 @@ from passo.board.trinamic import DriverSettings, findings, open_coils, threshold
 from passo.config.trinamic import largest_current_ma, least_current_ma
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.gcode.registry import AXES, Kind, Subject, When, command
+from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -29,16 +30,17 @@ class DriverCommands:
 
     def __init__(self, machine: MachineConfig, watch: DriverWatch, motors: Motors) -> None:
         self._machine, self._watch, self._all_motors = machine, watch, motors
-        self.planned: dict[str, Handler] = {
-            "M350": self._microsteps,
-            "M569": self._modes,
-            "M906": self._currents,
-            "M911": self._prewarnings,
-            "M912": self._forget_prewarnings,
-        }
 
     # -- what they are set to ---------------------------------------------------------------------
 
+    @command(
+        "M906",
+        Subject.MOTORS,
+        When.PLANNED,
+        "X Y Z E(mA) I T",
+        "Sets the currents of drivers with registers.",
+        kind=Kind.SERVED,
+    )
     def _currents(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         index, tool = words.pop("I", None), words.pop("T", None)
@@ -67,6 +69,14 @@ class DriverCommands:
         run_a = milliampere / 1000
         return replace(settings, run_a=run_a, hold_a=run_a * share)
 
+    @command(
+        "M350",
+        Subject.MOTORS,
+        When.PLANNED,
+        "",
+        "Reports the microsteps of drivers with registers.",
+        kind=Kind.QUIET,
+    )
     def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
         """They belong to the scale of the motor: both stand in the machine file."""
         if command.words():
@@ -75,6 +85,15 @@ class DriverCommands:
             reply.say(f"{motor.upper()} microsteps: {state.settings.microsteps}")
         return None
 
+    @command(
+        "M569",
+        Subject.MOTORS,
+        When.PLANNED,
+        "S X Y Z E I T",
+        "Reports the modes of drivers with registers. S1 selects stealthChop, S0 spreadCycle.",
+        kind=Kind.SERVED,
+        bare=AXES,
+    )
     def _modes(self, command: Command, reply: Reply) -> Wait | None:
         """Without S it tells what the machine file says of the drivers."""
         words = command.words()
@@ -170,12 +189,29 @@ class DriverCommands:
             for coil in open_coils(chip, state.reading):
                 yield f"coil {coil} looks open; that counts only while the motor turns slowly"
 
+    @command(
+        "M911",
+        Subject.MOTORS,
+        When.PLANNED,
+        "",
+        "Reports which drivers had a temperature warning.",
+        kind=Kind.QUIET,
+    )
     def _prewarnings(self, _: Command, reply: Reply) -> Wait | None:
         for motor in self._watch.states:
             hot = motor in self._watch.prewarned
             reply.say(f"{motor.upper()} temperature prewarn triggered: {str(hot).lower()}")
         return None
 
+    @command(
+        "M912",
+        Subject.MOTORS,
+        When.PLANNED,
+        "X Y Z E",
+        "Clears the temperature warnings of drivers.",
+        kind=Kind.QUIET,
+        bare=AXES,
+    )
     def _forget_prewarnings(self, command: Command, reply: Reply) -> Wait | None:
         letters = re.sub(r"[^A-Z]", "", command.text.upper())
         if not letters:

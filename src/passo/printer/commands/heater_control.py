@@ -16,10 +16,11 @@ from passo.config.sensor_tables import reads_within, sensor_table
 from passo.config.sensors import Thermistor
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.heat.rules import FULL_POWER, Gains
 from passo.printer.live_rig import LiveRig
 from passo.printer.setup.boards import sensor_of
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl | _core.RelayControl
 _Table = TypeVar("_Table", bound=BaseModel)
@@ -49,13 +50,6 @@ class ControlCommands:
         self._machine = rig.machine
         self._borrowed: dict[str, Control] = {}  # the controls of heaters that a tune uses
         self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
-        self.immediate: dict[str, Handler] = {
-            "M301": self._gains,
-            "M304": self._bed_gains,
-            "M305": self._sensor,
-            "M306": self._limits,
-            "M307": self._model,
-        }
 
     # -- which heater, and what controls it -------------------------------------------------------
 
@@ -63,7 +57,7 @@ class ControlCommands:
         """The heater that H (or E) of a command means. Raises CommandError if there is none."""
         number = int(words.get("H", words.get("E", otherwise)))
         kind = KINDS.get(number, "hotend")
-        return self._rig.commands.heater(kind, max(number, 0))
+        return self._rig.commands.set_points.heater(kind, max(number, 0))
 
     def number_of(self, name: str) -> int | None:
         """H of a heater; None for one that no number means."""
@@ -103,10 +97,27 @@ class ControlCommands:
 
     # -- gains ------------------------------------------------------------------------------------
 
+    @command(
+        "M301",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "H P I D",
+        "Sets the PID gains of heater H, in 1/255 of full power as in the machine file; H-1 is"
+        " the bed.",
+        kind=Kind.SERVED,
+    )
     def _gains(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         return self._set_gains(self.named(words), words, reply)
 
+    @command(
+        "M304",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "P I D",
+        "As M301 for the bed.",
+        kind=Kind.SERVED,
+    )
     def _bed_gains(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         return self._set_gains(self.named({}, -1), words, reply)
@@ -143,6 +154,15 @@ class ControlCommands:
 
     # -- models -----------------------------------------------------------------------------------
 
+    @command(
+        "M307",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "H A C D F R",
+        "Sets the thermal model of heater H: rise in °C, time constant in s, sensor lag in s,"
+        " loss by the fan, ambient temperature.",
+        kind=Kind.SERVED,
+    )
     def _model(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         name = self.named(words)
@@ -174,6 +194,14 @@ class ControlCommands:
 
     # -- sensors and limits -----------------------------------------------------------------------
 
+    @command(
+        "M305",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "H A B C R L O",
+        "Sets the thermistor of heater H: R25, beta, C, pull-up, offsets.",
+        kind=Kind.SERVED,
+    )
     def _sensor(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         name = self.named(words)
@@ -207,6 +235,15 @@ class ControlCommands:
                     f" O{numeral(s.adc_offset_high)}"
                 )
 
+    @command(
+        "M306",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "H A B",
+        "Sets the limits of a PID's integral, in 1/255. Without parameters it reports all limits"
+        " of the heater.",
+        kind=Kind.SERVED,
+    )
     def _limits(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         name = self.named(words)

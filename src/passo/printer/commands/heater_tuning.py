@@ -8,6 +8,7 @@ from passo import _core
 from passo.config.heat import HeatModel, PidControl
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.heat.relay_tune import RelayTune, TuneError
 from passo.heat.rules import RULES, Gains
 from passo.heat.step_tune import StepTune
@@ -15,7 +16,7 @@ from passo.printer.commands.heater_control import ControlCommands, with_gains
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
 from passo.printer.targets import Targets
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForTuning
+from passo.printer.wait_requests import Reply, Wait, WaitForTuning
 
 _STEP_RESPONSE = len(RULES)  # R behind those of the relay's rules: the model, whatever controls
 _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
@@ -30,8 +31,17 @@ class TuneCommands:
         self._rig, self._state = rig, state
         self._targets, self._controls = targets, controls
         self._machine = rig.machine
-        self.planned: dict[str, Handler] = {"M303": self._tune}
 
+    @command(
+        "M303",
+        Subject.HEATERS,
+        When.EXCLUSIVE,
+        "H S(°C) C R(0-5) U",
+        "Tunes heater H at temperature S: by relay oscillation in C cycles, R5 by a model. U"
+        " applies the result.",
+        kind=Kind.SERVED,
+        bare="U",
+    )
     def _tune(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         name = self._controls.named(words)

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import AXES, Kind, Subject, When, command
 from passo.motion.endstops import axes_lost, named_motors
 from passo.motion.rig import Rig
 from passo.printer.laser import Laser
 from passo.printer.setup.boards import enable_outputs
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForMoves
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 
 class Motors:
@@ -23,9 +24,6 @@ class Motors:
         self._outputs = enable_outputs(self._machine)
         self.on: set[str] = set()
         self.idle_s = self._machine.idle.motors_off_s
-        self.planned: dict[str, Handler] = {"M17": self._switch_on}
-        for code in ("M18", "M84"):
-            self.planned[code] = self._switch_off
 
     def all_on(self) -> None:
         """Before a move."""
@@ -68,10 +66,36 @@ class Motors:
         """The motors of the letters in a command: axes, actuators, E; all without letters."""
         return named_motors(self._machine, text)
 
+    @command(
+        "M17",
+        Subject.MOTORS,
+        When.PLANNED,
+        "X Y Z E",
+        "Switches motors on. Moves switch them on, too.",
+        kind=Kind.QUIET,
+        bare=AXES + "RS",
+    )
     def _switch_on(self, command: Command, _: Reply) -> Wait | None:
         self._set(self.named(command.text), on=True)
         return None
 
+    @command(
+        "M18",
+        Subject.MOTORS,
+        When.EXCLUSIVE,
+        "X Y Z E S(s)",
+        "Switches motors off at standstill. S sets the idle time after which all motors go off,"
+        " if no heater is on.",
+        bare=AXES,
+    )
+    @command(
+        "M84",
+        Subject.MOTORS,
+        When.EXCLUSIVE,
+        "X Y Z E S(s)",
+        "As M18.",
+        bare=AXES,
+    )
     def _switch_off(self, command: Command, _: Reply) -> Wait | None:
         words = command.words()
         if words.get("S", 0.0) < 0:  # 0 would be never

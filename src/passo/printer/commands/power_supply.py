@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.rig import Rig
 from passo.printer.commands.motors import Motors
 from passo.printer.laser import Laser
 from passo.printer.targets import Targets
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForMoves, WaitForProcedure
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -26,7 +27,6 @@ class PowerSupply:
         self._rig, self._laser, self._motors, self._targets = rig, laser, motors, targets
         self._pin = rig.machine.mains
         self.on = True
-        self.planned: dict[str, Handler] = {"M80": self._switch_on, "M81": self._switch_off}
 
     def begin(self, boards: Boards) -> None:
         """The boards have begun anew, or go on with what another host has left warm."""
@@ -47,6 +47,15 @@ class PowerSupply:
         if self._pin is not None:
             boards.switch("mains", on)
 
+    @command(
+        "M80",
+        Subject.OUTPUTS,
+        When.EXCLUSIVE,
+        "S",
+        "Switches the power supply on. S reports whether it is on.",
+        kind=Kind.QUIET,
+        bare="S",
+    )
     def _switch_on(self, command: Command, reply: Reply) -> Wait | None:
         if "S" in command.text.upper():
             reply.say(f"PS:{int(self.on)}")
@@ -57,6 +66,14 @@ class PowerSupply:
         self._switch(self._rig.connection, True)
         await self._rig.queue.sleep(_RISES_S)
 
+    @command(
+        "M81",
+        Subject.OUTPUTS,
+        When.EXCLUSIVE,
+        "",
+        "Switches heaters and motors off, and the power supply if it has a pin.",
+        kind=Kind.SERVED,
+    )
     def _switch_off(self, _: Command, __: Reply) -> Wait | None:
         self._laser.off()  # before the motors
         return WaitForMoves(self._all_off)

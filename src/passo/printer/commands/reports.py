@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from passo.config.motor_roles import axis_order
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.endstops import switches
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 from passo.version import __version__
 
 if TYPE_CHECKING:
@@ -38,15 +39,6 @@ class Reports:
     def __init__(self, printer: Printer, *, card: bool = False, settings: bool = False) -> None:
         self._printer, self._card, self._settings = printer, card, settings
         self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
-        self.handlers: dict[str, Handler] = {
-            "M105": self._temperatures,
-            "M114": self._position,
-            "M115": self._firmware,
-            "M119": self._switches,
-            "M122": self._limits,
-            "M123": self._switch_logic,
-            "M124": self._switch_logic,
-        }
 
     def temperatures(self) -> str:
         """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured (-273.15 where the board tells nothing),
@@ -57,7 +49,7 @@ class Reports:
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
         at_work = hotends[-1] if hotends else ""  # where the tool has none
         with suppress(CommandError):
-            at_work = printer.commands.heater("hotend")
+            at_work = printer.commands.set_points.heater("hotend")
         for name, config in printer.machine.heaters.items():
             heater = printer.connection.heaters[name]
             # What the board said last of a heater is from before it was halted.
@@ -92,10 +84,28 @@ class Reports:
         )
         return f"{text} E:{e:.4f} Count {counts}"
 
+    @command(
+        "M105",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "",
+        "Reports the temperatures.",
+        kind=Kind.QUIET,
+        bare="R",
+    )
     def _temperatures(self, _: Command, reply: Reply) -> Wait | None:
         reply.with_ok(self.temperatures())
         return None
 
+    @command(
+        "M114",
+        Subject.POSITIONS,
+        When.IMMEDIATE,
+        "D R",
+        "Reports the position of the program. R reports the position of the machine now, D both.",
+        kind=Kind.QUIET,
+        bare="DRE",
+    )
     def _position(self, command: Command, reply: Reply) -> Wait | None:
         flags = command.text.upper().split()
         if "R" in flags:
@@ -121,6 +131,14 @@ class Reports:
         steps = [f"{n.upper()}:{count}" for n, count in counts.items() if not n.startswith("e")]
         return f"{' '.join(words)} Count {' '.join(steps)}"
 
+    @command(
+        "M119",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "",
+        "Reports which endstops are triggered.",
+        kind=Kind.QUIET,
+    )
     def _switches(self, _: Command, reply: Reply) -> Wait | None:
         self._require_board()
         reply.say("Reporting endstop status")
@@ -130,6 +148,15 @@ class Reports:
             reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
         return None
 
+    @command(
+        "M122",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "S",
+        "Reports the soft limits of the axes, the state of the drivers, and late commands.",
+        kind=Kind.QUIET,
+        bare="IVXYZE",
+    )
     def _limits(self, command: Command, reply: Reply) -> Wait | None:
         if command.words().get("S", 1) == 0:
             raise CommandError([Problem("command.fixed", values={"value": "axes"})])
@@ -144,6 +171,22 @@ class Reports:
             reply.say(line)
         return None
 
+    @command(
+        "M123",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "X Y Z",
+        "Reports the logic of the endstops, which the machine file sets.",
+        kind=Kind.QUIET,
+    )
+    @command(
+        "M124",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "X Y Z",
+        "Reports the logic and pull-ups of the endstops, as M123.",
+        kind=Kind.QUIET,
+    )
     def _switch_logic(self, command: Command, reply: Reply) -> Wait | None:
         if set(command.words()) & _SWITCH_LETTERS:
             raise CommandError([Problem("command.fixed", values={"value": "homing"})])
@@ -156,6 +199,15 @@ class Reports:
             )
         return None
 
+    @command(
+        "M115",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "",
+        "Reports the firmware and its capabilities.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
     def _firmware(self, _: Command, reply: Reply) -> Wait | None:
         machine = self._printer.machine
         reply.say(

@@ -8,9 +8,10 @@ import logging
 from passo.board.fault_injection import NO_FAULT, FaultInjector, FaultOrder
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.rig import Rig
 from passo.printer.state import State
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 
 _log = logging.getLogger(__name__)
 
@@ -27,7 +28,6 @@ class SimulatedFaultCommands:
         self._passed_s = self._seen_s = 0.0  # print time, where it is free
         self._due: list[tuple[float, FaultOrder]] = []  # print times, where it is free
         self._timers: set[asyncio.TimerHandle] = set()
-        self.immediate: dict[str, Handler] = {"SIMULATE_FAULT": self._simulate}
 
     @property
     def injector(self) -> FaultInjector:
@@ -80,6 +80,15 @@ class SimulatedFaultCommands:
         for timer in self._timers:
             timer.cancel()
 
+    @command(
+        "SIMULATE_FAULT",
+        Subject.SIMULATION,
+        When.IMMEDIATE,
+        "NAME VALUE AFTER(s) DURATION(s)",
+        "Gives a part of the simulated printer a fault, or ends it. Without parameters it lists"
+        " all.",
+        kind=Kind.SERVED,
+    )
     def _simulate(self, command: Command, reply: Reply) -> Wait | None:
         injector, pairs = self.injector, command.pairs()
         if not pairs:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 
 from passo.config.motor_roles import axis_order
 from passo.config.types import MAX_SCALE, MIN_SCALE
 from passo.errors import CommandError
-from passo.gcode.command import LARGEST, Command, numeral
+from passo.gcode.command import Command, numeral
+from passo.gcode.registry import Kind, Subject, When, command, in_program
 from passo.geometry.base import Unreachable
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
+from passo.printer.commands.extruder_words import extruder_of, with_extruders
+from passo.printer.commands.program_flow import babysteps
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForMoves
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 
 class MotionCommands:
@@ -27,29 +30,6 @@ class MotionCommands:
         self.offsets = offsets
         self._machine = rig.machine
         self._axes = axis_order(self._machine.axes)
-        self.immediate: dict[str, Handler] = {
-            "M220": lambda c, r: self._speed(c, r, live=True),
-            "M221": lambda c, r: self._flow(c, r, live=True),
-            "M290": self._babystep,
-        }
-        self.beside_only = frozenset({"M221"})  # of the immediate ones
-        self.planned: dict[str, Handler] = {
-            "M92": self._scales,
-            "M200": lambda c, r: self._say(r, *self.filament_lines()),
-            "G60": self._saved,
-            "M209": lambda c, r: self._say(r, f"M209 S{int(rig.job.auto_retract)}"),
-            "M201": lambda c, r: self._axis_limits(c, r, "accel"),
-            "M203": lambda c, r: self._axis_limits(c, r, "speed"),
-            "M204": self._accelerations,
-            "M205": self._junction,
-            "M206": self._home_offsets,
-            "M218": self._tool_offset,
-            "M220": lambda c, r: self._speed(c, r, live=False),
-            "M221": lambda c, r: self._flow(c, r, live=False),
-            "M290": lambda c, r: self._rig.commands.run(c),
-            "SET_VELOCITY_LIMIT": self._velocity_limit,
-            "M603": lambda c, r: self._say(r, *self.change_lines()),
-        }
 
     # -- scales and limits ------------------------------------------------------------------------
 
@@ -60,28 +40,19 @@ class MotionCommands:
         driven_by = self._machine.driven_by
         return [i for i, r in enumerate(rows) if wanted and driven_by(r["name"]) == wanted]
 
-    def extruders(self) -> Iterator[tuple[str, str]]:
-        """What names an extruder in a command, and its name: nothing but E where it is the only
-        one."""
-        tools = [tool.extruder for tool in self._machine.all_tools]
-        for name in self._machine.extruders:
-            if len(self._machine.extruders) == 1:
-                yield "", name
-            elif name in tools:
-                yield f"T{tools.index(name)} ", name
-
-    def _with_extruders(self, code: str, words: list[str], e: Callable[[str], float]) -> list[str]:
-        """A command with the words of the axes, and others for the extruders, each of which has its
-        own value of `e`; the only one is in the line of the axes."""
-        own = [(where, f"E{numeral(e(name))}") for where, name in self.extruders()]
-        if len(own) == 1 and not own[0][0]:
-            return [" ".join([code, *words, own[0][1]])]
-        return [" ".join([code, *words]), *(f"{code} {where}{word}" for where, word in own)]
-
+    @command(
+        "M92",
+        Subject.MOTORS,
+        When.EXCLUSIVE,
+        "X Y Z E T, H(microsteps) L(mm)",
+        "Sets the steps per millimetre or degree. H and L report which layer heights are whole"
+        " steps of Z's motor.",
+        kind=Kind.SERVED,
+    )
     def _scales(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if not words:
-            return self._say(reply, *self.scale_lines())
+            return _report(reply, self.scale_lines())
         if "L" in words or "H" in words:
             reply.say(self._layers(words))
         changes: list[tuple[int, float]] = []
@@ -91,7 +62,9 @@ class MotionCommands:
             if not MIN_SCALE <= value <= MAX_SCALE:
                 limit = f"{MIN_SCALE:g} to {MAX_SCALE:,.0f} microsteps per mm or degree"
                 raise CommandError.bad_value(letter, value, limit)
-            name = self._rig.commands.extruder(words) if letter == "E" else letter.lower()
+            name = letter.lower()
+            if letter == "E":
+                name = extruder_of(self._machine, words, self._rig.job.tool)
             places = self._places(name)
             if not places:
                 names = (name.upper() for name in self._machine.drivable.by_name if len(name) == 1)
@@ -144,85 +117,42 @@ class MotionCommands:
             for d in driven
             if d is not None and d.drive != "extruder"
         ]
-        return self._with_extruders("M92", words, self.scale_of)
+        return with_extruders(self._machine, "M92", words, self.scale_of)
 
-    def _axis_limits(self, command: Command, reply: Reply, what: str) -> Wait | None:
-        words = command.words()
-        if not words:
-            return self._say(reply, *self.axis_limit_lines(what))
-        live = self._state.beside(reply)
-        note = self._rig.commands.axis_limits(command.code, words, what, live=live)
-        if note:
-            reply.say(f"echo:{note}")
-        if live:
-            self._rig.queue.replan()
-        return None
+    @command(
+        "M200",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "D(mm) T S",
+        "Makes E a volume of filament of this diameter, in mm³. D0 or S0 makes E a length again."
+        " Without parameters it reports the diameters.",
+        kind=Kind.MOTION,
+    )
+    def _filament_diameters(self, _: Command, reply: Reply) -> None:
+        """With words the interpreter has carried it out, as it does M209 and M603."""
+        _report(reply, self.filament_lines())
 
-    def axis_limit_lines(self, what: str) -> list[str]:
-        """M201 or M203 with what holds now."""
-        return self._axis_lines("M203" if what == "speed" else "M201", what)
+    @command(
+        "M209",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "S",
+        "S1: G1 moves of E alone, of 0.1 to 10 mm, retract and unretract as G10 and G11.",
+        kind=Kind.MOTION,
+    )
+    def _automatic_retraction(self, _: Command, reply: Reply) -> None:
+        reply.say(f"M209 S{int(self._rig.job.auto_retract)}")
 
-    def _axis_lines(self, code: str, what: str) -> list[str]:
-        job = self._rig.job
-        words = [f"{a.upper()}{numeral(job.axis_limit(a, what))}" for a in self._axes]
-        return self._with_extruders(code, words, lambda name: job.axis_limit(name, what))
-
-    def _accelerations(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if not words:
-            reply.say(self.acceleration_line())
-            return None
-        live = self._state.beside(reply)
-        note = self._rig.commands.accelerations(words, live=live)
-        if note:
-            reply.note(note, note)
-        if live:
-            self._rig.queue.replan()
-        return None
-
-    def acceleration_line(self) -> str:
-        """M204 with what holds now."""
-        p, r, t = (self._rig.job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
-        return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
-
-    def _junction(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if not words:
-            return self._say(reply, *self.junction_lines())
-        live = self._state.beside(reply)
-        note = self._rig.commands.junction(words, live=live)
-        if note:
-            reply.note(note, note)
-        if live:
-            self._rig.queue.replan()
-        return None
-
-    def _velocity_limit(self, command: Command, reply: Reply) -> Wait | None:
-        live = self._state.beside(reply)
-        note = self._rig.commands.velocity_limit(command, live=live)
-        if note:
-            reply.note(note, note)
-        if live:
-            self._rig.queue.replan()
-        return None
-
-    def velocity_line(self) -> str:
-        """SET_VELOCITY_LIMIT with what no other command sets; 1e9 mm/s is no limit."""
-        speed, ratio = (self._rig.job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
-        speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
-        return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
-
-    def junction_lines(self) -> list[str]:
-        """M205 with what holds now."""
-        if self._machine.limits.junction == "jerk":
-            return self._axis_lines("M205", "jerk")
-        return [f"M205 J{numeral(self._rig.job.limit('junction_deviation'))}"]
-
-    def _say(self, reply: Reply, *lines: str) -> Wait | None:
-        """Answers a question; with words the interpreter has carried the command out."""
-        for line in lines:
-            reply.say(line)
-        return None
+    @command(
+        "M603",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "T L(mm) U(mm)",
+        "Sets the lengths of filament that M701 loads and M702 unloads.",
+        kind=Kind.MOTION,
+    )
+    def _change_lengths(self, _: Command, reply: Reply) -> None:
+        _report(reply, self.change_lines())
 
     def filament_lines(self) -> Iterator[str]:
         """M200 for each tool where E is a volume, else that it is a length."""
@@ -256,6 +186,14 @@ class MotionCommands:
 
     # -- offsets ----------------------------------------------------------------------------------
 
+    @command(
+        "M206",
+        Subject.POSITIONS,
+        When.PLANNED,
+        "X Y Z (mm)",
+        "Sets offsets that are added to the home positions of axes.",
+        kind=Kind.SERVED,
+    )
     def _home_offsets(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if not words:
@@ -289,6 +227,14 @@ class MotionCommands:
         words = [f"{a.upper()}{numeral(mm)}" for a, mm in offsets_mm.items()]
         return f"M206 {' '.join(words)}"
 
+    @command(
+        "G60",
+        Subject.MOVES,
+        When.PLANNED,
+        "S(0-1)",
+        "Saves the position in memory S, and reports it.",
+        kind=Kind.MOTION,
+    )
     def _saved(self, command: Command, reply: Reply) -> Wait | None:
         """G60; the interpreter has saved the position."""
         *axes, e = self._rig.job.program_position
@@ -297,6 +243,14 @@ class MotionCommands:
         reply.say(f"Saved position {command.text}<-{where} E:{e + 0.0:.2f}")
         return None
 
+    @command(
+        "M218",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "T X Y Z (mm)",
+        "Sets the offset of a tool. For the tool in use, the next move of an axis carries it out.",
+        kind=Kind.SERVED,
+    )
     def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         tool, axes = self.tool_offset(words, self._rig.job.tool)
@@ -321,42 +275,29 @@ class MotionCommands:
         for tool, (x, y, z) in enumerate(self._rig.job.tool_offsets):
             yield f"M218 T{tool} X{numeral(x)} Y{numeral(y)} Z{numeral(z)}"
 
-    def _flow(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
-        found = self._rig.commands.flow(command)
-        if found is None:
-            return None
-        tool, extruder, factor, note = found
-        if note:
-            reply.note(note, note)
-        if factor is None:
-            reply.say(f"echo:E{tool} Flow: {self._rig.job.flows[extruder] * 100:g}%")
-        elif live:
-            self._rig.queue.scale_flow(extruder, factor)
-        else:
-            self._rig.job.set_flow(extruder, factor)
-        return None
-
+    @command(
+        "M290",
+        Subject.POSITIONS,
+        When.IMMEDIATE,
+        "X Y Z (mm)",
+        "Babysteps: shifts all moves that are not done yet, at once.",
+        bare="R",
+        while_halted=False,
+    )
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
         if self._homer.active:
             raise CommandError.of("input.homing", axis=command.code)
-        for axis, mm in self._rig.commands.babysteps(command):
+        for axis, mm in babysteps(command):
             if not self._rig.queue.shift(axis, mm):
                 raise CommandError([self._rig.commands.problem()])
             self.offsets.babysteps_mm["xyz"[axis]] += mm
         return None
 
-    # -- overrides --------------------------------------------------------------------------------
+    @in_program("M290")
+    def _babystep_in_place(self, command: Command, reply: Reply) -> Wait | None:
+        return self._rig.commands.run(command, reply)
 
-    def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
-        job = self._rig.job
-        factor, note = self._rig.commands.speed.asked(command)
-        if factor is None:
-            if not command.text.strip():
-                reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
-            return None
-        job.set_speed_factor(factor, live)
-        if note:
-            reply.say(f"echo:{note}")
-        if live:
-            self._rig.queue.replan()
-        return None
+
+def _report(reply: Reply, lines: Iterable[str]) -> None:
+    for line in lines:
+        reply.say(line)

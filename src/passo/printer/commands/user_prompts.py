@@ -8,9 +8,10 @@ from contextlib import contextmanager
 
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral, words_of
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
-from passo.printer.wait_requests import Handler, Reply, Wait, WaitForUser
+from passo.printer.wait_requests import Reply, Wait, WaitForUser
 
 # Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3".
 _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
@@ -27,15 +28,25 @@ class PersonCommands:
         self.for_ever = False  # a wait goes on that only a user ends
         self.wait_listeners: list[Callable[[], None]] = []  # called as a wait for a user begins
         self.kill_s = 0.0  # M85: idle for so long, everything goes off
-        self.planned: dict[str, Handler] = {
-            "M0": self._wait,
-            "M1": self._wait,
-        }
-        self.immediate: dict[str, Handler] = {
-            "M85": self._kill_after,
-            "M117": self._show,
-        }
 
+    @command(
+        "M0",
+        Subject.STOPS,
+        When.EXCLUSIVE,
+        "S(s) P(ms) text",
+        "Waits for the user, M108 or the time.",
+        kind=Kind.USER,
+        bare=None,
+    )
+    @command(
+        "M1",
+        Subject.STOPS,
+        When.EXCLUSIVE,
+        "S(s) P(ms) text",
+        "Waits for the user, M108 or the time.",
+        kind=Kind.USER,
+        bare=None,
+    )
     def _wait(self, command: Command, _: Reply) -> Wait | None:
         found = _WORDS.match(command.text)
         head = found[0] if found else ""
@@ -69,11 +80,28 @@ class PersonCommands:
             self.asking = self.awaited = False
             self._state.tell("// action:prompt_end")
 
+    @command(
+        "M117",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "text",
+        "Sends a message to displays and hosts.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
     def _show(self, command: Command, _: Reply) -> Wait | None:
         self.message = command.text
         self._state.tell(f"// action:notification {command.text}")
         return None
 
+    @command(
+        "M85",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "S(s)",
+        "Switches everything off after this idle time; 0: never.",
+        kind=Kind.SERVED,
+    )
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if words.get("S", 0.0) < 0:  # 0 would be never

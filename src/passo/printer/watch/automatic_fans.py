@@ -32,10 +32,10 @@ class AutomaticFans:
             return
         commands = self._rig.commands
         for name, fan in self._fans.items():
-            was_on = commands.fans.get(name, 0.0) > 0
+            was_on = commands.outputs.fans.get(name, 0.0) > 0
             on = self._warm(fan, was_on) or self._works(name, fan)
             if on != was_on:
-                commands.set_output(name, fan.max_power if on else 0.0, at_once=True)
+                commands.outputs.set_output(name, fan.max_power if on else 0.0, at_once=True)
 
     def _warm(self, fan: Fan, was_on: bool) -> bool:
         if fan.follows is None:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from passo.board.endstops import Endstops
 from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.endstops import switches
-from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,11 +37,6 @@ class EndstopWatch:
         self._switches = switches(rig.machine)
         self._on = False
         self.stops = False  # M540: a hit stops the machine
-        self.immediate: dict[str, Handler] = {
-            "M120": lambda c, r: self._watch(True),
-            "M121": lambda c, r: self._watch(False),
-            "M540": self._stop_on_hit,
-        }
         self.begin()
 
     def begin(self) -> None:
@@ -101,11 +97,42 @@ class EndstopWatch:
         if self.stops:
             self._stop(names)
 
-    def _watch(self, on: bool) -> Wait | None:
+    @command(
+        "M120",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "",
+        "Enables the endstops while the machine moves.",
+        kind=Kind.SERVED,
+    )
+    def _enable(self, _: Command, __: Reply) -> None:
+        self._watch(True)
+
+    @command(
+        "M121",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "",
+        "Disables the endstops except for homing.",
+        kind=Kind.SERVED,
+    )
+    def _disable(self, _: Command, __: Reply) -> None:
+        self._watch(False)
+
+    def _watch(self, on: bool) -> None:
         self.pause()
         self._on = on
-        return None
 
+    @command(
+        "M540",
+        Subject.MOTORS,
+        When.IMMEDIATE,
+        "S",
+        "S1: an endstop that is triggered during a move stops the machine. Without S it reports"
+        " the setting.",
+        kind=Kind.SERVED,
+        bare="S",
+    )
     def _stop_on_hit(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if "S" in words:

@@ -54,7 +54,7 @@ class IdleWatch:
         # place.
         warm = any(heater.target > 0 for heater in heaters.values())
         motors_off = 0 < self._motors.idle_s < idle_s and bool(self._motors.on) and not warm
-        if rig.commands.lit and (idle_s > LASER_OFF_S or motors_off):
+        if rig.commands.outputs.lit and (idle_s > LASER_OFF_S or motors_off):
             self._laser.off()
             self._note("Laser off after standing idle; M3 switches it on again")
             return

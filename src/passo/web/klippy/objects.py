@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from passo.gcode.dialect import Kind, When
+from passo.gcode.registry import Kind, When
 from passo.printer.klipper.machine import webhooks
 from passo.printer.klipper.objects import Object, objects
 

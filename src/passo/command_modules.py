@@ -1,0 +1,43 @@
+"""All modules that declare commands: importing this one completes the table of
+`passo.gcode.registry`. A new module with commands gets a line here; a test looks for it."""
+
+from passo.console import (
+    aprinter_options,
+    card_commands,
+    commands,
+    job_commands,
+    json_status,
+    object_commands,
+    recovery_commands,
+    settings_commands,
+)
+from passo.gcode import ignored_commands, interpreter_commands
+from passo.job.live import statistics
+from passo.printer import delayed_gcode, macros
+from passo.printer.commands import (
+    beeper,
+    drivers,
+    heater_control,
+    heater_tuning,
+    limits,
+    motors,
+    outputs,
+    power_supply,
+    program_flow,
+    reports,
+    set_points,
+    simulated_faults,
+    speed_and_flow,
+    steps_and_offsets,
+    temperature,
+    user_prompts,
+)
+from passo.printer.watch import endstops
+
+MODULES = (
+    *(aprinter_options, card_commands, commands, job_commands, json_status, object_commands),
+    *(recovery_commands, settings_commands, ignored_commands, interpreter_commands, statistics),
+    *(beeper, drivers, heater_control, heater_tuning, limits, motors, outputs, power_supply),
+    *(program_flow, reports, set_points, simulated_faults, speed_and_flow, steps_and_offsets),
+    *(temperature, user_prompts, endstops, delayed_gcode, macros),
+)

@@ -1,0 +1,61 @@
+"""Commands that are accepted and have no effect, each with the reason."""
+
+from __future__ import annotations
+
+from passo.gcode.registry import ANY, Declaration, Kind, Subject, When, declare
+
+
+def _declare(kind: Kind, bare: str | None, *rows: tuple[str, str]) -> None:
+    """Codes and the reason of each."""
+    declare(
+        *(
+            Declaration(code, Subject.NO_EFFECT, When.PLANNED, "", reason, kind, bare)
+            for codes, reason in rows
+            for code in codes.split()
+        )
+    )
+
+
+_declare(
+    Kind.QUIET,
+    ANY,
+    ("G40", "Passo has no tool radius compensation."),
+    ("G43 G49", "Passo has no tool length compensation."),
+    ("G54", "Passo has one coordinate system; G92 moves its zero."),
+    ("G94", "F is always in mm per minute."),
+    ("M6", "T selects the tool."),
+    ("M7 M8 M9", "Passo has no coolant."),
+    ("M413", "A print can always be resumed if the printer has a folder for its journal."),
+    (
+        "M862 M862.1 M862.2 M862.3 M862.4 M862.5 M862.6",
+        "The command checks that the printer is a Prusa.",
+    ),
+    ("M900", "Passo has no linear advance yet."),
+    ("M907", "M906 and the machine file set motor currents."),
+    ("SET_PRINT_STATS_INFO", "Passo has no display yet."),
+)
+_declare(
+    Kind.NOT_BUILT,
+    None,
+    ("G12", "Passo has no nozzle wiper."),
+    ("G27 M125", "M25 and M601 park the head."),
+    ("G29 G31 G32 M420 M421 M561", "Passo has no bed levelling yet."),
+    ("G30 M48 M401 M402 M851", "Passo has no probe yet."),
+    ("M111", "Passo has no debug levels; see passo serve --log."),
+    ("M142 M192", "Passo has no cooler."),
+    ("M150 M355", "Passo has no light."),
+    ("M163 M164 M165 M166", "Passo has no mixing extruder."),
+    ("M202", "M201 limits the axes in every move, M204 T all travel."),
+    ("M222", "Purges have the flow of M221."),
+    ("M240", "Passo has no camera trigger."),
+    ("M250", "Passo has no display yet."),
+    ("M280 M281", "Passo has no servo."),
+    ("M351", "The machine file sets microsteps."),
+    ("M404 M405 M406 M407 M512 M604", "Passo has no filament sensor yet."),
+    ("M428", "M206 sets home offsets."),
+    ("M595", "The machine file sets the values of amplifiers."),
+    ("M605", "Passo has one carriage for all tools."),
+    ("M666", "The machine file sets the position of each endstop."),
+    ("M800", "M1000 resumes a print that was interrupted."),
+    ("M908", "M906 and the machine file set motor currents."),
+)

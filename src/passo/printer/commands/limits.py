@@ -1,0 +1,279 @@
+"""M201 to M205 and SET_VELOCITY_LIMIT: limits of speed, acceleration and corners."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import nan, sqrt
+from typing import TYPE_CHECKING
+
+from passo.config.motor_roles import axis_order
+from passo.config.types import MIN_ACCEL, MIN_SPEED
+from passo.errors import CommandError, WordError
+from passo.gcode.command import LARGEST, Command, numeral
+from passo.gcode.registry import Subject, When, command
+from passo.gcode.stray import stray_of
+from passo.printer.commands.extruder_words import extruder_of, with_extruders
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.printer.commands.plan import Plan
+    from passo.printer.wait_requests import Reply
+
+_ROUNDING = 1e-6  # of a value that was written with ten digits
+_DEVIATION = (1e-5, 0.3)  # mm, of M205 J
+_CORNERS = {
+    "deviation": "the machine's corners use the junction deviation (J)",
+    "cornering_distance": "the machine's corners use the cornering distances of its file",
+    "jerk": "the machine's corners use the jerk of each axis (X Y Z E)",
+}
+_LEAST = {"speed": (MIN_SPEED, "mm/s"), "accel": (MIN_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
+_OF_VELOCITY_LIMIT = {"VELOCITY": "speed", "ACCEL": "accel"}
+_KLIPPERS_CORNER = "SQUARE_CORNER_VELOCITY"
+
+
+class Limits:
+    """The limits of one job. They hold for the moves that follow; those of a console during a print
+    hold for all that is planned again. A note names values above the machine's limits, and words
+    without an effect."""
+
+    def __init__(self, machine: MachineConfig, job: _core.Job, plan: Plan) -> None:
+        self._machine, self._job, self._plan = machine, job, plan
+        self._axes = axis_order(machine.axes)
+
+    def _set(self, reply: Reply, notes: Iterable[str], *, again: bool = False) -> None:
+        """Replans where the reply's settings are live, and notes what there is to note."""
+        if note := ". ".join(note for note in notes if note):
+            reply.note(note, note, again=again)
+        if self._plan.live(reply):
+            self._plan.replan()
+
+    # -- axes -------------------------------------------------------------------------------------
+
+    @command(
+        "M201",
+        Subject.SPEED,
+        When.PLANNED,
+        "X Y Z E T (mm/s²)",
+        "Sets the maximum accelerations of axes, at most those of the machine file.",
+    )
+    def _axis_accelerations(self, command: Command, reply: Reply) -> None:
+        self._set_axes(command, reply, "accel")
+
+    @command(
+        "M203",
+        Subject.SPEED,
+        When.PLANNED,
+        "X Y Z E T (mm/s)",
+        "Sets the maximum speeds of axes, at most those of the machine file.",
+    )
+    def _axis_speeds(self, command: Command, reply: Reply) -> None:
+        self._set_axes(command, reply, "speed")
+
+    def _set_axes(self, command: Command, reply: Reply, what: str) -> None:
+        words = command.words()
+        if not words:
+            _report(reply, self.axis_lines(command.code, what))
+            return
+        live = self._plan.live(reply)
+        self._set(reply, self._axis_limits(command.code, words, what, live=live), again=True)
+
+    def _axis_limits(
+        self, code: str, words: dict[str, float], what: str, *, live: bool
+    ) -> list[str]:
+        """Sets limits of axes and extruders. Returns a note for each value above the machine's.
+        Raises CommandError."""
+        given = {letter: value for letter, value in words.items() if letter != "T"}
+        known = [name.upper() for name in self._axes]
+        for letter, value in given.items():
+            _at_least(letter, value, what)
+            if letter != "E" and letter not in known:
+                raise CommandError.of("command.nothing-moves", axis=letter, limit=", ".join(known))
+        notes: list[str] = []
+        for letter, value in given.items():
+            e = letter == "E"
+            name = extruder_of(self._machine, words, self._job.tool) if e else letter.lower()
+            if name is not None:
+                self._job.set_axis_limit(name, what, value, live)
+                taken, unit = self._job.axis_limit(name, what), _LEAST[what][1]
+                if taken < value * (1 - _ROUNDING):
+                    above = f"{letter} {value:g} {unit} is above the machine's limit"
+                    notes.append(f"{code}: {above}, {taken:g} {unit} is applied")
+        return notes
+
+    def axis_lines(self, code: str, what: str) -> list[str]:
+        """M201 ("accel"), M203 ("speed") or M205 ("jerk") with what holds now."""
+        job = self._job
+        words = [f"{a.upper()}{numeral(job.axis_limit(a, what))}" for a in self._axes]
+        return with_extruders(self._machine, code, words, lambda name: job.axis_limit(name, what))
+
+    # -- path -------------------------------------------------------------------------------------
+
+    @command(
+        "M204",
+        Subject.SPEED,
+        When.PLANNED,
+        "S P R T V (mm/s²)",
+        "Sets accelerations: S of print and travel moves, P of print moves, R of retractions, T or"
+        " V of travel moves.",
+    )
+    def _accelerations(self, command: Command, reply: Reply) -> None:
+        words = command.words()
+        if not words:
+            reply.say(self.acceleration_line())
+            return
+        for letter in "SPVTR":
+            if letter in words:
+                _at_least(letter, words[letter], "accel")
+        for letter, names in (
+            ("S", ("print_accel", "travel_accel")),
+            ("P", ("print_accel",)),
+            ("V", ("travel_accel",)),
+            ("T", ("travel_accel",)),
+            ("R", ("retract_accel",)),
+        ):
+            if letter in words:
+                for name in names:
+                    self._job.set_limit(name, words[letter], self._plan.live(reply))
+        notes: list[str] = []
+        for letter in "SPTVR":
+            axes = self._machine.extruders if letter == "R" else ("x", "y")
+            notes.append(self._bounded("M204", letter, words.get(letter, 0.0), "accel", axes))
+        self._set(reply, notes)
+
+    def acceleration_line(self) -> str:
+        """M204 with what holds now."""
+        p, r, t = (self._job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
+        return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
+
+    def _bounded(self, code: str, word: str, value: float, what: str, names: Iterable[str]) -> str:
+        """A note where a limit of the path is above the machine file's for these axes or extruders,
+        which bound moves as well; else nothing."""
+        parts = {**self._machine.axes, **self._machine.extruders}
+        own = {n: parts[n].accel_mm_s2 if what == "accel" else parts[n].speed_mm_s for n in names}
+        if value >= LARGEST or not any(limit < value for limit in own.values()):
+            return ""
+        applied = ", ".join(f"{n.upper()} {self._job.axis_limit(n, what):g}" for n in own)
+        bounds = "M201" if what == "accel" else "M203"
+        return f"{code}: {word} {value:g} is above the limits of {bounds}, which apply: {applied}"
+
+    # -- corners ----------------------------------------------------------------------------------
+
+    @command(
+        "M205",
+        Subject.SPEED,
+        When.PLANNED,
+        "J(mm), X Y Z E(mm/s) T",
+        "Sets the speed in corners: the junction deviation (J), or the jerk of each axis up to the"
+        " machine's limit. The machine file selects which of the two. Minimum speeds do not exist.",
+    )
+    def _junction(self, command: Command, reply: Reply) -> None:
+        words = command.words()
+        if not words:
+            _report(reply, self.junction_lines())
+            return
+        live = self._plan.live(reply)
+        jerk = {letter: value for letter, value in words.items() if letter not in "BJSV"}
+        if jerk.keys() <= {"T"}:
+            jerk = {}  # minimum speed of travel, not the tool of E
+        law, deviation = self._machine.limits.junction, words.get("J")
+        if deviation is not None and not _DEVIATION[0] <= deviation <= _DEVIATION[1]:
+            raise CommandError.bad_value("J", deviation, "{:g} to {:g} mm".format(*_DEVIATION))
+        if law == "deviation" and deviation is not None:
+            self._job.set_limit("junction_deviation", deviation, live)
+        above = self._axis_limits("M205", jerk, "jerk", live=live) if law == "jerk" else []
+        acts = {"deviation": {"J"}, "jerk": jerk.keys()}.get(law, set[str]())
+        # Without a limit, as with S0, no speed is too low and no segment too short.
+        idle = [k for k, value in words.items() if k not in acts and (value or k not in "BSTV")]
+        without = f"M205: {_no_effect(idle)}, because {_CORNERS[law]}" if idle else ""
+        self._set(reply, (*above, without))
+
+    def junction_lines(self) -> list[str]:
+        """M205 with what holds now."""
+        if self._machine.limits.junction == "jerk":
+            return self.axis_lines("M205", "jerk")
+        return [f"M205 J{numeral(self._job.limit('junction_deviation'))}"]
+
+    # -- Klipper ----------------------------------------------------------------------------------
+
+    @command(
+        "SET_VELOCITY_LIMIT",
+        Subject.SPEED,
+        When.PLANNED,
+        "VELOCITY ACCEL MINIMUM_CRUISE_RATIO SQUARE_CORNER_VELOCITY",
+        "Sets limits of speed, acceleration and corners.",
+    )
+    def _velocity_limit(self, command: Command, reply: Reply) -> None:
+        values = _values(command)
+        for key, what in _OF_VELOCITY_LIMIT.items():
+            if key in values:
+                _at_least(key, values[key], what)
+        corner = values.get(_KLIPPERS_CORNER)
+        if corner is not None and not corner > 0:
+            raise CommandError.bad_value(_KLIPPERS_CORNER, corner, "above 0 mm/s")
+        ratio = values.get("MINIMUM_CRUISE_RATIO")
+        if ratio is not None and not 0 <= ratio < 1:
+            raise CommandError.bad_value("MINIMUM_CRUISE_RATIO", ratio, "0 to less than 1")
+        job, live = self._job, self._plan.live(reply)
+        if "VELOCITY" in values:
+            job.set_limit("speed", values["VELOCITY"], live)
+        if "ACCEL" in values:
+            job.set_limit("print_accel", values["ACCEL"], live)
+            job.set_limit("travel_accel", values["ACCEL"], live)
+        if ratio is not None:
+            job.set_limit("minimum_cruise_ratio", ratio, live)
+        law = self._machine.limits.junction
+        if corner is not None and law == "deviation":
+            # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
+            accel = job.limit("print_accel")
+            low, high = _DEVIATION
+            deviation = min(max(corner**2 * (sqrt(2) - 1) / accel, low), high)
+            job.set_limit("junction_deviation", deviation, live)
+        acts = {*_OF_VELOCITY_LIMIT, "MINIMUM_CRUISE_RATIO"}
+        if law == "deviation":
+            acts.add(_KLIPPERS_CORNER)
+        idle = [key for key in values if key not in acts]
+        why = f", because {_CORNERS[law]}" if _KLIPPERS_CORNER in idle else ""
+        without = f"{command.code}: {_no_effect(idle)}{why}" if idle else ""
+        above = [
+            self._bounded(command.code, key, values.get(key, 0.0), what, ("x", "y"))
+            for key, what in _OF_VELOCITY_LIMIT.items()
+        ]
+        self._set(reply, (*above, without))
+
+    def velocity_line(self) -> str:
+        """SET_VELOCITY_LIMIT with what no other command sets; 1e9 mm/s is no limit."""
+        speed, ratio = (self._job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
+        speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
+        return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
+
+
+def _values(command: Command) -> dict[str, float]:
+    """The numbers of KEY=VALUE parameters. Raises WordError."""
+    values: dict[str, float] = {}
+    for key, text in command.pairs().items():
+        try:
+            values[key] = float(text)
+        except ValueError:
+            values[key] = nan
+        if not abs(values[key]) <= LARGEST:
+            if (stray := stray_of(text, any_character=True)) is not None:
+                raise WordError([stray]) from None
+            raise WordError.of("input.number", value=f"{key}={text[:30]}")
+    return values
+
+
+def _at_least(word: str, value: float, what: str) -> None:
+    """Raises CommandError for a limit that no machine has."""
+    least, unit = _LEAST[what]
+    if value < least:
+        raise CommandError.bad_value(word, value, f"at least {least:g} {unit}")
+
+
+def _no_effect(words: Sequence[str]) -> str:
+    return f"{' '.join(words)[:100]} {'has' if len(words) == 1 else 'have'} no effect"
+
+
+def _report(reply: Reply, lines: Iterable[str]) -> None:
+    for line in lines:
+        reply.say(line)

@@ -1,0 +1,174 @@
+"""M3 to M5, M106 and M107: laser, spindle and fans of a program."""
+
+from __future__ import annotations
+
+import re
+from math import inf
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Subject, When, command, in_program
+from passo.printer.commands.ranges import beyond
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.printer.commands.plan import Plan
+    from passo.printer.wait_requests import Reply
+
+_SETTINGS = re.compile(r"[UIHLXT]", re.IGNORECASE | re.ASCII)  # of M106
+_AT_ONCE = re.compile(r"(?<![A-Z])F", re.IGNORECASE | re.ASCII)
+_FULL_FAN = 255  # S of M106
+
+
+class Outputs:
+    """The outputs of one job that a program sets; `full_scale` is that of each, in the order of the
+    machine's timed outputs."""
+
+    def __init__(
+        self, machine: MachineConfig, job: _core.Job, full_scale: list[int], plan: Plan
+    ) -> None:
+        self._machine, self._job, self._plan = machine, job, plan
+        names = machine.timed_outputs
+        self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
+        self.fans: dict[str, float] = {}  # as last set, 0 to 1
+        self._acts_at: dict[str, float] = {}  # clock from which what was planned of them acts
+        self._spindle = 0.0
+        self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
+        if machine.laser:
+            job.set_laser(*self._outputs["laser"])
+
+    def plan_forgotten(self) -> None:
+        """Nothing that was planned acts any more."""
+        self._acts_at.clear()
+
+    def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
+        """Sets an output, 0 to 1, when the moves so far are done, or at once: then until what is
+        planned of it acts."""
+        index, full = self._outputs[output]
+        value, stays = round(min(max(share, 0.0), 1.0) * full), True
+        if at_once:
+            stays = self._acts_at.get(output, -inf) <= self._plan.record_at_once(index, value)
+        else:
+            self._acts_at[output] = self._job.clock + self._job.queued_ticks
+            self._job.record(index, value)
+        if stays and output in self._machine.fans:
+            self.fans[output] = share
+
+    # -- laser and spindle ------------------------------------------------------------------------
+
+    @command(
+        "M3", Subject.OUTPUTS, When.PLANNED, "S", "Switches the laser or spindle on.", bare="I"
+    )
+    @command(
+        "M4",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "S",
+        "Switches the laser on, with power in proportion to the speed; it is off at standstill and"
+        " in G0.",
+        bare="I",
+    )
+    def _spindle_start(self, command: Command, _: Reply) -> None:
+        self._spindle = command.words().get("S", self._spindle)
+        self._spindle_mode = command.code
+        self._laser()
+
+    @command(
+        "M5", Subject.OUTPUTS, When.PLANNED, "", "Switches the laser or spindle off.", bare="I"
+    )
+    def _spindle_stop(self, _: Command, __: Reply) -> None:
+        self.laser_off()
+
+    @in_program("S")
+    def _spindle_power(self, command: Command, _: Reply) -> None:
+        self._spindle = command.words().get("S", self._spindle)
+        self._laser()
+
+    def laser_off(self) -> None:
+        """Laser or spindle off when the moves so far are done, until it is switched on again."""
+        self._spindle_mode = ""
+        self._laser()
+
+    @property
+    def lit(self) -> bool:
+        """The laser is on also where the head stands."""
+        return bool(self._machine.laser) and self._spindle_mode == "M3" and self._spindle > 0
+
+    def shade(self, *, dark: bool) -> None:
+        """The laser dark when the moves so far are done, or again as it is set."""
+        if dark:
+            self.set_output("laser", 0.0)
+        else:
+            self._laser()
+
+    def _laser(self) -> None:
+        if self._machine.laser:
+            share = max(0.0, self._spindle / self._machine.laser.full_scale)
+            self._job.follow_speed(share if self._spindle_mode == "M4" else 0.0)
+            self.set_output("laser", share if self._spindle_mode == "M3" else 0.0)
+
+    # -- fans -------------------------------------------------------------------------------------
+
+    @property
+    def commanded_fans(self) -> list[str]:
+        """The fans that follow nothing else."""
+        return [name for name, fan in self._machine.fans.items() if fan.commanded]
+
+    def fans_off(self) -> None:
+        """All fans, as soon as the moves so far are done."""
+        for fan in self.commanded_fans:
+            self.set_output(fan, 0.0)
+
+    @command(
+        "M106",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "S(0-255) P F",
+        "Sets the speed of fan P, without S to full speed. F: at once. Settings without S (U I H L"
+        " X T, F with a number) have no effect: the machine file has them.",
+        bare="F",
+        forced=True,
+    )
+    def _fan_on(self, command: Command, reply: Reply) -> None:
+        words = command.words()
+        share, given = None, words.get("S", _FULL_FAN)
+        if "S" in words or not ("F" in words or _SETTINGS.search(command.text)):
+            share = min(max(given / _FULL_FAN, 0.0), 1.0)
+        self._set_fan(command, share)
+        if "F" in words:
+            reply.note("M106 F", "M106 sets no frequency; the machine file has it")
+        elif share is None:
+            reply.note("M106", "M106 sets speeds, by S; the machine file has the settings")
+        if share is not None and (note := beyond("M106 S", given, (0, _FULL_FAN))):
+            reply.note(note, note)
+
+    @command(
+        "M107",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "P F",
+        "Switches fan P off. F: at once.",
+        bare="F",
+        forced=True,
+    )
+    def _fan_off(self, command: Command, _: Reply) -> None:
+        self._set_fan(command, 0.0)
+
+    def _set_fan(self, command: Command, share: float | None) -> None:
+        """None: only settings. Raises CommandError if P names no fan; a machine without fans lets
+        the rest pass."""
+        words, fans = command.words(), self._machine.fans
+        number = words.get("P")
+        at_once = "F" not in words and _AT_ONCE.search(command.text) is not None
+        numbers = [fans[name].number for name in self.commanded_fans]
+        if number is not None and number not in numbers:
+            limit = ", ".join(map(str, numbers)) or "no fan"
+            raise CommandError.bad_value("P", number, limit)
+        fan = next((n for n in self.commanded_fans if fans[n].number == int(number or 0)), None)
+        if fan is not None and share is not None:
+            config = self._machine.fans[fan]
+            share = share if share >= config.off_below else 0.0
+            power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
+            self.set_output(fan, power, at_once=at_once)

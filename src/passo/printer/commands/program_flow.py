@@ -1,0 +1,165 @@
+"""Commands that begin, place, stop and end a program."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import ANY, Subject, When, command, in_program
+from passo.motion.set_position import place_of_actuators, place_of_axes
+from passo.printer.input_errors import problem_of
+from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
+from passo.printer.wait_requests import Reply, Stop, Wait, WaitForHoming, WaitForMoves
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.printer.commands.outputs import Outputs
+
+_BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
+_BABYSTEP_MM = 2.0  # at most, with one command
+
+
+def by_interpreter(command: Command) -> bool:
+    """G92 of motors, which the interpreter hands out as G92.1; a program cannot write it."""
+    return _BY_INTERPRETER.fullmatch(command.text) is not None
+
+
+def babysteps(command: Command) -> list[tuple[int, float]]:
+    """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""
+    words = command.words()
+    words.setdefault("Z", words.get("S", 0.0))
+    found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
+    for i, mm in found:
+        if abs(mm) > _BABYSTEP_MM:
+            raise CommandError.bad_value("XYZ"[i], mm, f"at most {_BABYSTEP_MM:g} mm")
+    return found
+
+
+class ProgramFlow:
+    """Where the program of one job is. `omitted` counts what is left out; `ended`: a command has
+    ended the program."""
+
+    def __init__(
+        self, machine: MachineConfig, job: _core.Job, outputs: Outputs, omitted: SkippedCommands
+    ) -> None:
+        self._machine, self._job, self._outputs = machine, job, outputs
+        self._omitted = omitted
+        self.ended = False
+
+    # -- positions --------------------------------------------------------------------------------
+
+    @command(
+        "G28",
+        Subject.POSITIONS,
+        When.EXCLUSIVE,
+        "X Y Z O B",
+        "Homes these axes, without letters all. O homes only axes that are not homed, B returns to"
+        " the position before. Without consoles it sets the axes to their home positions.",
+        bare=ANY,
+    )
+    def _home(self, command: Command, _: Reply) -> Wait:
+        self._outputs.laser_off()  # homing runs over what lies there
+        return WaitForHoming(command.text)
+
+    @in_program("G92")
+    def _set_position(self, command: Command, _: Reply) -> Wait:
+        return self._placed(place_of_axes(command, self._machine, self._job))
+
+    @in_program("G92.1")
+    def _set_actuators(self, command: Command, _: Reply) -> Wait | None:
+        if not by_interpreter(command):
+            self._omitted.count(SkippedCommand.UNKNOWN, command.code, command.line)
+            return None
+        places = place_of_actuators(command, self._machine, self._job)
+        return self._placed(places) if places else None
+
+    def _placed(self, places: dict[int, float]) -> Wait:
+        """Once the machine stands: a plan that is under way could not be planned anew."""
+        return WaitForMoves(lambda: self._job.set_axes(list(places.items())))
+
+    @in_program("M290")
+    def _babystep(self, command: Command, _: Reply) -> None:
+        for axis, mm in babysteps(command):
+            if not self._job.shift(axis, mm):
+                raise CommandError([problem_of(self._job, "", self._machine.geometry)])
+
+    # -- waits, stops and ends --------------------------------------------------------------------
+
+    @in_program("M18", "M84")
+    @command(
+        "M400",
+        Subject.MOVES,
+        When.EXCLUSIVE,
+        "",
+        "Waits until all moves are done and the machine is at standstill.",
+    )
+    def _finish_moves(self, _: Command, __: Reply) -> Wait:
+        return WaitForMoves()
+
+    @in_program("M112", "M410")
+    def _stop(self, command: Command, _: Reply) -> Wait:
+        self._omitted.count(SkippedCommand.STOP, command.code, command.line)
+        return Stop(command.code, command.line)
+
+    @in_program("M30")
+    @command("EOF", Subject.DRILLING, When.EXCLUSIVE, "", "Ends the program.")
+    @command("M2", Subject.DRILLING, When.EXCLUSIVE, "", "Ends the program.")
+    def _end(self, _: Command, __: Reply) -> Wait:
+        self.ended = True
+        return WaitForMoves()
+
+    # -- sub-programs, cycles, objects ------------------------------------------------------------
+
+    @command(
+        "M98",
+        Subject.DRILLING,
+        When.PLANNED,
+        "P(number) L(repeats)",
+        "Calls the sub-program with this O number, or from this N number on, up to M99. In a file"
+        " sub-programs come after the M30, M2 or M99 of the main program. At most 10 levels.",
+        bare=None,
+    )
+    def _call(self, command: Command, _: Reply) -> None:
+        """Of a sub-program that is missing, where that may be left out."""
+        self._omitted.count(SkippedCommand.UNKNOWN, f"M98 {command.text}", command.line)
+
+    @command(
+        "M99",
+        Subject.DRILLING,
+        When.EXCLUSIVE,
+        "",
+        "Ends a sub-program, and in the main program the program. With axes: backlash compensation"
+        " is not supported.",
+        bare=ANY,
+    )
+    def _return(self, command: Command, reply: Reply) -> Wait | None:
+        """Outside of a sub-program: other machines begin again."""
+        if command.text:
+            self._omitted.count(SkippedCommand.NOT_BUILT, "M99", command.line)
+            return None
+        self._omitted.count(SkippedCommand.REPEAT, "M99", command.line)
+        return self._end(command, reply)
+
+    @command(
+        "G80",
+        Subject.DRILLING,
+        When.PLANNED,
+        "",
+        "Ends a canned cycle. On a printer for filament, outside of a cycle, it asks for bed"
+        " levelling, as in Prusa's firmware.",
+        bare=ANY,
+    )
+    def _level(self, command: Command, _: Reply) -> None:
+        """Bed levelling that may be left out."""
+        self._omitted.count(SkippedCommand.UNKNOWN, command.code, command.line)
+
+    @in_program("M486")
+    def _cancel_objects(self, command: Command, _: Reply) -> None:
+        """As a console has ordered it, by number, in the part of a print that is read again."""
+        action = _core.ObjectAction
+        for what, number, _name in _core.object_orders(command.code, command.text):
+            if what in (action.CANCEL, action.RESTORE) and number >= 0:
+                self._job.cancel_object(number, what == action.CANCEL)

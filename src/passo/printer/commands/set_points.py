@@ -1,0 +1,252 @@
+"""M104 to M191, M116, M145 and G10 P: temperatures that a program sets and waits for."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Protocol
+
+from passo.config.heater_numbers import heater_of
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Subject, When, command, in_program
+from passo.printer.commands.material_presets import Presets
+from passo.printer.wait_requests import Reply, Wait, WaitForTemperatures
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+
+_LETTERED = re.compile(r"([TPBC])\s*(-?\d+)?", re.IGNORECASE | re.ASCII)
+_AT_ONCE = re.compile(r"(?<![A-Z])F", re.IGNORECASE | re.ASCII)
+_KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
+
+
+class Heat(Protocol):
+    """Where temperatures are set."""
+
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Sets a heater's target when the moves so far are done, or at once; 0 is off."""
+
+
+class NoHeat:
+    """Nothing heats in a plan: temperatures are taken as reached."""
+
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Forgets it."""
+
+
+class SetPoints:
+    """The temperatures of one job; `presets` are those of materials."""
+
+    def __init__(self, machine: MachineConfig, job: _core.Job, heat: Heat) -> None:
+        self._machine, self._job, self._heat = machine, job, heat
+        self.presets = Presets(machine)
+        self.targets_c: dict[str, float] = {}  # as commands have set them; 0 is off
+        self._tool = 0
+        self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
+
+    def heater(self, kind: str, number: int | None = None) -> str:
+        """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
+        by their own. Raises CommandError if there is none."""
+        index = number if number is not None else self._job.tool if kind == "hotend" else 0
+        found = heater_of(self._machine, kind, index)
+        if found is None:
+            there = sum(heater.kind == kind for heater in self._machine.heaters.values())
+            raise CommandError.of("heat.unknown", axis=kind, value=index, limit=there)
+        return found
+
+    def _exists(self, kind: str, words: dict[str, float]) -> bool:
+        """A machine without such heaters lets a command pass that numbers none."""
+        there = any(heater.kind == kind for heater in self._machine.heaters.values())
+        return there or _number(words) is not None
+
+    def _heat_to(self, name: str, target: float | None, *, at_once: bool = False) -> None:
+        """Sets a target. Without one the heater goes off; outside of the safe range too, at once,
+        and CommandError is raised."""
+        heater = self._machine.heaters[name]
+        self.targets_c[name] = max(target or 0.0, 0.0)
+        if target is None or target <= 0:
+            self._heat.set_target(name, 0.0, at_once=at_once)
+        elif heater.min_c <= target <= heater.max_c:
+            self._heat.set_target(name, target, at_once=at_once)
+        else:
+            self._heat.set_target(name, 0.0, at_once=True)
+            self._heat.set_target(name, 0.0)  # a target that is still queued is not the last word
+            limit = f"{heater.min_c:g} to {heater.max_c:g}"
+            raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
+
+    def _celsius(self, words: dict[str, float], kind: str) -> float | None:
+        """What a command asks for: the material I of M145, or S, or R. Raises CommandError."""
+        if "I" in words and kind in ("hotend", "bed"):
+            return self.presets.celsius(words["I"], kind)
+        return words.get("S", words.get("R"))
+
+    # -- set --------------------------------------------------------------------------------------
+
+    @command(
+        "M104",
+        Subject.HEATERS,
+        When.PLANNED,
+        "S(°C) I T P F",
+        "Sets the temperature of a hotend, by S or by a material I of M145. Without them the hotend"
+        " is off. F: at once.",
+        bare="F",
+        nan=True,
+        forced=True,
+    )
+    def _set_hotend(self, command: Command, _: Reply) -> None:
+        self._set(command, "hotend")
+
+    @command(
+        "M140",
+        Subject.HEATERS,
+        When.PLANNED,
+        "S(°C) I P F",
+        "Sets the temperature of the bed, by S or by a material I of M145. F: at once.",
+        bare="F",
+        nan=True,
+        forced=True,
+    )
+    def _set_bed(self, command: Command, _: Reply) -> None:
+        self._set(command, "bed")
+
+    @command(
+        "M141",
+        Subject.HEATERS,
+        When.PLANNED,
+        "S(°C) P F",
+        "Sets the temperature of the chamber. F: at once.",
+        bare="F",
+        nan=True,
+        forced=True,
+    )
+    def _set_chamber(self, command: Command, _: Reply) -> None:
+        self._set(command, "chamber")
+
+    def _set(self, command: Command, kind: str) -> None:
+        words = command.words()
+        if self._exists(kind, words):
+            name = self.heater(kind, _number(words))
+            at_once = _AT_ONCE.search(command.text) is not None
+            self._heat_to(name, self._celsius(words, kind), at_once=at_once)
+
+    # -- wait -------------------------------------------------------------------------------------
+
+    @command(
+        "M109",
+        Subject.HEATERS,
+        When.EXCLUSIVE,
+        "S(°C) R(°C) I T P",
+        "Sets the temperature of a hotend, by S, R or a material I of M145, and waits for it. R"
+        " also waits while it cools.",
+        bare="F",
+        nan=True,
+    )
+    def _reach_hotend(self, command: Command, _: Reply) -> Wait | None:
+        return self._reach(command, "hotend")
+
+    @command(
+        "M190",
+        Subject.HEATERS,
+        When.EXCLUSIVE,
+        "S(°C) R(°C) I P",
+        "Sets the temperature of the bed, by S, R or a material I of M145, and waits for it. R also"
+        " waits while it cools.",
+        bare="F",
+        nan=True,
+    )
+    def _reach_bed(self, command: Command, _: Reply) -> Wait | None:
+        return self._reach(command, "bed")
+
+    @command(
+        "M191",
+        Subject.HEATERS,
+        When.EXCLUSIVE,
+        "S(°C) R(°C) P",
+        "Sets the temperature of the chamber, and waits for it. R also waits while it cools.",
+        bare="F",
+        nan=True,
+    )
+    def _reach_chamber(self, command: Command, _: Reply) -> Wait | None:
+        return self._reach(command, "chamber")
+
+    def _reach(self, command: Command, kind: str) -> Wait | None:
+        words = command.words()
+        if not self._exists(kind, words):
+            return None
+        name = self.heater(kind, _number(words))
+        target = self._celsius(words, kind)
+        if target is not None:
+            self._heat_to(name, target)
+        return WaitForTemperatures((name,), cooling="R" in words)
+
+    @command(
+        "M116",
+        Subject.HEATERS,
+        When.EXCLUSIVE,
+        "T B C",
+        "Waits until these heaters have their temperatures: hotends (T or P), bed, chamber. Without"
+        " letters it waits for all.",
+        bare="TPBC",
+        repeats="TPBC",
+    )
+    def _reach_all(self, command: Command, _: Reply) -> Wait | None:
+        names = [
+            self.heater(_KINDS[letter.upper()], int(number or 0))
+            for letter, number in _LETTERED.findall(command.text)
+        ]
+        return WaitForTemperatures(tuple(names or self._machine.heaters), cooling=True)
+
+    # -- materials and tools ----------------------------------------------------------------------
+
+    @command(
+        "M145",
+        Subject.HEATERS,
+        When.IMMEDIATE,
+        "S H B F",
+        "Sets hotend (H), bed (B) and fan (F) of material S, 0 to 2, for I of M104, M109, M140 and"
+        " M190. Without S it reports all materials.",
+    )
+    def _preset(self, command: Command, reply: Reply) -> None:
+        words = command.words()
+        if note := self.presets.set(words):
+            reply.note("M145", note, again=True)
+        for line in () if "S" in words else self.presets.lines():
+            reply.say(line)
+
+    @in_program("G10")
+    def _tool_temperatures(self, command: Command, _: Reply) -> None:
+        """G10 P: the temperature of a tool at work (S) and on standby (R). The tool at work takes
+        the one at once, another one the other."""
+        words = command.words()
+        tool = int(words.get("P", self._job.tool))
+        work, standby = self._tool_c.get(tool, (None, None))
+        work, standby = words.get("S", work), words.get("R", standby)
+        self._tool_c[tool] = (work, standby)
+        at_once = work if tool == self._job.tool or standby is None else standby
+        self._heat_tool(tool, at_once)
+
+    def _heat_tool(self, tool: int, celsius: float | None) -> None:
+        if celsius is not None and self._exists("hotend", {}):
+            self._heat_to(self.heater("hotend", tool), celsius)
+
+    def take_tool_temperatures(self, other: SetPoints) -> None:
+        """What G10 has set for others of the same machine holds here; heaters stay as they are."""
+        self._tool_c |= other._tool_c
+
+    def follow_tool(self) -> None:
+        """Another tool is in use, without a command: the program is suspended, stops or resumes."""
+        self._tool = self._job.tool
+
+    def tool_changed(self, tool: int) -> None:
+        """The tool that leaves goes on standby, the one that comes to work."""
+        before, self._tool = self._tool, tool
+        standby, work = (self._tool_c.get(t, (None, None))[i] for t, i in ((before, 1), (tool, 0)))
+        if tool != before:
+            self._heat_tool(before, standby)
+            self._heat_tool(tool, work)  # last, where both share a hotend
+
+
+def _number(words: dict[str, float]) -> int | None:
+    number = words.get("T", words.get("P"))
+    return None if number is None else int(number)

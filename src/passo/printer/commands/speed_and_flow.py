@@ -1,0 +1,107 @@
+"""M220 and M221: factors that scale the speeds and the filament of a program."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Subject, When, command, in_program
+from passo.printer.commands.ranges import beyond
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.printer.commands.plan import Plan
+    from passo.printer.wait_requests import Reply
+
+_SPEED = (10.0, 1000.0)  # percent of M220
+_FLOW = (1.0, 1000.0)  # percent of M221
+
+
+class SpeedAndFlow:
+    """The factors of one job. In a program they take their place among the moves; a console's line
+    changes what is planned, too. `kept` is the factor that M220 B has kept for R."""
+
+    def __init__(self, machine: MachineConfig, job: _core.Job, plan: Plan) -> None:
+        self._machine, self._job, self._plan = machine, job, plan
+        self.kept = 1.0
+
+    @command(
+        "M220",
+        Subject.SPEED,
+        When.IMMEDIATE,
+        "S(%) B R",
+        "Scales the speed. During a print the factor also changes queued moves. B keeps the present"
+        " factor, R restores it.",
+        bare="BRS",
+        while_halted=False,
+    )
+    def _speed_at_once(self, command: Command, reply: Reply) -> None:
+        self._set_speed(command, reply, live=True)
+
+    @in_program("M220")
+    def _speed(self, command: Command, reply: Reply) -> None:
+        self._set_speed(command, reply, live=False)
+
+    def _set_speed(self, command: Command, reply: Reply, *, live: bool) -> None:
+        words, letters = command.words(), set(re.findall("[BR]", command.text.upper()))
+        factor, note = self.kept if "R" in letters else None, ""
+        if "S" in words:
+            percent, (low, high) = words["S"], _SPEED
+            if percent <= 0:
+                raise CommandError.bad_value("S", percent, f"{low:g} to {high:g} percent")
+            factor = min(max(percent, low), high) / 100
+            note = beyond("M220", percent, _SPEED, "%")
+        if "B" in letters:
+            self.kept = self._job.speed_factor
+        if factor is not None:
+            self._job.set_speed_factor(factor, live)
+            if live:
+                self._plan.replan()
+        elif not command.text.strip():
+            reply.say(f"Speed factor override: {self._job.speed_factor * 100:g}")
+        if note:
+            reply.note("M220", note, again=True)
+
+    @command(
+        "M221",
+        Subject.FILAMENT,
+        When.IMMEDIATE,
+        "T S(%)",
+        "Scales the extrusion of a tool. During a print the factor also changes queued moves.",
+        bare="SRXYZ",
+        only_during_print=True,
+        while_halted=False,
+    )
+    def _flow_at_once(self, command: Command, reply: Reply) -> None:
+        self._set_flow(command, reply, live=True)
+
+    @in_program("M221")
+    def _flow(self, command: Command, reply: Reply) -> None:
+        self._set_flow(command, reply, live=False)
+
+    def _set_flow(self, command: Command, reply: Reply, *, live: bool) -> None:
+        words = command.words()
+        tools = self._machine.all_tools
+        tool = words.get("T", self._job.tool)
+        own = tools[int(tool)].extruder if tool in range(len(tools)) else None
+        if own is None and "T" not in words:
+            return  # the tool in use has no extruder
+        if own is None:
+            raise CommandError.bad_value("T", tool, "a tool with an extruder")
+        extruder = list(self._machine.extruders).index(own)
+        if "S" not in words:
+            reply.say(f"echo:E{int(tool)} Flow: {self._job.flows[extruder] * 100:g}%")
+            return
+        percent, (low, high) = words["S"], _FLOW
+        if percent <= 0:
+            raise CommandError.bad_value("S", percent, f"{low:g} to {high:g} percent")
+        if note := beyond("M221", percent, _FLOW, "%"):
+            reply.note(note, note)
+        factor = min(max(percent, low), high) / 100
+        if live:
+            self._plan.scale_flow(extruder, factor)
+        else:
+            self._job.set_flow(extruder, factor)

@@ -1,0 +1,80 @@
+"""Commands are declared once, and each that acts on a console has its handler."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from tests.support.scenario import Scenario
+
+import passo
+from passo import command_modules
+from passo.gcode.registry import Declaration, Kind, Subject, When, declare, row_of, table
+
+
+@pytest.fixture(scope="module")
+def printer():
+    with Scenario("i3") as s:
+        yield s.printer
+
+
+def test_modules_that_declare_commands_are_listed():
+    package = Path(passo.__file__).parent
+    declares = re.compile(r"^ *(@command|declare|_declare)\($", re.MULTILINE)
+    found = {
+        ".".join(path.relative_to(package.parent).with_suffix("").parts)
+        for path in package.rglob("*.py")
+        if declares.search(path.read_text(encoding="utf-8")) and path.stem != "registry"
+    }
+    assert found == {module.__name__ for module in command_modules.MODULES}
+
+
+def test_a_command_is_declared_once():
+    with pytest.raises(ValueError, match="M104 is declared twice"):
+        declare(Declaration("M104", Subject.HEATERS, When.PLANNED, "", ""))
+    row = row_of("M104")
+    assert row is not None and row.parameters == "S(°C) I T P F"
+
+
+def test_lookup_finds_commands_of_modules_not_imported_yet():
+    code = (
+        "from passo.gcode.registry import row_of; found = row_of('M23');"
+        "print(found.kind.value, row_of('M0').kind.value, row_of('G1.1'))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "served user None\n"
+
+
+def test_every_immediate_command_has_a_handler(printer):
+    immediate = {r.code for r in table().values() if r.when in (When.IMMEDIATE, When.AHEAD)}
+    assert immediate == set(printer.dispatch.immediate)
+
+
+def test_planned_handlers_of_immediate_commands_are_for_programs(printer):
+    """In a program, or after another command of a line, these act in their place."""
+    planned = {code for code in printer.dispatch.planned if code in printer.dispatch.immediate}
+    assert planned == {"M112", "M145", "M220", "M221", "M290", "M410"}
+
+
+def test_commands_that_wait_in_a_file_stop_the_machine():
+    assert [r.code for r in table().values() if r.in_turn] == ["M25", "M112", "M410", "M524"]
+
+
+def test_halted_printer_refuses_what_changes_plan_or_heat(printer):
+    refused = {r.code for r in table().values() if not r.while_halted}
+    assert refused == {"M220", "M221", "M290", "M922"}
+    assert not any(printer.dispatch.answers_halted(code) for code in (*refused, "M104", "G1"))
+    assert all(printer.dispatch.answers_halted(code) for code in ("M105", "M999", "M115"))
+
+
+@pytest.mark.parametrize(
+    "code",
+    [r.code for r in table().values() if r.kind is not Kind.MOTION and re.match(r"[GM]\d", r.code)],
+)
+def test_no_row_is_unknown_to_a_console(code):
+    if code in ("M112", "M0", "M1", "M303", "M600", "M601", "M2", "M30"):
+        return
+    with Scenario("i3") as s:
+        answer = s.host.ok(code, 60)
+        assert not any("Unknown command" in line for line in answer)
