@@ -335,23 +335,33 @@ class Printer:
         return await self._add(open_stdin(self._printer, opened, over))
 
     def open_http(
-        self, host: str = "127.0.0.1", port: int = 0, *, names: Collection[str] = ()
+        self,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        *,
+        names: Collection[str] = (),
+        log: str | None = None,
     ) -> str:
         """Serves the web interface, in a thread of its own; port 0 is any that is free; `names` are
-        host names that it is reached by. Accounts are kept in the folder `state`, else in memory
-        (docs/explanation/security.md). Returns `http://HOST:PORT`. Needs the extra `passo[web]`;
-        raises InputError where nothing can listen there, WebError where the accounts cannot be
-        used, and ImportError without the extra."""
+        host names that it is reached by; `log` is a log file that may be downloaded. Accounts are
+        kept in the folder `state`, else in memory (docs/explanation/security.md). Returns
+        `http://HOST:PORT`. Needs the extra `passo[web]`; raises InputError where nothing can listen
+        there, WebError where the accounts cannot be used, and ImportError without the extra."""
         from passo.web.access import Binding
         from passo.web.app import web_app
+        from passo.web.logs import Logs
         from passo.web.server import listening
 
         socket = listening(host, port)
         host, port = socket.getsockname()[:2]
+        stems = [Path(stem) for stem in (log, self._halt_reports) if stem]
+        if self._state is not None:
+            stems.append(Path(self._state) / "halt")
         loopback = ip_address(host.partition("%")[0]).is_loopback
         binding = Binding(loopback, frozenset(name.lower() for name in names))
         try:
-            app = web_app(self._bridge, self._accounts, binding, self._temperatures)
+            logs = Logs(stems)
+            app = web_app(self._bridge, self._accounts, binding, self._temperatures, logs)
         except BaseException:
             socket.close()
             raise

@@ -8,6 +8,7 @@ from passo.web.access import Binding
 from passo.web.accounts.accounts import Accounts
 from passo.web.accounts.store import Store
 from passo.web.app import web_app
+from passo.web.logs import Logs
 from passo.web.temperature_history import TemperatureHistory
 
 HOST = "127.0.0.1:4000"
@@ -28,10 +29,11 @@ def accounts(folder=None, clock=None):
     return Accounts(Store(folder), wall_s=clock, now_s=clock)
 
 
-def site(bridge, kept=None, temperatures=None, *, loopback=True, names=()):
+def site(bridge, kept=None, temperatures=None, logs=None, *, loopback=True, names=()):
     """The application that `passo serve` serves, with accounts in memory unless some are given."""
     binding = Binding(loopback, frozenset(names))
-    return web_app(bridge, kept or accounts(), binding, temperatures or TemperatureHistory())
+    past = temperatures or TemperatureHistory()
+    return web_app(bridge, kept or accounts(), binding, past, logs or Logs())
 
 
 def local_client(bridge, kept=None):

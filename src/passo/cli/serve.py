@@ -290,7 +290,7 @@ async def _serve(
                     host, port, clients=arguments.tcp_clients, advanced_ok=advanced_ok
                 )
                 places.append(place)
-            if address := _web_address(printer, arguments.http, arguments.http_name):
+            if address := _web_address(printer, arguments):
                 places.append(address)
             if address and (code := printer.one_time_code):
                 _tell_of_administrator(address, code, kept=arguments.state is not None)
@@ -316,15 +316,16 @@ def _tell_of_administrator(address: str, code: str, *, kept: bool) -> None:
     print(f"The web interface {text}{lasts}.", file=sys.stderr)
 
 
-def _web_address(printer: Printer, asked: tuple[str, int] | str | None, names: list[str]) -> str:
+def _web_address(printer: Printer, arguments: argparse.Namespace) -> str:
     """Opens the web interface; empty without one. Where it was not asked for by name, a printer
     without it is better than none: a line says why it is missing."""
     from passo.errors import PassoError
 
+    asked: tuple[str, int] | str | None = arguments.http
     if isinstance(asked, str):
         return ""
     try:
-        return printer.open_http(*(asked or _HTTP), names=names)
+        return printer.open_http(*(asked or _HTTP), names=arguments.http_name, log=arguments.log)
     except (PassoError, ImportError) as error:
         if asked is not None and isinstance(error, PassoError):
             raise

@@ -26,15 +26,20 @@ if TYPE_CHECKING:
 
     from passo.web.accounts.accounts import Accounts
     from passo.web.bridge import Bridge
+    from passo.web.logs import Logs
     from passo.web.temperature_history import TemperatureHistory
 
 
 def web_app(
-    bridge: Bridge, accounts: Accounts, binding: Binding, temperatures: TemperatureHistory
+    bridge: Bridge,
+    accounts: Accounts,
+    binding: Binding,
+    temperatures: TemperatureHistory,
+    logs: Logs,
 ) -> ASGIApp:
     """The application of one printer, as it is reached at one place, with what is kept of its
-    temperatures."""
-    site = Site(bridge, accounts, Access(accounts, binding), Uploads(bridge), temperatures)
+    temperatures, and its logs."""
+    site = Site(bridge, accounts, Access(accounts, binding), Uploads(bridge), temperatures, logs)
     described = openapi.encoded(OPERATIONS)
 
     async def description(_: Request) -> Response:

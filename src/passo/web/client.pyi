@@ -3,10 +3,12 @@
 import builtins
 import passo.printer.status
 import passo.web.answers
+import passo.web.bridge
 import passo.web.endpoints.accounts
 import passo.web.endpoints.console
 import passo.web.endpoints.files
 import passo.web.endpoints.history
+import passo.web.endpoints.logs
 import passo.web.endpoints.machine
 import passo.web.endpoints.session
 import passo.web.endpoints.status
@@ -31,11 +33,226 @@ class Status:
         """Which version of Passo serves which machine."""
         ...
 
+class Faults:
+    def list(
+        self,
+    ) -> builtins.list[passo.printer.status.FaultStatus]:
+        """Why the printer is halted, as errors of the catalogue; empty while it runs.
+        `emergency.restart` starts it again."""
+        ...
+
 class Machine:
     def get(
         self,
     ) -> passo.web.endpoints.machine.Machine:
         """The parts of the machine, which stay the same while it is served."""
+        ...
+
+class Emergency:
+    def stop(
+        self,
+    ) -> None:
+        """Switches heaters, motors and fans off at once (M112). The print is lost, and
+        positions are not certain any more."""
+        ...
+    def restart(
+        self,
+    ) -> None:
+        """Starts a halted printer again (M999); answers when it runs."""
+        ...
+
+class Job:
+    def start(
+        self,
+        path: str,
+    ) -> None:
+        """Prints a file of the card."""
+        ...
+    def pause(
+        self,
+    ) -> None:
+        """Pauses the print: the machine brakes and parks."""
+        ...
+    def resume(
+        self,
+    ) -> None:
+        """Resumes a paused print."""
+        ...
+    def cancel(
+        self,
+    ) -> None:
+        """Ends the print; heaters and fans go off."""
+        ...
+    def cancel_object(
+        self,
+        number: int,
+        cancelled: bool,
+    ) -> None:
+        """Leaves an object out of the print from now on, or takes it in again. `number` is
+        that of the status."""
+        ...
+    def past(
+        self,
+        limit: int = ...,
+    ) -> builtins.list[passo.web.bridge.PastPrint]:
+        """The newest prints that are over, newest first."""
+        ...
+
+class Console:
+    def run(
+        self,
+        script: str,
+    ) -> passo.web.endpoints.console.Answer:
+        """Carries out lines of G-code, one after the other, and answers when the last one
+        is done or planned. The first line that fails ends the script."""
+        ...
+    def history(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Line]:
+        """The last lines of all consoles, oldest first, without secrets."""
+        ...
+    def commands(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Command]:
+        """Each command that the printer knows."""
+        ...
+
+class Heaters:
+    def list(
+        self,
+    ) -> dict[str, passo.printer.status.HeaterStatus]:
+        """All heaters by name."""
+        ...
+    def set(
+        self,
+        name: str,
+        celsius: float,
+    ) -> None:
+        """Sets the target of a heater at once, and does not wait until it is reached."""
+        ...
+
+class Fans:
+    def list(
+        self,
+    ) -> dict[str, float]:
+        """The speed of each fan as last set, a fraction of full speed."""
+        ...
+    def set(
+        self,
+        name: str,
+        speed: float,
+    ) -> None:
+        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
+        be set."""
+        ...
+
+class Motion:
+    def jog(
+        self,
+        distances_mm: dict[str, float],
+        speed_mm_s: float,
+    ) -> None:
+        """Moves axes by a distance, at once or after the moves that are planned. Positions
+        stay absolute. It is answered when the move is planned."""
+        ...
+    def home(
+        self,
+        axes: builtins.list[str] = ...,
+    ) -> None:
+        """Homes axes; answered when they are homed."""
+        ...
+    def motors_off(
+        self,
+    ) -> None:
+        """Switches the motors off when the machine stands; positions are not certain any
+        more."""
+        ...
+
+class Tuning:
+    def set_speed(
+        self,
+        factor: float,
+    ) -> None:
+        """Scales the speed; during a print also that of queued moves (M220)."""
+        ...
+    def set_flow(
+        self,
+        tool: int,
+        factor: float,
+    ) -> None:
+        """Scales the extrusion of a tool; during a print also that of queued moves
+        (M221)."""
+        ...
+    def babystep(
+        self,
+        axis: str,
+        distance_mm: float,
+    ) -> None:
+        """Shifts all moves that are not done yet along an axis, at once (M290)."""
+        ...
+
+class Settings:
+    def list(
+        self,
+    ) -> builtins.list[passo.web.bridge.SettingValue]:
+        """All settings. `source` says where the value in force comes from: `file` (the
+        machine file or its defaults), `stored` (M500), or `command` (changed since)."""
+        ...
+    def set(
+        self,
+        command: str,
+        word: str,
+        value: float,
+    ) -> None:
+        """Sets a value until the printer is restarted, or until `settings.store` stores
+        it."""
+        ...
+    def store(
+        self,
+    ) -> None:
+        """Stores what differs from the machine file (M500), durably."""
+        ...
+    def load(
+        self,
+    ) -> None:
+        """Goes back to the stored values (M501)."""
+        ...
+    def reset(
+        self,
+    ) -> None:
+        """Goes back to the values of the machine file (M502); what is stored stays
+        stored."""
+        ...
+
+class Files:
+    def upload(
+        self,
+        data: bytes,
+        path: str,
+    ) -> passo.web.endpoints.files.StoredFile:
+        """Puts a file onto the card, in place of one of that path."""
+        ...
+
+class History:
+    def temperatures(
+        self,
+        span_s: float = ...,
+    ) -> passo.web.endpoints.history.Temperatures:
+        """Temperatures, targets and power of all heaters: one sample a second of the last
+        15 minutes, one each 15 s of the day before."""
+        ...
+
+class Logs:
+    def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.logs.LogRecord]:
+        """The log (`--log`), and the reports of halts."""
+        ...
+    def get(
+        self,
+        name: str,
+    ) -> bytes:
+        """One of these files, without passwords and keys."""
         ...
 
 class Session:
@@ -142,108 +359,6 @@ class Keys:
         """Makes a key worthless at once."""
         ...
 
-class Emergency:
-    def stop(
-        self,
-    ) -> None:
-        """Switches heaters, motors and fans off at once (M112). The print is lost, and
-        positions are not certain any more."""
-        ...
-    def restart(
-        self,
-    ) -> None:
-        """Starts a halted printer again (M999); answers when it runs."""
-        ...
-
-class Console:
-    def run(
-        self,
-        script: str,
-    ) -> passo.web.endpoints.console.Answer:
-        """Carries out lines of G-code, one after the other, and answers when the last one
-        is done or planned. The first line that fails ends the script."""
-        ...
-    def history(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Line]:
-        """The last lines of all consoles, oldest first, without secrets."""
-        ...
-    def commands(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Command]:
-        """Each command that the printer knows."""
-        ...
-
-class Job:
-    def start(
-        self,
-        path: str,
-    ) -> None:
-        """Prints a file of the card."""
-        ...
-    def pause(
-        self,
-    ) -> None:
-        """Pauses the print: the machine brakes and parks."""
-        ...
-    def resume(
-        self,
-    ) -> None:
-        """Resumes a paused print."""
-        ...
-    def cancel(
-        self,
-    ) -> None:
-        """Ends the print; heaters and fans go off."""
-        ...
-
-class Heaters:
-    def list(
-        self,
-    ) -> dict[str, passo.printer.status.HeaterStatus]:
-        """All heaters by name."""
-        ...
-    def set(
-        self,
-        name: str,
-        celsius: float,
-    ) -> None:
-        """Sets the target of a heater at once, and does not wait until it is reached."""
-        ...
-
-class Fans:
-    def list(
-        self,
-    ) -> dict[str, float]:
-        """The speed of each fan as last set, a fraction of full speed."""
-        ...
-    def set(
-        self,
-        name: str,
-        speed: float,
-    ) -> None:
-        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
-        be set."""
-        ...
-
-class Files:
-    def upload(
-        self,
-        data: bytes,
-        path: str,
-    ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path."""
-        ...
-
-class History:
-    def temperatures(
-        self,
-        span_s: float = ...,
-    ) -> passo.web.endpoints.history.Temperatures:
-        """Temperatures, targets and power of all heaters: one sample a second of the last
-        15 minutes, one each 15 s of the day before."""
-        ...
-
 class AsyncStatus:
     async def get(
         self,
@@ -258,11 +373,226 @@ class AsyncStatus:
         """Which version of Passo serves which machine."""
         ...
 
+class AsyncFaults:
+    async def list(
+        self,
+    ) -> builtins.list[passo.printer.status.FaultStatus]:
+        """Why the printer is halted, as errors of the catalogue; empty while it runs.
+        `emergency.restart` starts it again."""
+        ...
+
 class AsyncMachine:
     async def get(
         self,
     ) -> passo.web.endpoints.machine.Machine:
         """The parts of the machine, which stay the same while it is served."""
+        ...
+
+class AsyncEmergency:
+    async def stop(
+        self,
+    ) -> None:
+        """Switches heaters, motors and fans off at once (M112). The print is lost, and
+        positions are not certain any more."""
+        ...
+    async def restart(
+        self,
+    ) -> None:
+        """Starts a halted printer again (M999); answers when it runs."""
+        ...
+
+class AsyncJob:
+    async def start(
+        self,
+        path: str,
+    ) -> None:
+        """Prints a file of the card."""
+        ...
+    async def pause(
+        self,
+    ) -> None:
+        """Pauses the print: the machine brakes and parks."""
+        ...
+    async def resume(
+        self,
+    ) -> None:
+        """Resumes a paused print."""
+        ...
+    async def cancel(
+        self,
+    ) -> None:
+        """Ends the print; heaters and fans go off."""
+        ...
+    async def cancel_object(
+        self,
+        number: int,
+        cancelled: bool,
+    ) -> None:
+        """Leaves an object out of the print from now on, or takes it in again. `number` is
+        that of the status."""
+        ...
+    async def past(
+        self,
+        limit: int = ...,
+    ) -> builtins.list[passo.web.bridge.PastPrint]:
+        """The newest prints that are over, newest first."""
+        ...
+
+class AsyncConsole:
+    async def run(
+        self,
+        script: str,
+    ) -> passo.web.endpoints.console.Answer:
+        """Carries out lines of G-code, one after the other, and answers when the last one
+        is done or planned. The first line that fails ends the script."""
+        ...
+    async def history(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Line]:
+        """The last lines of all consoles, oldest first, without secrets."""
+        ...
+    async def commands(
+        self,
+    ) -> builtins.list[passo.web.endpoints.console.Command]:
+        """Each command that the printer knows."""
+        ...
+
+class AsyncHeaters:
+    async def list(
+        self,
+    ) -> dict[str, passo.printer.status.HeaterStatus]:
+        """All heaters by name."""
+        ...
+    async def set(
+        self,
+        name: str,
+        celsius: float,
+    ) -> None:
+        """Sets the target of a heater at once, and does not wait until it is reached."""
+        ...
+
+class AsyncFans:
+    async def list(
+        self,
+    ) -> dict[str, float]:
+        """The speed of each fan as last set, a fraction of full speed."""
+        ...
+    async def set(
+        self,
+        name: str,
+        speed: float,
+    ) -> None:
+        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
+        be set."""
+        ...
+
+class AsyncMotion:
+    async def jog(
+        self,
+        distances_mm: dict[str, float],
+        speed_mm_s: float,
+    ) -> None:
+        """Moves axes by a distance, at once or after the moves that are planned. Positions
+        stay absolute. It is answered when the move is planned."""
+        ...
+    async def home(
+        self,
+        axes: builtins.list[str] = ...,
+    ) -> None:
+        """Homes axes; answered when they are homed."""
+        ...
+    async def motors_off(
+        self,
+    ) -> None:
+        """Switches the motors off when the machine stands; positions are not certain any
+        more."""
+        ...
+
+class AsyncTuning:
+    async def set_speed(
+        self,
+        factor: float,
+    ) -> None:
+        """Scales the speed; during a print also that of queued moves (M220)."""
+        ...
+    async def set_flow(
+        self,
+        tool: int,
+        factor: float,
+    ) -> None:
+        """Scales the extrusion of a tool; during a print also that of queued moves
+        (M221)."""
+        ...
+    async def babystep(
+        self,
+        axis: str,
+        distance_mm: float,
+    ) -> None:
+        """Shifts all moves that are not done yet along an axis, at once (M290)."""
+        ...
+
+class AsyncSettings:
+    async def list(
+        self,
+    ) -> builtins.list[passo.web.bridge.SettingValue]:
+        """All settings. `source` says where the value in force comes from: `file` (the
+        machine file or its defaults), `stored` (M500), or `command` (changed since)."""
+        ...
+    async def set(
+        self,
+        command: str,
+        word: str,
+        value: float,
+    ) -> None:
+        """Sets a value until the printer is restarted, or until `settings.store` stores
+        it."""
+        ...
+    async def store(
+        self,
+    ) -> None:
+        """Stores what differs from the machine file (M500), durably."""
+        ...
+    async def load(
+        self,
+    ) -> None:
+        """Goes back to the stored values (M501)."""
+        ...
+    async def reset(
+        self,
+    ) -> None:
+        """Goes back to the values of the machine file (M502); what is stored stays
+        stored."""
+        ...
+
+class AsyncFiles:
+    async def upload(
+        self,
+        data: bytes,
+        path: str,
+    ) -> passo.web.endpoints.files.StoredFile:
+        """Puts a file onto the card, in place of one of that path."""
+        ...
+
+class AsyncHistory:
+    async def temperatures(
+        self,
+        span_s: float = ...,
+    ) -> passo.web.endpoints.history.Temperatures:
+        """Temperatures, targets and power of all heaters: one sample a second of the last
+        15 minutes, one each 15 s of the day before."""
+        ...
+
+class AsyncLogs:
+    async def list(
+        self,
+    ) -> builtins.list[passo.web.endpoints.logs.LogRecord]:
+        """The log (`--log`), and the reports of halts."""
+        ...
+    async def get(
+        self,
+        name: str,
+    ) -> bytes:
+        """One of these files, without passwords and keys."""
         ...
 
 class AsyncSession:
@@ -369,108 +699,6 @@ class AsyncKeys:
         """Makes a key worthless at once."""
         ...
 
-class AsyncEmergency:
-    async def stop(
-        self,
-    ) -> None:
-        """Switches heaters, motors and fans off at once (M112). The print is lost, and
-        positions are not certain any more."""
-        ...
-    async def restart(
-        self,
-    ) -> None:
-        """Starts a halted printer again (M999); answers when it runs."""
-        ...
-
-class AsyncConsole:
-    async def run(
-        self,
-        script: str,
-    ) -> passo.web.endpoints.console.Answer:
-        """Carries out lines of G-code, one after the other, and answers when the last one
-        is done or planned. The first line that fails ends the script."""
-        ...
-    async def history(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Line]:
-        """The last lines of all consoles, oldest first, without secrets."""
-        ...
-    async def commands(
-        self,
-    ) -> builtins.list[passo.web.endpoints.console.Command]:
-        """Each command that the printer knows."""
-        ...
-
-class AsyncJob:
-    async def start(
-        self,
-        path: str,
-    ) -> None:
-        """Prints a file of the card."""
-        ...
-    async def pause(
-        self,
-    ) -> None:
-        """Pauses the print: the machine brakes and parks."""
-        ...
-    async def resume(
-        self,
-    ) -> None:
-        """Resumes a paused print."""
-        ...
-    async def cancel(
-        self,
-    ) -> None:
-        """Ends the print; heaters and fans go off."""
-        ...
-
-class AsyncHeaters:
-    async def list(
-        self,
-    ) -> dict[str, passo.printer.status.HeaterStatus]:
-        """All heaters by name."""
-        ...
-    async def set(
-        self,
-        name: str,
-        celsius: float,
-    ) -> None:
-        """Sets the target of a heater at once, and does not wait until it is reached."""
-        ...
-
-class AsyncFans:
-    async def list(
-        self,
-    ) -> dict[str, float]:
-        """The speed of each fan as last set, a fraction of full speed."""
-        ...
-    async def set(
-        self,
-        name: str,
-        speed: float,
-    ) -> None:
-        """Sets the speed of a fan at once. Fans that follow a heater or the boards cannot
-        be set."""
-        ...
-
-class AsyncFiles:
-    async def upload(
-        self,
-        data: bytes,
-        path: str,
-    ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path."""
-        ...
-
-class AsyncHistory:
-    async def temperatures(
-        self,
-        span_s: float = ...,
-    ) -> passo.web.endpoints.history.Temperatures:
-        """Temperatures, targets and power of all heaters: one sample a second of the last
-        15 minutes, one each 15 s of the day before."""
-        ...
-
 class Client:
     """A printer that is served somewhere."""
 
@@ -481,27 +709,37 @@ class Client:
     @property
     def status(self) -> Status: ...
     @property
+    def faults(self) -> Faults: ...
+    @property
     def machine(self) -> Machine: ...
+    @property
+    def emergency(self) -> Emergency: ...
+    @property
+    def job(self) -> Job: ...
+    @property
+    def console(self) -> Console: ...
+    @property
+    def heaters(self) -> Heaters: ...
+    @property
+    def fans(self) -> Fans: ...
+    @property
+    def motion(self) -> Motion: ...
+    @property
+    def tuning(self) -> Tuning: ...
+    @property
+    def settings(self) -> Settings: ...
+    @property
+    def files(self) -> Files: ...
+    @property
+    def history(self) -> History: ...
+    @property
+    def logs(self) -> Logs: ...
     @property
     def session(self) -> Session: ...
     @property
     def accounts(self) -> Accounts: ...
     @property
     def keys(self) -> Keys: ...
-    @property
-    def emergency(self) -> Emergency: ...
-    @property
-    def console(self) -> Console: ...
-    @property
-    def job(self) -> Job: ...
-    @property
-    def heaters(self) -> Heaters: ...
-    @property
-    def fans(self) -> Fans: ...
-    @property
-    def files(self) -> Files: ...
-    @property
-    def history(self) -> History: ...
 
 class AsyncClient:
     """As `Client`, with calls to await."""
@@ -513,24 +751,34 @@ class AsyncClient:
     @property
     def status(self) -> AsyncStatus: ...
     @property
+    def faults(self) -> AsyncFaults: ...
+    @property
     def machine(self) -> AsyncMachine: ...
+    @property
+    def emergency(self) -> AsyncEmergency: ...
+    @property
+    def job(self) -> AsyncJob: ...
+    @property
+    def console(self) -> AsyncConsole: ...
+    @property
+    def heaters(self) -> AsyncHeaters: ...
+    @property
+    def fans(self) -> AsyncFans: ...
+    @property
+    def motion(self) -> AsyncMotion: ...
+    @property
+    def tuning(self) -> AsyncTuning: ...
+    @property
+    def settings(self) -> AsyncSettings: ...
+    @property
+    def files(self) -> AsyncFiles: ...
+    @property
+    def history(self) -> AsyncHistory: ...
+    @property
+    def logs(self) -> AsyncLogs: ...
     @property
     def session(self) -> AsyncSession: ...
     @property
     def accounts(self) -> AsyncAccounts: ...
     @property
     def keys(self) -> AsyncKeys: ...
-    @property
-    def emergency(self) -> AsyncEmergency: ...
-    @property
-    def console(self) -> AsyncConsole: ...
-    @property
-    def job(self) -> AsyncJob: ...
-    @property
-    def heaters(self) -> AsyncHeaters: ...
-    @property
-    def fans(self) -> AsyncFans: ...
-    @property
-    def files(self) -> AsyncFiles: ...
-    @property
-    def history(self) -> AsyncHistory: ...

@@ -166,7 +166,7 @@ class Feed:
     async def _send_news(self) -> None:
         if (lost := self._lost) > 0:
             self._lost = 0
-            await self._send("lost", count=lost)
+            await self._send("lost", events=lost)
         snapshot, self._snapshot = self._snapshot, None
         if snapshot is not None:
             now = tree(snapshot.status)

@@ -47,7 +47,18 @@ Requests and answers are JSON. An error is
 | `status` | first | `version`, `status`: the whole status, as `status.get` |
 | `changes` | at changes, at most 4 a second | `version`, `changes`: a merge patch (RFC 7386) |
 | `event` | when something happens | `event`: `kind` and fields, as in [`passo.events`](python.md) |
-| `lost` | to a client that reads too slowly | `events`: how many were dropped |
+| `line` | for each line of a console, if asked | `line`: `console`, `sender`, `received`, `text` |
+| `answer` | when a script is done | `id`, `lines`, `error`: null, or as above |
+| `lost` | to a client that reads too slowly | `events`: how many events and lines were dropped |
+
+A client may send
+
+| message | effect |
+|---|---|
+| `{{"type": "script", "id": 1, "script": "G28"}}` | runs lines of G-code (role operator) |
+| `{{"type": "listen", "console": true}}` | the lines of all consoles follow, or not any more |
+
+It closes with 1008 when the log-in ends, and with 1013 if the client does not read for 5 s.
 """
 
 

@@ -35,7 +35,9 @@ Handler: TypeAlias = Callable[..., Awaitable[object]]
 
 
 def _body_of(response: Any) -> Any:
-    """The type of the body of an answer, which may have headers of its own."""
+    """The type of the body of an answer, which may have headers of its own; None of none."""
+    if response is type(None):
+        return None
     return get_args(response)[0] if get_origin(response) is Answer else response
 
 
@@ -129,7 +131,7 @@ def operation(
             handler=handler,
             body=hints.get("body"),
             query=hints.get("query"),
-            response=None if response is type(None) else _body_of(response),
+            response=_body_of(response) if produces == JSON and root == API else None,
             parameters={parameter: hints[parameter] for parameter in given},
             errors=errors,
             consumes=consumes,

@@ -10,13 +10,19 @@ from passo.web.endpoints import (
     console,
     emergency,
     fans,
+    faults,
     files,
     heaters,
     history,
     job,
+    logs,
     machine,
+    metrics,
+    motion,
     session,
+    settings,
     status,
+    tuning,
 )
 from passo.web.operation import Operation
 from passo.web.slicers import octoprint
@@ -27,8 +33,8 @@ def _declared(module: ModuleType) -> list[Operation]:
 
 
 _MODULES = (
-    *(status, machine, session, accounts, emergency, console, job, heaters, fans),
-    *(files, history, octoprint),
+    *(status, faults, machine, emergency, job, console, heaters, fans, motion, tuning, settings),
+    *(files, history, logs, session, accounts, metrics, octoprint),
 )
 OPERATIONS: tuple[Operation, ...] = tuple(
     operation for module in _MODULES for operation in _declared(module)

@@ -10,16 +10,18 @@ if TYPE_CHECKING:
     from passo.web.accounts.accounts import Accounts
     from passo.web.bridge import Bridge
     from passo.web.files.uploads import Uploads
+    from passo.web.logs import Logs
     from passo.web.temperature_history import TemperatureHistory
 
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """One printer, who may use it, the uploads that are on their way to its card, and what is kept
-    of its past."""
+    """One printer, who may use it, the uploads that are on their way to its card, what is kept of
+    its past, and its logs."""
 
     bridge: Bridge
     accounts: Accounts
     access: Access
     uploads: Uploads
     temperatures: TemperatureHistory
+    logs: Logs

@@ -25,6 +25,11 @@ export interface Answer {
   lines: string[];
 }
 
+/** Axes to home; without any all that have an endstop. */
+export interface AxesToHome {
+  axes?: string[];
+}
+
 /** An axis. `position_mm` is where the plan is now, in the program's coordinates; `machine_mm` the
  * same in the machine's. `homed`: its position is certain. Targets are kept between `min_mm` and
  * `max_mm`, in machine coordinates. */
@@ -35,6 +40,12 @@ export interface AxisStatus {
   min_mm: number;
   max_mm: number;
   babystep_mm: number;
+}
+
+/** How far all moves that are not done yet shift along an axis, in mm, further than now. */
+export interface Babystep {
+  axis: string;
+  distance_mm: number;
 }
 
 /** A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count what
@@ -97,6 +108,11 @@ export interface FilesStatus {
   mounted: boolean;
   selected: string;
   folder: string;
+}
+
+/** The factor of a tool's extrusion; 1 is that of the file. */
+export interface FlowFactor {
+  factor: number;
 }
 
 /** A heater. `max_c` is the temperature above which it is switched off. */
@@ -162,6 +178,12 @@ export interface JobStatus {
   filament_mm: number;
 }
 
+/** How far axes, or the extruder `e`, move from where the last move ends, in mm, and how fast. */
+export interface Jog {
+  distances_mm: Record<string, number>;
+  speed_mm_s: number;
+}
+
 /** An API key, without what is secret; `made_s` is in seconds since 1970. */
 export interface KeyRecord {
   id: string;
@@ -191,6 +213,13 @@ export interface LogInRecord {
   started_s: number;
   used_s: number;
   own: boolean;
+}
+
+/** A file that can be downloaded, its bytes, and when it was changed, in seconds since 1970. */
+export interface LogRecord {
+  name: string;
+  size: number;
+  changed_s: number;
 }
 
 /** A machine as its file describes it. `fans` are those that commands set; `tools` are what T0,
@@ -244,6 +273,18 @@ export interface NewKey {
   role?: "admin" | "operator" | "viewer";
 }
 
+/** A value to set: `command` and `word` as `settings.list` names them. */
+export interface NewValue {
+  command: string;
+  word: string;
+  value: number;
+}
+
+/** Whether an object is left out. */
+export interface ObjectState {
+  cancelled: boolean;
+}
+
 /** The password of the log-in. */
 export interface Password {
   password: string;
@@ -253,6 +294,19 @@ export interface Password {
 export interface PasswordChange {
   old: string;
   new: string;
+}
+
+/** A print that is over. `started_s` is the wall clock in seconds since 1970, None if that is not
+ * known; `ended` is done, cancelled, failed or interrupted; `print_s` is print time without
+ * pauses; `note` says what went not so well, or is empty. */
+export interface PastPrint {
+  file: string;
+  size: number;
+  started_s?: number | null;
+  ended: string;
+  print_s: number;
+  filament_mm: number;
+  note: string;
 }
 
 /** An object that the file labels. `number` is the one of M486, or its place in the file; `name`
@@ -278,6 +332,24 @@ export interface Refusal {
 /** Lines of G-code. */
 export interface Script {
   script: string;
+}
+
+/** A value that commands set: `command` with `word` and a value sets it. `value` is in force,
+ * `file` is that of the machine file (None: it has none), `stored` the one that M500 has stored
+ * (None: none is). `source` says which of them is in force: `file`, `stored` or `command`. */
+export interface SettingValue {
+  group: string;
+  command: string;
+  word: string;
+  value: string;
+  file?: string | null;
+  stored?: string | null;
+  source: string;
+}
+
+/** The factor of all feedrates; 1 is that of the file. */
+export interface SpeedFactor {
+  factor: number;
 }
 
 /** A printer at one moment. Positions are the program's coordinates of where the machine is, in

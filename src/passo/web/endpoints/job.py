@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from msgspec import Struct
+from typing import Annotated
 
+from msgspec import Meta, Struct
+
+from passo.web.bridge import PastPrint
 from passo.web.call import Call
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -13,6 +16,18 @@ class FileToPrint(Struct, forbid_unknown_fields=True):
     """Where a file is on the card."""
 
     path: str
+
+
+class ObjectState(Struct, forbid_unknown_fields=True):
+    """Whether an object is left out."""
+
+    cancelled: bool
+
+
+class HowMany(Struct, forbid_unknown_fields=True):
+    """How many at most."""
+
+    limit: Annotated[int, Meta(ge=1, le=1000)] = 50
 
 
 @operation(
@@ -43,3 +58,24 @@ async def resume(call: Call) -> None:
 async def cancel(call: Call) -> None:
     """Ends the print; heaters and fans go off."""
     await call.bridge.cancel_print()
+
+
+@operation(
+    "job.cancel_object",
+    "PUT",
+    "/job/objects/{number}",
+    Role.OPERATOR,
+    errors=("job.no-objects", "job.no-object", "job.objects-and-laser"),
+)
+async def cancel_object(call: Call, number: int, body: ObjectState) -> None:
+    """Leaves an object out of the print from now on, or takes it in again. `number` is that of the
+    status."""
+    await call.bridge.cancel_object(number, cancelled=body.cancelled)
+
+
+@operation(
+    "job.past", "GET", "/job/past", Role.VIEWER, errors=("settings.nowhere", "history.unusable")
+)
+async def past(call: Call, query: HowMany) -> list[PastPrint]:
+    """The newest prints that are over, newest first."""
+    return await call.bridge.past_prints(query.limit)

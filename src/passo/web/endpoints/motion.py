@@ -1,0 +1,75 @@
+"""Moves by hand: jog, home, motors off."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from passo.errors import WebError
+from passo.gcode.command import numeral
+from passo.web.call import Call
+from passo.web.operation import operation
+from passo.web.roles import Role
+
+
+class Jog(Struct, forbid_unknown_fields=True):
+    """How far axes, or the extruder `e`, move from where the last move ends, in mm, and how
+    fast."""
+
+    distances_mm: Annotated[
+        dict[str, Annotated[float, Meta(ge=-10000, le=10000)]], Meta(min_length=1)
+    ]
+    speed_mm_s: Annotated[float, Meta(gt=0, le=1000)]
+
+
+class AxesToHome(Struct, forbid_unknown_fields=True):
+    """Axes to home; without any all that have an endstop."""
+
+    axes: list[str] = []
+
+
+_ERRORS = ("web.not-found", "command.halted", "command.failed", "input.not-homed", "input.cold")
+
+
+@operation(
+    "motion.jog",
+    "POST",
+    "/motion/jog",
+    Role.OPERATOR,
+    errors=(*_ERRORS, "input.out-of-range", "command.aside"),
+)
+async def jog(call: Call, body: Jog) -> None:
+    """Moves axes by a distance, at once or after the moves that are planned. Positions stay
+    absolute. It is answered when the move is planned."""
+    for name in body.distances_mm:
+        _require_axis(call, name, extruder=True)
+    words = [f"{name.upper()}{numeral(mm)}" for name, mm in body.distances_mm.items()]
+    letters = "".join(body.distances_mm).upper()
+    await call.run(f"G1 {' '.join(words)} R{letters} F{numeral(body.speed_mm_s * 60)}")
+
+
+@operation("motion.home", "POST", "/motion/home", Role.OPERATOR, errors=_ERRORS)
+async def home(call: Call, body: AxesToHome) -> None:
+    """Homes axes; answered when they are homed."""
+    for name in body.axes:
+        _require_axis(call, name, extruder=False)
+    await call.run(" ".join(["G28", *(name.upper() for name in body.axes)]))
+
+
+@operation(
+    "motion.motors_off",
+    "POST",
+    "/motion/motors-off",
+    Role.OPERATOR,
+    errors=("command.halted", "command.failed"),
+)
+async def motors_off(call: Call) -> None:
+    """Switches the motors off when the machine stands; positions are not certain any more."""
+    await call.run("M18")
+
+
+def _require_axis(call: Call, name: str, *, extruder: bool) -> None:
+    machine = call.bridge.machine
+    if name not in machine.axes and not (extruder and name == "e" and machine.extruders):
+        raise WebError.of("web.not-found", value=f"axis {name}")

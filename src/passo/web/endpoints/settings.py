@@ -1,0 +1,71 @@
+"""What commands can set, with where each value comes from."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from passo.errors import WebError
+from passo.gcode.command import numeral
+from passo.web.bridge import SettingValue
+from passo.web.call import Call
+from passo.web.operation import operation
+from passo.web.roles import Role
+
+
+class NewValue(Struct, forbid_unknown_fields=True):
+    """A value to set: `command` and `word` as `settings.list` names them."""
+
+    command: Annotated[str, Meta(max_length=100)]
+    word: Annotated[str, Meta(max_length=40)]
+    value: Annotated[float, Meta(ge=-1e9, le=1e9)]
+
+
+_ERRORS = ("command.value", "command.halted", "command.failed")
+
+
+@operation("settings.list", "GET", "/settings", Role.VIEWER)
+async def settings(call: Call) -> list[SettingValue]:
+    """All settings. `source` says where the value in force comes from: `file` (the machine file or
+    its defaults), `stored` (M500), or `command` (changed since)."""
+    return await call.bridge.settings()
+
+
+@operation("settings.set", "PUT", "/settings", Role.OPERATOR, errors=("web.not-found", *_ERRORS))
+async def set_value(call: Call, body: NewValue) -> None:
+    """Sets a value until the printer is restarted, or until `settings.store` stores it."""
+    known = {(setting.command, setting.word) for setting in await call.bridge.settings()}
+    if (body.command, body.word) not in known:
+        raise WebError.of("web.not-found", value=f"setting {body.command} {body.word}")
+    await call.run(f"{body.command} {body.word}{numeral(body.value)}")
+
+
+@operation(
+    "settings.store",
+    "POST",
+    "/settings/store",
+    Role.OPERATOR,
+    errors=("settings.nowhere", "settings.unwritable", *_ERRORS),
+)
+async def store(call: Call) -> None:
+    """Stores what differs from the machine file (M500), durably."""
+    await call.run("M500")
+
+
+@operation(
+    "settings.load",
+    "POST",
+    "/settings/load",
+    Role.OPERATOR,
+    errors=("settings.nowhere", "settings.none", "settings.unreadable", *_ERRORS),
+)
+async def load(call: Call) -> None:
+    """Goes back to the stored values (M501)."""
+    await call.run("M501")
+
+
+@operation("settings.reset", "POST", "/settings/reset", Role.OPERATOR, errors=_ERRORS)
+async def reset(call: Call) -> None:
+    """Goes back to the values of the machine file (M502); what is stored stays stored."""
+    await call.run("M502")
