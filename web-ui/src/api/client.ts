@@ -1,9 +1,9 @@
 /** Requests to the printer. Each throws a Refusal with the sentence of the server, or of the
  * connection. */
 
-import type { FaultStatus } from "./schema";
+import type { FaultStatus, Refusal as RefusalBody } from "./schema";
 
-const ROOT = "api/v1/";
+export const ROOT = "api/v1/";
 
 /** Why something was not done, for the user to read. */
 export class Refusal extends Error {
@@ -13,15 +13,6 @@ export class Refusal extends Error {
   ) {
     super(fault.text);
   }
-}
-
-interface RefusalBody {
-  error?: { code: string; part: string; message: string; action: string };
-}
-
-function isRefusal(body: unknown): body is Required<RefusalBody> {
-  if (typeof body !== "object" || body === null || !("error" in body)) return false;
-  return typeof body.error === "object" && body.error !== null && "message" in body.error;
 }
 
 /** The JSON that the printer answers, or undefined if it answers none. */
@@ -36,27 +27,30 @@ export async function call<Answer>(
     request.headers = { ...request.headers, "Content-Type": "application/json" };
   }
   let response: Response;
+  let text: string;
   try {
     response = await fetch(ROOT + path, request);
+    text = await response.text();
   } catch {
-    throw refused(0, "Passo does not answer", "Check that it is running");
+    throw readRefusal(0, "");
   }
-  const text = await response.text();
-  const answer: unknown = text && isJson(response) ? JSON.parse(text) : undefined;
-  if (response.ok) return answer as Answer;
-  if (isRefusal(answer)) {
-    const { code, part, message, action } = answer.error;
-    throw new Refusal(response.status, { code, part, text: message, action });
-  }
-  throw refused(response.status, `Passo answers with status ${response.status}`, "");
+  if (!response.ok) throw readRefusal(response.status, text);
+  return (text ? JSON.parse(text) : undefined) as Answer;
 }
 
-function isJson(response: Response): boolean {
-  return response.headers.get("content-type")?.startsWith("application/json") ?? false;
-}
-
-function refused(status: number, text: string, action: string): Refusal {
-  return new Refusal(status, { code: "", part: "", text, action });
+/** What the body of a refusal says; status 0 stands for no answer at all. */
+export function readRefusal(status: number, text: string): Refusal {
+  if (status === 0) {
+    const fault = { text: "Passo does not answer", action: "Check that it is running" };
+    return new Refusal(0, { code: "", part: "", ...fault });
+  }
+  try {
+    const { code, part, message, action } = (JSON.parse(text) as RefusalBody).error;
+    return new Refusal(status, { code, part, text: message, action });
+  } catch {
+    const fault = { text: `Passo answers with status ${status}`, action: "Look into its log" };
+    return new Refusal(status, { code: "", part: "", ...fault });
+  }
 }
 
 /** A name in a path. */

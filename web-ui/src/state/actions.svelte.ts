@@ -66,6 +66,7 @@ export const babystep = (distance_mm: number) => run(`M290 Z${distance_mm}`);
 export const setSpeedFactor = (factor: number) => run(`M220 S${Math.round(factor * 100)}`);
 export const setFlow = (factor: number) => run(`M221 S${Math.round(factor * 100)}`);
 
+export const startPrint = (path: string) => attempt(call("POST", "job", { path }));
 export const pausePrint = () => attempt(call("POST", "job/pause"));
 export const resumePrint = () => attempt(call("POST", "job/resume"));
 export const cancelPrint = () => attempt(call("POST", "job/cancel"));

@@ -1,0 +1,101 @@
+/** The files of the card: one folder of them, and what is known of each. */
+
+import { call } from "../api/client";
+import type { FileEntry, Folder, Metadata } from "../api/schema";
+import { attempt } from "./actions.svelte";
+
+const AGAIN_MS = 1500; // while a plan is being made
+const PROGRAM = /\.(gcode|g|gc|gco|nc|ngc|cnc|tap)$/i;
+
+export function isProgram(name: string): boolean {
+  return PROGRAM.test(name);
+}
+
+/** The path of a name in a folder. */
+export function within(folder: string, name: string): string {
+  return `${folder.replace(/\/$/, "")}/${name}`;
+}
+
+/** A name like this one that is not among the others: `part-2.gcode`. */
+export function freeName(name: string, others: readonly string[]): string {
+  const dot = name.lastIndexOf(".");
+  const [stem, end] = dot > 0 ? [name.slice(0, dot), name.slice(dot)] : [name, ""];
+  for (let number = 2; ; number++) {
+    const tried = `${stem}-${number}${end}`;
+    if (!others.includes(tried)) return tried;
+  }
+}
+
+/** The words of a query. */
+export function query(values: Record<string, string | number>): string {
+  return new URLSearchParams(Object.entries(values).map(([key, value]) => [key, String(value)])).toString();
+}
+
+class Files {
+  folder = $state("/");
+  entries = $state.raw<FileEntry[]>([]);
+  free_bytes = $state(0);
+  loaded = $state(false);
+  /** By path. */
+  metadata = $state<Record<string, Metadata>>({});
+  selected = $state<string>();
+  #loading = 0;
+
+  async open(folder: string): Promise<void> {
+    this.selected = undefined;
+    await this.load(folder);
+  }
+
+  async load(folder = this.folder): Promise<void> {
+    const mine = ++this.#loading;
+    const read = await call<Folder>("GET", `files?${query({ folder })}`);
+    if (mine !== this.#loading) return; // another folder was opened meanwhile
+    this.folder = read.path;
+    this.entries = read.entries;
+    this.free_bytes = read.free_bytes;
+    this.loaded = true;
+    void this.#learn(mine);
+  }
+
+  /** Finds out about the programs of the folder, one after the other, until all is known. */
+  async #learn(mine: number): Promise<void> {
+    let waiting = this.entries.filter((entry) => !entry.folder && isProgram(entry.name));
+    while (waiting.length) {
+      const pending: FileEntry[] = [];
+      for (const entry of waiting) {
+        if (mine !== this.#loading) return;
+        const found = await call<Metadata>("GET", `files/metadata?${query({ path: entry.path })}`).catch(
+          () => undefined, // it was removed meanwhile
+        );
+        if (!found) continue;
+        this.metadata[entry.path] = found;
+        if (found.state === "pending") pending.push(entry);
+      }
+      waiting = pending;
+      if (waiting.length) await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+    }
+  }
+
+  async remove(entry: FileEntry): Promise<void> {
+    const path = entry.folder ? "folders" : "files";
+    if (await attempt(call("DELETE", `${path}?${query({ path: entry.path })}`))) {
+      if (this.selected === entry.path) this.selected = undefined;
+      delete this.metadata[entry.path];
+      await this.load();
+    }
+  }
+
+  async rename(entry: FileEntry, name: string): Promise<void> {
+    const to = within(this.folder, name);
+    if (await attempt(call("POST", "files/rename", { path: entry.path, to }))) {
+      await this.load();
+      this.selected = to;
+    }
+  }
+
+  async makeFolder(name: string): Promise<void> {
+    if (await attempt(call("POST", "folders", { path: within(this.folder, name) }))) await this.load();
+  }
+}
+
+export const files = new Files();
