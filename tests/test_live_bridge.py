@@ -111,6 +111,19 @@ def test_a_print_is_started_paused_resumed_and_cancelled(tmp_path):
     bridged(test, tmp_path)
 
 
+def test_status_has_the_temperature_below_which_filament_stays(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        assert bridge.latest().status.min_extrude_c == 170
+        await bridge.run("M302 S180")
+        await asyncio.sleep(1)
+        assert bridge.latest().status.min_extrude_c == 180
+        await bridge.run("M302 P1")
+        await asyncio.sleep(1)
+        assert bridge.latest().status.min_extrude_c == 0
+
+    bridged(test, tmp_path)
+
+
 def test_an_emergency_stop_overtakes_all_and_restart_ends_it(tmp_path):
     async def test(bridge: LiveBridge, _):
         wait = asyncio.create_task(bridge.run("M109 S200"))

@@ -83,6 +83,12 @@ class ColdExtrusion:
         """The tool's hotend lets filament move."""
         return not self.hotends or self.melts(self.hotend(tool), heaters)
 
+    def min_c(self, tool: int) -> float:
+        """The temperature below which the tool's hotend moves no filament; 0 without such a
+        limit."""
+        name = heater_of(self._machine, "hotend", tool)
+        return 0.0 if name is None or self.allows(name) else self.cold_c
+
     def axes(self) -> list[tuple[int, str | None]]:
         """The axes that are extruders, with their hotends."""
         axes, first = self._machine.axes, next(iter(self.hotends), None)

@@ -196,7 +196,8 @@ class Status:
     of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of a
     print that is done, also of a host's that reports it (M73, M532); `job` is None while no file is
     printed; `ended` is the last print, until another file is selected; `started`: the boards have
-    started at least once; `macros` are the variables of the macros, by name.
+    started at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c`
+    the hotend of `tool` moves no filament; 0: it does at any temperature (M302).
     """
 
     state: PrinterState
@@ -222,6 +223,7 @@ class Status:
     ended: EndedJob | None = None
     started: bool = True
     macros: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
+    min_extrude_c: float = 0.0
 
 
 def planned_status(

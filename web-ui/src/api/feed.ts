@@ -29,6 +29,7 @@ export function openFeed(listener: FeedListener): () => void {
   function open(): void {
     const opened = new WebSocket(feedAddress(location.href));
     socket = opened;
+    opened.onopen = () => opened.send(JSON.stringify({ type: "listen", console: true }));
     opened.onmessage = (event: MessageEvent<string>) => {
       const message = JSON.parse(event.data) as FeedMessage;
       if (message.type === "status") {

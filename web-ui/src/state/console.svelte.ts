@@ -1,16 +1,18 @@
-/** The console: what was sent, what was answered, and the commands that can be completed. */
+/** The console: the lines of all consoles, and the commands that can be completed. */
 
 import { call, Refusal } from "../api/client";
-import type { Answer, Command } from "../api/schema";
+import type { Command, Line } from "../api/schema";
 import { printer } from "./printer.svelte";
 
 const KEPT = 500;
 
-export interface Line {
+export interface Shown {
   id: number;
-  /** `sent` by this page or another console, `answer` of the printer, or `error`. */
+  /** `sent` to the printer by this page or another console, its `answer`, or `error`. */
   kind: "sent" | "answer" | "error";
   text: string;
+  /** Who has sent it, where that is known. */
+  sender: string;
 }
 
 /** The commands whose code begins with what is typed, the shorter ones first. */
@@ -29,37 +31,55 @@ export function commandOf(commands: readonly Command[], typed: string): Command 
   return commands.find((command) => command.code === code);
 }
 
+/** What hosts exchange all the time: bare acknowledgements, and polls of temperatures. */
+export function isNoise(line: Shown): boolean {
+  if (line.kind === "sent") return /^(N\d+\s*)?M105\b/i.test(line.text);
+  return /^ok(\s+[NPB]\d+)*$/.test(line.text) || /^(ok\s+)?T\d*:\s*-?\d/.test(line.text);
+}
+
 class Console {
-  lines = $state<Line[]>([]);
+  lines = $state.raw<Shown[]>([]);
   commands = $state.raw<Command[]>([]);
   /** What this page has sent, oldest first. */
   sent: string[] = [];
   #next = 0;
 
   constructor() {
-    printer.onEvent((event) => {
-      if (event.kind === "Message") this.add("answer", String(event["text"]));
-    });
+    printer.onLine((line) => this.#add(line));
   }
 
-  add(kind: Line["kind"], text: string): void {
-    const lines = text.split("\n").map((part) => ({ id: this.#next++, kind, text: part }));
-    this.lines = [...this.lines, ...lines].slice(-KEPT);
+  #add(...lines: Line[]): void {
+    const shown = lines.map(({ received, text, ...line }) => ({
+      id: this.#next++,
+      kind: received ? ("sent" as const) : /^(Error:|!!)/.test(text) ? ("error" as const) : ("answer" as const),
+      text,
+      sender: "sender" in line ? String(line.sender) : "",
+    }));
+    this.lines = [...this.lines, ...shown].slice(-KEPT);
   }
 
-  async loadCommands(): Promise<void> {
-    this.commands = await call<Command[]>("GET", "console/commands");
+  /** Reads the commands and the last lines. */
+  async load(): Promise<void> {
+    const [commands, lines] = await Promise.all([
+      call<Command[]>("GET", "console/commands"),
+      call<Line[]>("GET", "console"),
+    ]);
+    this.commands = commands;
+    this.lines = [];
+    this.#add(...lines);
   }
 
+  /** Sends a line. Its answer comes as a line of the feed; a refusal is shown with what to do. */
   async send(text: string): Promise<void> {
     if (this.sent.at(-1) !== text) this.sent.push(text);
-    this.add("sent", text);
     try {
-      const { lines } = await call<Answer>("POST", "console", { script: text });
-      for (const line of lines) this.add("answer", line);
+      await call("POST", "console", { script: text });
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      this.add("error", error.fault.action ? `${error.message}. ${error.fault.action}.` : error.message);
+      const { text: what, action } = error.fault;
+      const whole = action ? `${what}. ${action}.` : what;
+      const shown = { id: this.#next++, kind: "error" as const, text: whole, sender: "" };
+      this.lines = [...this.lines, shown];
     }
   }
 }

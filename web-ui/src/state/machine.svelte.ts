@@ -11,8 +11,6 @@ class Machine {
   /** The fans that commands set. */
   fans = $state.raw<Parts["fans"]>([]);
   tools = $state.raw<Parts["tools"]>([]);
-  /** Below it the printer refuses to push filament. */
-  min_extrude_c = $state(170);
 
   async load(): Promise<void> {
     const read = await call<Parts>("GET", "machine");

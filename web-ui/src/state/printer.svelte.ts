@@ -2,10 +2,11 @@
 
 import { openFeed } from "../api/feed";
 import { merge } from "../api/merge";
-import type { FeedMessage, PrinterEvent } from "../api/messages";
+import type { FeedLine, FeedMessage, PrinterEvent } from "../api/messages";
 import type { Status } from "../api/schema";
 
 type EventListener = (event: PrinterEvent) => void;
+type LineListener = (line: FeedLine) => void;
 
 class Printer {
   /** Undefined until the first status has arrived. */
@@ -14,6 +15,7 @@ class Printer {
   /** When the last message arrived. */
   heard = $state(new Date());
   #listeners = new Set<EventListener>();
+  #lineListeners = new Set<LineListener>();
 
   /** Follows the printer until the function that it returns is called. */
   follow(): () => void {
@@ -33,12 +35,20 @@ class Printer {
       merge(this.status as unknown as Record<string, unknown>, message.changes);
     } else if (message.type === "event") {
       for (const listener of this.#listeners) listener(message.event);
+    } else if (message.type === "line") {
+      for (const listener of this.#lineListeners) listener(message.line);
     }
   }
 
   onEvent(listener: EventListener): () => void {
     this.#listeners.add(listener);
     return () => this.#listeners.delete(listener);
+  }
+
+  /** Each line that a console sends or is sent. */
+  onLine(listener: LineListener): () => void {
+    this.#lineListeners.add(listener);
+    return () => this.#lineListeners.delete(listener);
   }
 
   /** Nothing moves or heats until it is started again. */

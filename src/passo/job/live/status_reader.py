@@ -83,6 +83,7 @@ class StatusReader:
             ended=self._ended if self._runner.ended else None,
             started=printer.state.start_failure is None,
             macros=deepcopy(printer.rig.macros.variables),
+            min_extrude_c=printer.heat.cold.min_c(job.tool),
         )
 
     def _job_changed(self, was: JobState, state: JobState) -> None:

@@ -1,0 +1,36 @@
+import { expect, test } from "vitest";
+import { expectAccessible, launch, picture } from "./browser";
+import { Served } from "./served";
+
+const HEADERS = { "Content-Type": "application/json", "X-Passo-Request": "1" };
+
+test("with an account the page asks who it is, and forgets it after", async () => {
+  const served = new Served();
+  const [browser] = await Promise.all([launch(), served.start()]);
+  const made = await fetch(`${served.url}api/v1/session/administrator`, {
+    method: "POST",
+    headers: HEADERS,
+    body: JSON.stringify({ name: "ada", password: "a long password" }),
+  });
+  expect(made.status).toBe(200);
+
+  const page = await browser.newPage({ reducedMotion: "reduce" });
+  page.setDefaultTimeout(8000);
+  await page.goto(served.url);
+  await page.getByRole("heading", { name: "Log in" }).waitFor();
+  await expectAccessible(page);
+  await picture(page, "log-in-1280-light");
+  await page.getByLabel("Name").fill("ada");
+  await page.getByLabel("Password").fill("a wrong password");
+  await page.getByRole("button", { name: "Log in" }).click();
+  await page.getByRole("alert").locator(".text").waitFor();
+  expect(await page.getByLabel("Password").inputValue()).toBe("");
+  await page.getByLabel("Password").fill("a long password");
+  await page.getByLabel("Password").press("Enter");
+  await page.getByRole("heading", { name: "Temperatures" }).waitFor();
+  await page.getByRole("button", { name: "Log out ada" }).click();
+  await page.getByRole("heading", { name: "Log in" }).waitFor();
+
+  await browser.close();
+  await served.remove();
+});
