@@ -75,7 +75,7 @@ test("a print is started, watched, paused and cancelled", async () => {
   await page.getByRole("button", { name: "Print", exact: true }).click();
   const card = page.getByRole("region", { name: "Print" });
   await card.getByText(/Waiting for \w+/).waitFor();
-  await card.locator(".chip", { hasText: "Printing" }).waitFor({ timeout: 15_000 });
+  await card.locator(".chip", { hasText: "Printing" }).waitFor();
   await picture(page, "printing-1280-light");
   await page.setViewportSize({ width: 360, height: 740 });
   await picture(page, "printing-360-light");

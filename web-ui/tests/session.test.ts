@@ -15,7 +15,7 @@ test("with an account the page asks who it is, and forgets it after", async () =
   expect(made.status).toBe(200);
 
   const page = await browser.newPage({ reducedMotion: "reduce" });
-  page.setDefaultTimeout(8000);
+  page.setDefaultTimeout(15_000);
   await page.goto(served.url);
   await page.getByRole("heading", { name: "Log in" }).waitFor();
   await expectAccessible(page);
