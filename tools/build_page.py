@@ -22,7 +22,8 @@ SOURCES = ROOT / "web-ui"
 BUILT = ROOT / "src/passo/web/static"
 LOCK = ROOT / "requirements/web.lock"
 NODE_VERSION = (22, 12)  # at least: Vite 8 needs it
-COMPRESSIBLE = {".css", ".html", ".js", ".json", ".svg"}
+COMPRESSIBLE = {".css", ".html", ".js", ".json", ".svg", ".txt"}
+BUNDLED = ("svelte", "clsx", "esm-env", "uplot", "@fontsource-variable/inter")
 
 
 def main(arguments: list[str]) -> int:
@@ -43,6 +44,7 @@ def main(arguments: list[str]) -> int:
         shutil.rmtree(BUILT, ignore_errors=True)
         if status := run("vite/bin/vite.js", "build", "--logLevel", "error"):
             return status
+        _write_licenses()
         _compress()
         stamp.write_text(wanted)
         print(f"The page is built into {BUILT.relative_to(ROOT)}.")
@@ -102,6 +104,17 @@ def _install(npm: list[str], environment: dict[str, str], *, with_tests: bool) -
     command = [*npm, "ci", "--ignore-scripts", "--loglevel=error", *left_out]
     subprocess.run(command, cwd=SOURCES, env=environment, check=True)
     (every if with_tests else few).write_text(wanted)
+
+
+def _write_licenses() -> None:
+    """The licenses of what the page is made of, as they demand."""
+    texts: list[str] = []
+    for package in BUNDLED:
+        folder = SOURCES / "node_modules" / package
+        path = next(p for p in folder.iterdir() if p.name.lower().startswith("license"))
+        texts.append(f"{package}\n\n{path.read_text(encoding='utf-8').strip()}\n")
+    separator = f"\n{'-' * 79}\n\n"
+    (BUILT / "licenses.txt").write_text(separator.join(texts), encoding="utf-8")
 
 
 def _compress() -> None:

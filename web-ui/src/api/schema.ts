@@ -359,7 +359,8 @@ export interface SpeedFactor {
  * lower case; `message` is the text of M117; `progress` is the fraction of a print that is done,
  * also of a host's that reports it (M73, M532); `job` is None while no file is printed; `ended`
  * is the last print, until another file is selected; `started`: the boards have started at least
- * once; `macros` are the variables of the macros, by name. */
+ * once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the hotend of
+ * `tool` moves no filament; 0: it does at any temperature (M302). */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -384,6 +385,7 @@ export interface Status {
   ended?: EndedJob | null;
   started: boolean;
   macros: Record<string, Record<string, unknown>>;
+  min_extrude_c: number;
 }
 
 /** The status, and a number that counts up with each change of it. */

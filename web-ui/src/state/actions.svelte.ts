@@ -2,7 +2,6 @@
 
 import { call, Refusal, segment } from "../api/client";
 import type { FaultStatus } from "../api/schema";
-import { printer } from "./printer.svelte";
 
 class Notices {
   /** Refusals that the user has not closed yet, newest last. */
@@ -32,11 +31,7 @@ export async function attempt(action: Promise<unknown>): Promise<boolean> {
   }
 }
 
-function run(script: string): Promise<boolean> {
-  return attempt(call("POST", "console", { script }));
-}
-
-const JOG_MM_MIN: Record<string, number> = { z: 600 };
+const JOG_MM_S: Record<string, number> = { z: 10 }; // others 100
 
 export const stop = () => attempt(call("POST", "stop"));
 export const restart = () => attempt(call("POST", "restart"));
@@ -46,27 +41,26 @@ export const setHeater = (name: string, celsius: number) =>
 export const setFan = (name: string, speed: number) =>
   attempt(call("PUT", `fans/${segment(name)}/speed`, { speed }));
 
-export const home = (axes: readonly string[]) =>
-  run(["G28", ...axes.map((axis) => axis.toUpperCase())].join(" "));
-export const motorsOff = () => run("M18");
-export const selectTool = (number: number) => run(`T${number}`);
+export const home = (axes: readonly string[]) => attempt(call("POST", "motion/home", { axes }));
+export const motorsOff = () => attempt(call("POST", "motion/motors-off"));
 
-/** Moves an axis by so much, and leaves the program's mode as it was. */
-export function jog(axis: string, distance_mm: number): Promise<boolean> {
-  const back = printer.status?.motion.absolute === false ? "G91" : "G90";
-  return run(`G91\nG0 ${axis.toUpperCase()}${distance_mm} F${JOG_MM_MIN[axis] ?? 6000}\n${back}`);
+export const jog = (axis: string, distance_mm: number) => move(axis, distance_mm, JOG_MM_S[axis] ?? 100);
+export const extrude = (length_mm: number, speed_mm_s: number) => move("e", length_mm, speed_mm_s);
+export const selectTool = (number: number) => attempt(call("POST", "console", { script: `T${number}` }));
+
+function move(axis: string, distance_mm: number, speed_mm_s: number): Promise<boolean> {
+  return attempt(call("POST", "motion/jog", { distances_mm: { [axis]: distance_mm }, speed_mm_s }));
 }
 
-export function extrude(length_mm: number, speed_mm_s: number): Promise<boolean> {
-  const back = printer.status?.motion.absolute_e === false ? "M83" : "M82";
-  return run(`M83\nG1 E${length_mm} F${speed_mm_s * 60}\n${back}`);
-}
-
-export const babystep = (distance_mm: number) => run(`M290 Z${distance_mm}`);
-export const setSpeedFactor = (factor: number) => run(`M220 S${Math.round(factor * 100)}`);
-export const setFlow = (factor: number) => run(`M221 S${Math.round(factor * 100)}`);
+export const babystep = (axis: string, distance_mm: number) =>
+  attempt(call("POST", "tuning/babystep", { axis, distance_mm }));
+export const setSpeedFactor = (factor: number) => attempt(call("PUT", "tuning/speed", { factor }));
+export const setFlow = (tool: number, factor: number) =>
+  attempt(call("PUT", `tuning/flow/${tool}`, { factor }));
 
 export const startPrint = (path: string) => attempt(call("POST", "job", { path }));
 export const pausePrint = () => attempt(call("POST", "job/pause"));
 export const resumePrint = () => attempt(call("POST", "job/resume"));
 export const cancelPrint = () => attempt(call("POST", "job/cancel"));
+export const cancelObject = (number: number, cancelled: boolean) =>
+  attempt(call("PUT", `job/objects/${number}`, { cancelled }));
