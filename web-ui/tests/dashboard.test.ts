@@ -116,7 +116,7 @@ test("values turn grey with their age while Passo is away, and live again after"
 
 test("every control of the frame is reached by the keyboard", async () => {
   const reached: string[] = [];
-  for (let i = 0; i < 9; i++) {
+  for (let i = 0; i < 10; i++) {
     await page.keyboard.press("Tab");
     reached.push(
       await page.evaluate(() => {
@@ -134,6 +134,17 @@ test("the theme that is chosen stays", async () => {
   await page.getByRole("button", { name: "Dark theme" }).click();
   await page.reload();
   await page.getByRole("button", { name: "Light theme" }).waitFor();
+});
+
+test("the page speaks Italian, and stays so", async () => {
+  await page.getByRole("button", { name: "Italiano" }).click();
+  await page.getByRole("heading", { name: "Movimento" }).waitFor();
+  await page.reload();
+  await page.getByRole("heading", { name: "Movimento" }).waitFor();
+  expect(await page.locator("html").getAttribute("lang")).toBe("it");
+  await page.setViewportSize({ width: 360, height: 740 });
+  await expectFits(page);
+  await expectAccessible(page);
 });
 
 test.each<Theme>(["light", "dark"])("it fits every size, and is accessible when %s", async (theme) => {

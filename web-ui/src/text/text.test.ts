@@ -1,11 +1,21 @@
 import { expect, test } from "vitest";
-import { keyOf, t } from "./index";
+import en from "./en.json";
+import it from "./it.json";
+import { keyOf, t } from "./index.svelte";
 import { bytes, celsius, clockTime, duration, millimetres, percent } from "./units";
 
 test("values are put into a text", () => {
   expect(t("job.waits", { heater: "bed", now: 41, target: 60 })).toBe(
     "Waiting for bed: 41 of 60 °C",
   );
+});
+
+test("each language has each text, with the same values", () => {
+  const values = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
+  expect(Object.keys(it).sort()).toEqual(Object.keys(en).sort());
+  for (const [key, text] of Object.entries(it)) {
+    expect(values(text), key).toEqual(values(en[key as keyof typeof en]));
+  }
 });
 
 test("a name that has no text has no key", () => {
