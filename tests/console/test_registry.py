@@ -58,7 +58,14 @@ def test_planned_handlers_of_immediate_commands_are_for_programs(printer):
 
 
 def test_commands_that_wait_in_a_file_stop_the_machine():
-    assert [r.code for r in table().values() if r.in_turn] == ["M25", "M112", "M410", "M524", "CANCEL_PRINT", "PAUSE"]
+    assert [r.code for r in table().values() if r.in_turn] == [
+        "M25",
+        "M112",
+        "M410",
+        "M524",
+        "CANCEL_PRINT",
+        "PAUSE",
+    ]
 
 
 def test_halted_printer_refuses_what_changes_plan_or_heat(printer):
