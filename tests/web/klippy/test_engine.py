@@ -9,7 +9,7 @@ from tests.web.klippy.client import Served
 
 from passo.errors import CommandError, MachineError
 from passo.events import Message
-from passo.printer.status import FaultStatus, PrinterState
+from passo.printer.status import EndedJob, FaultStatus, JobStatus, PrinterState
 
 HALTED = replace(
     STATUS,
@@ -119,6 +119,20 @@ def test_clients_hear_changes_by_their_own_templates():
     run(test)
 
 
+def test_print_that_is_over_at_once_is_told_as_one():
+    async def test(served):
+        client = served.client()
+        await client.ask("objects/subscribe", objects={"print_stats": ["state"]})
+        job = JobStatus("a.gcode", 0.5, 1, 1, None, 1.0, None, path="/a.gcode")
+        printing = replace(STATUS, state=PrinterState.PRINTING, job=job)
+        served.bridge.show(printing)
+        served.bridge.show(replace(STATUS, ended=EndedJob("done", "", job)))
+        states = [p["params"]["status"]["print_stats"]["state"] for p in client.pushed]
+        assert states == ["printing", "complete"]
+
+    run(test)
+
+
 def test_script_is_answered_when_it_is_done_and_heard_by_all():
     async def test(served):
         client, other = served.client(), served.client()
@@ -174,8 +188,8 @@ def test_halted_printer_is_shut_down_and_says_why():
         await client.ask("objects/subscribe", objects={"webhooks": None})
         served.bridge.show(HALTED)
         served.engine.tell_changes()
-        assert client.pushed[0]["params"]["response"] == "// Klipper state: Shutdown"
-        webhooks = client.pushed[1]["params"]["status"]["webhooks"]
+        webhooks = client.pushed[0]["params"]["status"]["webhooks"]
+        assert client.pushed[1]["params"]["response"] == "// Klipper state: Shutdown"
         assert webhooks["state"] == "shutdown"
         assert webhooks["state_message"].startswith("Emergency stop\nSend M999 [machine.emergency")
         commands = await client.ask("objects/query", objects={"gcode": ["commands"]})

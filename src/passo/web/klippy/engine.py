@@ -21,6 +21,7 @@ from passo.web.klippy.subscriptions import Subscription, picked
 
 if TYPE_CHECKING:
     from passo.events import Event
+    from passo.printer.status import PrinterState
     from passo.web.bridge import Bridge, Snapshot
 
 _Result = Mapping[str, Any]
@@ -48,6 +49,7 @@ class Engine:
         self._scripts = Scripts(bridge, self._broadcast)
         self._state: str = webhooks(bridge.latest().status)["state"]
         self._has_failed = self._state in _FAILED
+        self._does: tuple[PrinterState, bool] | None = None  # and without a print
         self.connections: list[Connection] = []
         self._methods: dict[str, _Method] = {
             "info": self._info,
@@ -71,8 +73,13 @@ class Engine:
     # -- what happens -----------------------------------------------------------------------------
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """As `Listener.on_snapshot`."""
-        state = webhooks(snapshot.status)["state"]
+        """As `Listener.on_snapshot`. A state that lasts for less than the time between two messages
+        is told nevertheless: clients count prints by it."""
+        status = snapshot.status
+        does, self._does = self._does, (status.state, status.job is None)
+        if self._does != does:
+            self.tell_changes(snapshot)
+        state = webhooks(status)["state"]
         if state == self._state:
             return
         self._state = state
@@ -86,9 +93,10 @@ class Engine:
         if isinstance(event, Message):
             self._scripts.hear(event.text)
 
-    def tell_changes(self) -> None:
-        """Sends to each client what has changed of the objects that it wants to know of."""
-        lookup, event_s = self._objects.lookup(), self._now_s()
+    def tell_changes(self, snapshot: Snapshot | None = None) -> None:
+        """Sends to each client what has changed of the objects that it wants to know of, in this
+        snapshot or by now."""
+        lookup, event_s = self._objects.lookup(snapshot), self._now_s()
         for client in list(self.connections):
             client.tell_changes(lookup, event_s)
 

@@ -11,7 +11,7 @@ from passo.printer.klipper.machine import webhooks
 from passo.printer.klipper.objects import Object, objects
 
 if TYPE_CHECKING:
-    from passo.web.bridge import Bridge
+    from passo.web.bridge import Bridge, Snapshot
     from passo.web.klippy.subscriptions import Lookup
 
 _HALTED = (When.IMMEDIATE, When.AHEAD)  # what a halted printer still answers
@@ -31,9 +31,10 @@ class PrinterObjects:
         status = self._bridge.latest().status
         return [*objects(self._bridge.machine, status, status.macros), *self._of_socket()]
 
-    def lookup(self) -> Lookup:
-        """Finds an object of the printer as it is now; empty where it has none of that name."""
-        status = self._bridge.latest().status
+    def lookup(self, snapshot: Snapshot | None = None) -> Lookup:
+        """Finds an object of the printer as it was then, or is now; empty where it has none of
+        that name."""
+        status = (snapshot or self._bridge.latest()).status
         found = objects(self._bridge.machine, status, status.macros) | self._of_socket()
         made: dict[str, Object] = {}
 

@@ -6,6 +6,8 @@ from __future__ import annotations
 def shown(text: str) -> str:
     """A line that a console would receive. Answers as those of M105 and M114 stay as they are, and
     lines that have a prefix."""
+    if text.startswith("echo: "):
+        return text  # as Klipper's own
     for ours, prefix in (("echo:", "// "), ("Error:", "!! ")):
         if text.startswith(ours):
             return prefix + text.removeprefix(ours).strip()
