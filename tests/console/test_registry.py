@@ -54,7 +54,7 @@ def test_every_immediate_command_has_a_handler(printer):
 def test_planned_handlers_of_immediate_commands_are_for_programs(printer):
     """In a program, or after another command of a line, these act in their place."""
     planned = {code for code in printer.dispatch.planned if code in printer.dispatch.immediate}
-    assert planned == {"M112", "M145", "M220", "M221", "M290", "M410"}
+    assert planned == {"M112", "M145", "M220", "M221", "M290", "M410", "SET_GCODE_OFFSET"}
 
 
 def test_commands_that_wait_in_a_file_stop_the_machine():
@@ -70,7 +70,7 @@ def test_commands_that_wait_in_a_file_stop_the_machine():
 
 def test_halted_printer_refuses_what_changes_plan_or_heat(printer):
     refused = {r.code for r in table().values() if not r.while_halted}
-    assert refused == {"M220", "M221", "M290", "M922"}
+    assert refused == {"M220", "M221", "M290", "M922", "SET_GCODE_OFFSET"}
     assert not any(printer.dispatch.answers_halted(code) for code in (*refused, "M104", "G1"))
     assert all(printer.dispatch.answers_halted(code) for code in ("M105", "M999", "M115"))
 

@@ -6,18 +6,20 @@ import re
 from collections.abc import Callable
 
 from passo.console.session import Session
+from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.registry import Kind, Subject, When, command
+from passo.gcode.registry import Kind, Subject, When, command, table
 from passo.printer.commands.ranges import beyond
 from passo.printer.commands.reports import Reports
 from passo.printer.printer import Printer
 from passo.printer.wait_requests import Reply, Wait
 
+_PREFIXES = {"echo": "echo:", "error": "!!", "command": "//"}  # of RESPOND
 _OPTION = re.compile(r"([AEPaep])(\d)(?:\s+|\Z)")  # of M118; P, the port, has no meaning here
 
 
 class ConsoleCommands:
-    """M110, M113, M118, M154, M155, M932, M933: they need the session that sends them."""
+    """M110, M113, M118, M154, M155, M932, M933, and Klipper's RESPOND, STATUS and HELP."""
 
     def __init__(self, printer: Printer, reports: Reports) -> None:
         self._printer, self._reports = printer, reports
@@ -97,6 +99,63 @@ class ConsoleCommands:
         prefix = ("echo:" if "E" in marks else "") + ("// " if "A" in marks else "")
         self._printer.tell(prefix + text)
         return None
+
+    @command(
+        "ECHO",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "text",
+        "Sends a line to all consoles.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _echo(self, command: Command, _: Reply) -> None:
+        self._printer.tell(f"echo: {command.text.strip()}")
+
+    @command(
+        "RESPOND",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "TYPE PREFIX MSG",
+        "Sends a line to all consoles: TYPE is echo, error or command.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _respond(self, command: Command, _: Reply) -> None:
+        """Raises CommandError for a type that does not exist."""
+        words = command.pairs()
+        kind = words.get("TYPE", "echo").lower()
+        prefix = words.get("PREFIX", _PREFIXES.get(kind))
+        if prefix is None:
+            limit = ", ".join(_PREFIXES)
+            raise CommandError.of("command.value", axis="TYPE", value=kind, limit=limit)
+        self._printer.tell(f"{prefix} {words.get('MSG', '')}")
+
+    @command(
+        "STATUS",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "",
+        "Reports whether the printer runs.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _status(self, _: Command, reply: Reply) -> None:
+        halted = self._printer.halted
+        reply.say(f"echo:The printer is halted: {halted}" if halted else "echo:The printer runs")
+
+    @command(
+        "HELP",
+        Subject.CONSOLES,
+        When.IMMEDIATE,
+        "",
+        "Lists all commands.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _help(self, _: Command, reply: Reply) -> None:
+        for code, row in table().items():
+            reply.say(f"echo:{code}: {row.text}")
 
     @command(
         "M154",

@@ -32,7 +32,8 @@ _declare(
     ),
     ("M900", "Passo has no linear advance yet."),
     ("M907", "M906 and the machine file set motor currents."),
-    ("SET_PRINT_STATS_INFO", "Passo has no display yet."),
+    ("SET_PRINT_STATS_INFO", "Layers are counted from the file itself."),
+    ("CLEAR_PAUSE", "A pause is over when its print is."),
 )
 _declare(
     Kind.NOT_BUILT,

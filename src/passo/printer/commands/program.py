@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Self, cast
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Role, commands_of, row_of
+from passo.printer.commands.klipper_commands import KlipperCommands
 from passo.printer.commands.limits import Limits
 from passo.printer.commands.outputs import Outputs
 from passo.printer.commands.plan import Plan, PlanAhead
@@ -33,6 +34,7 @@ _PARTS = {
     "outputs": Outputs,
     "limits": Limits,
     "factors": SpeedAndFlow,
+    "klipper": KlipperCommands,
     "macros": Macros,
 }
 _METHODS: dict[Role, dict[str, tuple[str, str]]] = {role: {} for role in Role}
@@ -86,6 +88,7 @@ class Commands:
         self.set_points = SetPoints(machine, job, heat)
         self.limits = Limits(machine, job, plan)
         self.factors = SpeedAndFlow(machine, job, plan)
+        self.klipper = KlipperCommands(machine, job)
         self.skips = ALL  # what a print without consoles may leave out
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:

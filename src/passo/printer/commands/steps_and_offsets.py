@@ -13,6 +13,7 @@ from passo.geometry.base import Unreachable
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
 from passo.printer.commands.extruder_words import extruder_of, with_extruders
+from passo.printer.commands.klipper_commands import babystep_line, offset_steps
 from passo.printer.commands.program_flow import babysteps
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
@@ -293,7 +294,21 @@ class MotionCommands:
             self.offsets.babysteps_mm["xyz"[axis]] += mm
         return None
 
-    @in_program("M290")
+    @command(
+        "SET_GCODE_OFFSET",
+        Subject.POSITIONS,
+        When.IMMEDIATE,
+        "X Y Z X_ADJUST Y_ADJUST Z_ADJUST (mm)",
+        "Shifts all moves that are not done yet, as M290: X, Y and Z to this offset, the others by"
+        " so much. MOVE has no meaning: the shift is a motion of its own.",
+        bare=None,
+        while_halted=False,
+    )
+    def _offset(self, command: Command, reply: Reply) -> Wait | None:
+        line = babystep_line(offset_steps(command, self.offsets.babysteps_mm))
+        return self._babystep(Command(command.line, "M", 290, 0, "", line[5:]), reply)
+
+    @in_program("M290", "SET_GCODE_OFFSET")
     def _babystep_in_place(self, command: Command, reply: Reply) -> Wait | None:
         return self._rig.commands.run(command, reply)
 

@@ -56,10 +56,16 @@ def gcode_move(status: Status) -> Object:
         "speed": motion.feedrate_mm_s,
         "absolute_coordinates": motion.absolute,
         "absolute_extrude": motion.absolute_e,
-        "homing_origin": Coord(at.x - zero.x, at.y - zero.y, at.z - zero.z, 0.0),
+        "homing_origin": Coord(
+            _babystep(status, "x"), _babystep(status, "y"), _babystep(status, "z"), 0.0
+        ),
         "position": at,
         "gcode_position": zero,
     }
+
+
+def _babystep(status: Status, name: str) -> float:
+    return status.axes[name].babystep_mm if name in status.axes else 0.0
 
 
 def motion_report(machine: MachineConfig, status: Status) -> Object:

@@ -1,0 +1,291 @@
+"""Commands of Klipper that mean commands with numbers: each becomes lines, which are read next, as
+those of a macro are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import isfinite, nan
+from typing import TYPE_CHECKING
+
+from passo.config.heater_numbers import number_of
+from passo.errors import CommandError
+from passo.gcode.command import Command, numeral
+from passo.gcode.registry import Subject, When, command, in_program
+from passo.printer.klipper.names import extruder_object, fan_object, heater_object
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.printer.wait_requests import Reply
+
+_Words = Mapping[str, str]
+_DEFAULT = "default"  # name of a saved state that has none
+_SETS = {"hotend": "M104 T{}", "bed": "M140 P{}", "chamber": "M141 P{}"}
+_FULL_FAN = 255
+_TUNED = "a heater that H of M303 means"
+
+
+@dataclass(frozen=True, slots=True)
+class _Saved:
+    """What RESTORE_GCODE_STATE brings back: commands that say how lines are read, without that of
+    the tool; factors; where the program was, mm."""
+
+    modes: tuple[str, ...]
+    speed_factor: float
+    flows: tuple[float, ...]
+    program_mm: tuple[float, float, float]
+    filament_mm: float
+
+
+class KlipperCommands:
+    """Those of one job."""
+
+    def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
+        self._machine, self._job = machine, job
+        self._saved: dict[str, _Saved] = {}
+        self._offset_mm = dict.fromkeys("xyz", 0.0)  # as the program itself has set it
+
+    def _become(self, lines: Iterable[str]) -> None:
+        self._job.insert("".join(f"{line}\n" for line in lines).encode())
+
+    # -- how lines are read -----------------------------------------------------------------------
+
+    @command(
+        "SAVE_GCODE_STATE",
+        Subject.MACROS,
+        When.PLANNED,
+        "NAME",
+        "Saves modes, units, feedrate, factors and position, for RESTORE_GCODE_STATE.",
+        bare=None,
+    )
+    def _save(self, command: Command, _: Reply) -> None:
+        job = self._job
+        at = job.program_position
+        self._saved[command.pairs().get("NAME", _DEFAULT)] = _Saved(
+            modes=tuple(mode for mode in job.modes.split("\n") if not mode.startswith("T")),
+            speed_factor=job.speed_factor,
+            flows=tuple(job.flows),
+            program_mm=(at[0], at[1], at[2]),
+            filament_mm=at[-1],
+        )
+
+    @command(
+        "RESTORE_GCODE_STATE",
+        Subject.MACROS,
+        When.PLANNED,
+        "NAME MOVE MOVE_SPEED(mm/s)",
+        "Restores what SAVE_GCODE_STATE has saved, but not tool, babysteps and the zero of X, Y and"
+        " Z. With MOVE=1 it returns to the position.",
+        bare=None,
+    )
+    def _restore(self, command: Command, _: Reply) -> None:
+        words, job = command.pairs(), self._job
+        name = words.get("NAME", _DEFAULT)
+        saved = self._saved.get(name)
+        if saved is None:
+            limit = ", ".join(self._saved) or "a name that SAVE_GCODE_STATE has given"
+            raise CommandError.of("command.value", axis="NAME", value=name, limit=limit)
+        lines = ["G21"]
+        if job.program_position[-1] != saved.filament_mm and self._machine.extruders:
+            lines.append(f"G92 E{numeral(saved.filament_mm)}")
+        if job.speed_factor != saved.speed_factor:
+            lines.append(f"M220 S{numeral(100 * saved.speed_factor)}")
+        for tool, part in enumerate(self._machine.all_tools):
+            index = list(self._machine.extruders).index(part.extruder) if part.extruder else None
+            if index is not None and job.flows[index] != saved.flows[index]:
+                lines.append(f"M221 T{tool} S{numeral(100 * saved.flows[index])}")
+        if _number(words, "MOVE", 0.0):
+            at = zip("XYZ", saved.program_mm, strict=True)
+            place = " ".join(f"{letter}{numeral(mm)}" for letter, mm in at)
+            speed = _lettered(words, {"F": ("MOVE_SPEED", 60)})
+            lines += ["G90", f"G1 {place}{speed}"]
+        self._become([*lines, *saved.modes])
+
+    @in_program("SET_GCODE_OFFSET")
+    def _shift(self, command: Command, _: Reply) -> None:
+        steps = offset_steps(command, self._offset_mm)
+        for name, mm in steps.items():
+            self._offset_mm[name] += mm
+        if line := babystep_line(steps):
+            self._become([line])
+
+    # -- heaters, fans, tools ---------------------------------------------------------------------
+
+    @command(
+        "SET_HEATER_TEMPERATURE",
+        Subject.HEATERS,
+        When.PLANNED,
+        "HEATER TARGET(°C)",
+        "Sets the temperature of a heater by its name. Without TARGET it switches the heater off.",
+        bare=None,
+    )
+    def _heat(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        target = numeral(_number(words, "TARGET", 0.0))
+        self._become([f"{self._setting(self._heater(words))} S{target}"])
+
+    @command(
+        "TURN_OFF_HEATERS",
+        Subject.HEATERS,
+        When.PLANNED,
+        "",
+        "Switches all heaters off.",
+        bare=None,
+    )
+    def _all_off(self, _: Command, __: Reply) -> None:
+        self._become(f"{self._setting(name)} S0" for name in self._machine.heaters)
+
+    @command(
+        "PID_CALIBRATE",
+        Subject.HEATERS,
+        When.PLANNED,
+        "HEATER TARGET(°C)",
+        "Tunes a heater by its name, as M303 with U1.",
+        bare=None,
+    )
+    def _tune(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        name = self._heater(words)
+        number = number_of(self._machine, name)
+        if number is None:
+            raise CommandError.of("command.value", axis="HEATER", value=name, limit=_TUNED)
+        self._become([f"M303 H{number} S{numeral(_number(words, 'TARGET'))} U1"])
+
+    def _heater(self, words: _Words) -> str:
+        """The heater of this name."""
+        named = {heater_object(self._machine, name): name for name in self._machine.heaters}
+        named = {name.removeprefix("heater_generic "): own for name, own in named.items()}
+        return _one_of(words, "HEATER", named)
+
+    def _setting(self, name: str) -> str:
+        """The command, with its number, that sets a heater."""
+        kind = self._machine.heaters[name].kind
+        if kind == "hotend":
+            number = number_of(self._machine, name) or 0
+        else:
+            same = [n for n, heater in self._machine.heaters.items() if heater.kind == kind]
+            number = same.index(name)
+        return _SETS[kind].format(number)
+
+    @command(
+        "SET_FAN_SPEED",
+        Subject.OUTPUTS,
+        When.PLANNED,
+        "FAN SPEED(0-1)",
+        "Sets the speed of a fan by its name, as M106.",
+        bare=None,
+    )
+    def _fan(self, command: Command, _: Reply) -> None:
+        words, fans = command.pairs(), self._machine.fans
+        named = {
+            fan_object(self._machine, name).removeprefix("fan_generic "): name
+            for name, fan in fans.items()
+            if fan.commanded
+        }
+        number = fans[_one_of(words, "FAN", named)].number
+        self._become([f"M106 P{number} S{numeral(_FULL_FAN * _number(words, 'SPEED', 0.0))}"])
+
+    @command(
+        "ACTIVATE_EXTRUDER",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "EXTRUDER",
+        "Selects the tool of an extruder by its name: extruder is T0, extruder1 is T1.",
+        bare=None,
+    )
+    def _tool(self, command: Command, _: Reply) -> None:
+        tools = range(len(self._machine.all_tools))
+        named = {extruder_object(number): str(number) for number in tools}
+        self._become([f"T{_one_of(command.pairs(), 'EXTRUDER', named)}"])
+
+    @command(
+        "SET_RETRACTION",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "RETRACT_LENGTH RETRACT_SPEED UNRETRACT_EXTRA_LENGTH UNRETRACT_SPEED",
+        "Sets how G10 and G11 retract, as M207 and M208; speeds in mm/s.",
+        bare=None,
+    )
+    def _retraction(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        into = _lettered(words, {"S": ("RETRACT_LENGTH", 1), "F": ("RETRACT_SPEED", 60)})
+        out = _lettered(words, {"S": ("UNRETRACT_EXTRA_LENGTH", 1), "F": ("UNRETRACT_SPEED", 60)})
+        self._become([*([f"M207{into}"] if into else []), *([f"M208{out}"] if out else [])])
+
+    # -- reports and settings ---------------------------------------------------------------------
+
+    @command(
+        "QUERY_ENDSTOPS",
+        Subject.MOTORS,
+        When.PLANNED,
+        "",
+        "Reports which endstops are triggered, as M119.",
+        bare=None,
+    )
+    def _endstops(self, _: Command, __: Reply) -> None:
+        self._become(["M119"])
+
+    @command(
+        "SAVE_CONFIG",
+        Subject.SETTINGS,
+        When.PLANNED,
+        "",
+        "Stores the settings, as M500.",
+        bare=None,
+    )
+    def _store(self, _: Command, __: Reply) -> None:
+        self._become(["M500"])
+
+
+def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, float]:
+    """SET_GCODE_OFFSET: by how much each of X, Y and Z is shifted, mm, where `done_mm` are shifts
+    so far, by axis. Raises CommandError."""
+    words = command.pairs()
+    found: dict[str, float] = {}
+    for name in "xyz":
+        by = _number(words, f"{name.upper()}_ADJUST", 0.0)
+        if name.upper() in words:
+            by = _number(words, name.upper()) - done_mm[name]
+        found[name] = by
+    return found
+
+
+def babystep_line(steps_mm: Mapping[str, float]) -> str:
+    """M290 with these steps, by axis; empty without any."""
+    words = [f"{name.upper()}{numeral(mm)}" for name, mm in steps_mm.items() if mm]
+    return f"M290 {' '.join(words)}" if words else ""
+
+
+def _number(words: _Words, key: str, default: float | None = None) -> float:
+    """A number of a command. Raises CommandError."""
+    if key not in words:
+        if default is None:
+            raise CommandError.of("input.missing-word", axis="the command", value=f"{key}=")
+        return default
+    try:
+        value = float(words[key])
+    except ValueError:
+        value = nan
+    if not isfinite(value):
+        raise CommandError.of("command.value", axis=key, value=words[key], limit="a number")
+    return value
+
+
+def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
+    """What a name means. Raises CommandError."""
+    name = words.get(key, "")
+    if name not in named:
+        limit = ", ".join(named) or "none on this machine"
+        raise CommandError.of("command.value", axis=key, value=name or "missing", limit=limit)
+    return named[name]
+
+
+def _lettered(words: _Words, letters: Mapping[str, tuple[str, float]]) -> str:
+    """Words of a command with numbers, out of keys and their factors."""
+    found = [
+        f" {letter}{numeral(factor * _number(words, key))}"
+        for letter, (key, factor) in letters.items()
+        if key in words
+    ]
+    return "".join(found)

@@ -1,0 +1,103 @@
+"""Klipper's commands on consoles and in files, as clients and slicers send them."""
+
+import pytest
+from tests.support.scenario import Scenario
+
+import passo
+
+
+def send(s, *lines):
+    for line in lines:
+        s.host.ok(line)
+
+
+def position(s):
+    return s.host.ok("M114")[0].split(" Count")[0]
+
+
+def test_jog_of_a_page_leaves_modes_and_feedrate_as_they_were():
+    with Scenario("i3") as s:
+        send(s, "G28", "G90", "G1 X50 Y50 Z10 F3000")
+        for line in ("SAVE_GCODE_STATE NAME=_ui_movement", "G91", "G1 X+10 F6000"):
+            s.host.ok(line)
+        send(s, "RESTORE_GCODE_STATE NAME=_ui_movement", "G1 Y60")
+        assert s.printer.job.modal == (True, True, 50.0)
+        assert position(s).startswith("X:60.000 Y:60.000 Z:10.000")
+
+
+def test_restored_state_counts_filament_and_factors_from_where_it_was():
+    with Scenario("i3") as s:
+        send(s, "G28", "M302 S0", "M82", "G1 E5 F300", "M220 S80", "SAVE_GCODE_STATE")
+        send(s, "M83", "G1 E7", "M220 S150", "M221 S50", "G1 Z5", "RESTORE_GCODE_STATE")
+        assert "E:5.0000" in position(s)
+        assert (s.printer.job.speed_factor, s.printer.job.flows) == (0.8, [1.0])
+        s.host.ok("G1 E6")  # absolute again: 1 mm
+        assert "E:6.0000" in position(s)
+
+
+def test_restore_with_move_returns_to_the_saved_place():
+    with Scenario("i3") as s:
+        send(s, "G28", "G1 X20 Y30 Z10 F3000", "SAVE_GCODE_STATE NAME=a", "G91", "G1 X5 Y5 Z5")
+        s.host.ok("RESTORE_GCODE_STATE NAME=a MOVE=1 MOVE_SPEED=50")
+        assert position(s).startswith("X:20.000 Y:30.000 Z:10.000")
+
+
+def test_babysteps_survive_a_restored_state():
+    with Scenario("i3") as s:
+        send(s, "G28", "G1 Z10 F600", "SAVE_GCODE_STATE NAME=a", "SET_GCODE_OFFSET Z_ADJUST=0.05")
+        send(s, "SET_GCODE_OFFSET Z_ADJUST=0.05 MOVE=1", "RESTORE_GCODE_STATE NAME=a")
+        assert s.printer.offsets.babysteps_mm["z"] == pytest.approx(0.1)
+        s.host.ok("SET_GCODE_OFFSET Z=0.02")
+        assert s.printer.offsets.babysteps_mm["z"] == pytest.approx(0.02)
+        assert s.printer.job.machine_position[2] == pytest.approx(10.02)
+
+
+def test_heaters_and_fans_are_set_by_klippers_names():
+    with Scenario("i3") as s:
+        s.host.ok('SET_HEATER_TEMPERATURE HEATER="extruder" TARGET=200')
+        s.host.ok("set_heater_temperature heater='heater_bed' target=50")
+        send(s, "SET_FAN_SPEED FAN=fan SPEED=0.5", "M400")
+        heaters = s.printer.connection.heaters
+        assert {name: heater.target for name, heater in heaters.items()} == {
+            "hotend": 200.0,
+            "bed": 50.0,
+        }
+        assert s.printer.commands.outputs.fans == {"part": 0.5}
+        send(s, "TURN_OFF_HEATERS", "M400")
+        assert [heater.target for heater in heaters.values()] == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("SET_HEATER_TEMPERATURE HEATER=oven TARGET=1", "HEATER is oven: expected extruder, heat"),
+        ("SET_HEATER_TEMPERATURE TARGET=1", "HEATER is missing"),
+        ("SET_HEATER_TEMPERATURE HEATER=extruder TARGET=hot", "TARGET is hot: expected a number"),
+        ("SET_FAN_SPEED FAN=case SPEED=1", "FAN is case: expected fan"),
+        ("RESTORE_GCODE_STATE NAME=b", "NAME is b: expected a name that SAVE_GCODE_STATE"),
+        ("PID_CALIBRATE HEATER=extruder", "needs TARGET="),
+        ("RESPOND TYPE=shout MSG=a", "TYPE is shout: expected echo, error, command"),
+    ],
+)
+def test_what_is_wrong_with_a_parameter_is_named(line, reason):
+    with Scenario("i3") as s:
+        assert any(reason in text for text in s.host.ok(line))
+
+
+def test_lines_for_pages_have_klippers_prefixes():
+    with Scenario("i3") as s:
+        assert "// action:prompt_end" in s.host.ok('RESPOND TYPE=command MSG="action:prompt_end"')
+        assert "echo: a b" in s.host.ok('RESPOND MSG="a b"')
+        assert "echo: a b" in s.host.ok("ECHO a b")
+
+
+def test_files_may_use_klippers_commands_without_a_console(tmp_path):
+    lines = [
+        *("SET_HEATER_TEMPERATURE HEATER=extruder TARGET=200", "G28", "G90", "G1 X10 Y10 Z5 F6000"),
+        *("SAVE_GCODE_STATE NAME=a", "G91", "G1 X10", "RESTORE_GCODE_STATE NAME=a", "G1 Y20"),
+        *("SET_GCODE_OFFSET Z=0.1", "SET_GCODE_OFFSET Z=0.1", "TURN_OFF_HEATERS"),
+    ]
+    file = tmp_path / "a.gcode"
+    file.write_text("\n".join(lines) + "\n")
+    result = passo.Machine.load("i3").print(str(file))
+    assert not result.warnings
