@@ -2,21 +2,18 @@ import { expect, test } from "vitest";
 import { expectAccessible, launch, picture } from "./browser";
 import { Served } from "./served";
 
-const HEADERS = { "Content-Type": "application/json", "X-Passo-Request": "1" };
-
-test("with an account the page asks who it is, and forgets it after", async () => {
+test("the first account is made, and the page asks for it from then on", async () => {
   const served = new Served();
   const [browser] = await Promise.all([launch(), served.start()]);
-  const made = await fetch(`${served.url}api/v1/session/administrator`, {
-    method: "POST",
-    headers: HEADERS,
-    body: JSON.stringify({ name: "ada", password: "a long password" }),
-  });
-  expect(made.status).toBe(200);
-
   const page = await browser.newPage({ reducedMotion: "reduce" });
   page.setDefaultTimeout(15_000);
   await page.goto(served.url);
+  await page.getByRole("button", { name: "Create the administrator" }).click();
+  await expectAccessible(page);
+  await page.getByLabel("Name").fill("ada");
+  await page.getByLabel("Password").fill("a long password");
+  await page.getByRole("button", { name: "Create the account" }).click();
+  await page.getByRole("button", { name: "Log out ada" }).click();
   await page.getByRole("heading", { name: "Log in" }).waitFor();
   await expectAccessible(page);
   await picture(page, "log-in-1280-light");

@@ -9,6 +9,9 @@ class Session {
   /** Why the last attempt to log in has failed. */
   fault = $state.raw<FaultStatus>();
 
+  /** The user wants to create the administrator. */
+  settingUp = $state(false);
+
   /** The printer may be seen. */
   get open(): boolean {
     return this.identity !== undefined && this.identity.role !== "public";
@@ -40,6 +43,7 @@ class Session {
     try {
       this.identity = await call<Identity>("POST", path, body);
       this.fault = undefined;
+      this.settingUp = false;
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       this.fault = error.fault;
