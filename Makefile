@@ -77,6 +77,7 @@ format: .venv/.dev
 bench: .venv/.built .venv/.dev
 	$(BIN)/python bench/run.py
 	$(BIN)/python bench/console.py
+	$(BIN)/python bench/web.py
 	$(BIN)/python bench/heat.py
 
 corpus: .venv/.built

@@ -96,14 +96,15 @@ class AxisStatus:
 class MotionStatus:
     """How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
     filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
-    `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path. `absolute`,
-    `absolute_e` and `feedrate_mm_s` are those that the next move of the program has, and it begins
-    at `end_mm` of the machine, X, Y, Z and filament, which is `program_end_mm` of the program."""
+    `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path; the first is None
+    if the axes alone limit it. `absolute`, `absolute_e` and `feedrate_mm_s` are those that the next
+    move of the program has, and it begins at `end_mm` of the machine, X, Y, Z and filament, which
+    is `program_end_mm` of the program."""
 
     speed_mm_s: float
     filament_mm_s: float
     queued_s: float
-    max_speed_mm_s: float
+    max_speed_mm_s: float | None
     max_accel_mm_s2: float
     absolute: bool
     absolute_e: bool
@@ -131,7 +132,7 @@ class MotionStatus:
             speed_mm_s=speed_mm_s,
             filament_mm_s=filament_mm_s,
             queued_s=queued_s,
-            max_speed_mm_s=job.limit("speed"),
+            max_speed_mm_s=speed if isfinite(speed := job.limit("speed")) else None,
             max_accel_mm_s2=job.limit("print_accel"),
             absolute=absolute,
             absolute_e=absolute_e,

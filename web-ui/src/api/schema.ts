@@ -241,14 +241,15 @@ export interface MadeKey {
 
 /** How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
  * filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
- * `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path. `absolute`,
- * `absolute_e` and `feedrate_mm_s` are those that the next move of the program has, and it begins
- * at `end_mm` of the machine, X, Y, Z and filament, which is `program_end_mm` of the program. */
+ * `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path; the first is
+ * None if the axes alone limit it. `absolute`, `absolute_e` and `feedrate_mm_s` are those that
+ * the next move of the program has, and it begins at `end_mm` of the machine, X, Y, Z and
+ * filament, which is `program_end_mm` of the program. */
 export interface MotionStatus {
   speed_mm_s: number;
   filament_mm_s: number;
   queued_s: number;
-  max_speed_mm_s: number;
+  max_speed_mm_s?: number | null;
   max_accel_mm_s2: number;
   absolute: boolean;
   absolute_e: boolean;

@@ -28,13 +28,14 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
     x, y, z = (machine.axes[name] for name in "xyz")
     motion = status.motion
     accel = motion.max_accel_mm_s2
+    fastest = max(a.speed_mm_s for a in (x, y, z))
     return {
         "position": Coord(*motion.end_mm),
         "homed_axes": "".join(name for name in "xyz" if name in status.homed),
         "axis_minimum": Coord(x.min_mm, y.min_mm, z.min_mm, 0.0),
         "axis_maximum": Coord(x.max_mm, y.max_mm, z.max_mm, 0.0),
         "extruder": extruder_object(status.tool) if machine.extruders else "",
-        "max_velocity": min(motion.max_speed_mm_s, max(a.speed_mm_s for a in (x, y, z))),
+        "max_velocity": min(fastest, motion.max_speed_mm_s or fastest),
         "max_accel": accel,
         "minimum_cruise_ratio": motion.minimum_cruise_ratio,
         # A right angle: v² = a δ s/(1 - s) with s = √½.

@@ -1,0 +1,125 @@
+"""How the web interface holds under load, during a print. Usage: bench/web.py
+
+500 WebSocket clients that only listen, and 50 that run a script a second, on one printer that
+prints from its card. Prints the delay of `ok` on a TCP console, without and with the clients, how
+long a status takes, and the late commands that the printer has counted.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from websockets.asyncio.client import connect
+
+import passo
+
+IDLE, ACTIVE = 500, 50
+SECONDS = 10.0
+PACE_S = 0.02
+
+
+def served(folder: Path) -> tuple[subprocess.Popen[str], str, int]:
+    """`passo serve` with a long file on its card: the process, the web's address, the TCP port."""
+    moves = "".join(f"G1 X{10 + i % 2 * 180} Y{10 + i % 180} F9000\n" for i in range(20_000))
+    (folder / "part.gcode").write_text(f"G28\n{moves}")
+    command = [sys.executable, "-m", "passo", "serve", "--machine", "i3", "--sd", str(folder)]
+    command += ["--tcp", "127.0.0.1:0", "--http", "127.0.0.1:0"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    line = next(line for line in process.stderr if line.startswith("Serving"))
+    tcp, web = (part.strip(" .\n") for part in line.rpartition(" on ")[2].split(","))
+    return process, web, int(tcp.rpartition(":")[2])
+
+
+async def oks(port: int) -> list[float]:
+    """Seconds until each `ok` of a console that asks for temperatures."""
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    found: list[float] = []
+    end = time.perf_counter() + SECONDS
+    while (start := time.perf_counter()) < end:
+        writer.write(b"M105\n")
+        while not (await reader.readline()).startswith(b"ok"):
+            pass
+        found.append(time.perf_counter() - start)
+        await asyncio.sleep(PACE_S)
+    writer.close()
+    return found
+
+
+async def listen(place: str, answers: list[float], *, active: bool) -> None:
+    """One client of the feed; an active one asks for temperatures each second."""
+    async with connect(place, compression=None, ping_interval=None) as feed:
+        if not active:
+            async for _ in feed:
+                pass
+        for number in range(1_000_000):
+            start = time.perf_counter()
+            await feed.send(json.dumps({"type": "script", "id": number, "script": "M105"}))
+            while json.loads(await feed.recv()).get("id") != number:
+                pass
+            answers.append(time.perf_counter() - start)
+            await asyncio.sleep(1)
+
+
+async def statuses(place: str) -> list[float]:
+    """Seconds that each status takes."""
+    client = passo.AsyncClient(place)
+    found: list[float] = []
+    end = time.perf_counter() + SECONDS
+    while (start := time.perf_counter()) < end:
+        await client.status.get()
+        found.append(time.perf_counter() - start)
+        await asyncio.sleep(PACE_S)
+    return found
+
+
+def shown(name: str, times: list[float]) -> None:
+    ordered = sorted(times)
+    p99 = ordered[int(len(ordered) * 0.99)]
+    median, worst = statistics.median(ordered), ordered[-1]
+    text = f"median {median * 1e3:6.1f} ms, p99 {p99 * 1e3:6.1f} ms, worst {worst * 1e3:6.1f} ms"
+    print(f"{name:34}{text}, of {len(ordered)}", flush=True)
+
+
+async def measure(web: str, port: int) -> None:
+    client = passo.AsyncClient(web)
+    await client.job.start("part.gcode")
+    await asyncio.sleep(1)
+    shown("ok, no web clients", await oks(port))
+    shown("status, no web clients", await statuses(web))
+    answers: list[float] = []
+    place = f"ws{web.removeprefix('http')}/api/v1/feed"
+    clients = [
+        asyncio.create_task(listen(place, answers, active=number < ACTIVE))
+        for number in range(ACTIVE + IDLE)
+    ]
+    await asyncio.sleep(5)
+    shown(f"ok, {IDLE} idle and {ACTIVE} active", await oks(port))
+    shown(f"status, {IDLE} idle and {ACTIVE} active", await statuses(web))
+    shown("scripts of the active clients", answers)
+    lost = [task.exception() for task in clients if task.done()]
+    status = (await client.status.get()).status
+    print(f"clients lost: {len(lost)}; state {status.state.name}, faults {len(status.faults)}")
+    for task in clients:
+        task.cancel()
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        process, web, port = served(Path(folder))
+        try:
+            asyncio.run(measure(web, port))
+        finally:
+            process.terminate()
+            process.wait()
+
+
+if __name__ == "__main__":
+    main()
