@@ -50,7 +50,7 @@ class LiveBridge:
         self._scripts = Client(self._printer)
         self._overtaking = Client(self._printer)
         self._turn = asyncio.Lock()  # one script after the other
-        self._listeners: list[tuple[asyncio.AbstractEventLoop, Listener]] = []
+        self._listeners: dict[asyncio.AbstractEventLoop, list[Listener]] = {}
         self._planner = ThreadPoolExecutor(1, "estimate", _be_modest)
         self._line_listeners: list[
             tuple[asyncio.AbstractEventLoop, Callable[[ConsoleLine], None]]
@@ -86,8 +86,12 @@ class LiveBridge:
         if snapshot.status == self._latest.status:
             return
         self._latest = snapshot
-        for loop, listener in list(self._listeners):
-            _call(loop, partial(listener.on_snapshot, snapshot))
+        self._tell(lambda listener: listener.on_snapshot(snapshot))
+
+    def _tell(self, tell: Callable[[Listener], None]) -> None:
+        """Crosses once to each loop, however many listeners it has."""
+        for loop, listeners in list(self._listeners.items()):
+            _call(loop, partial(_tell_each, listeners, tell))
 
     async def _run(self, script: str, heard: Hearer | None, sender: str) -> tuple[str, ...]:
         try:
@@ -113,8 +117,7 @@ class LiveBridge:
 
     def _event(self, event: Event) -> None:
         self._tick()  # what the event tells of is in the snapshot before it
-        for loop, listener in list(self._listeners):
-            _call(loop, partial(listener.on_event, event))
+        self._tell(lambda listener: listener.on_event(event))
 
     # -- the web's loop ---------------------------------------------------------------------------
 
@@ -147,12 +150,12 @@ class LiveBridge:
 
     def listen(self, listener: Listener) -> Callable[[], None]:
         """As `Bridge.listen`."""
-        entry = (asyncio.get_running_loop(), listener)
-        self._listeners.append(entry)
+        listeners = self._listeners.setdefault(asyncio.get_running_loop(), [])
+        listeners.append(listener)
 
         def end() -> None:
-            if entry in self._listeners:
-                self._listeners.remove(entry)
+            if listener in listeners:
+                listeners.remove(listener)
 
         return end
 
@@ -293,6 +296,11 @@ def _acts_at_once(line: str) -> bool:
     command = command_of(line)
     row = row_of(command.code)
     return forced(command) or (row is not None and row.when in (When.IMMEDIATE, When.AHEAD))
+
+
+def _tell_each(listeners: list[Listener], tell: Callable[[Listener], None]) -> None:
+    for listener in list(listeners):
+        tell(listener)
 
 
 def _call(loop: asyncio.AbstractEventLoop, action: Callable[[], None]) -> None:

@@ -14,6 +14,7 @@ from passo.web.answers import JSON
 from passo.web.feed import serve_feed
 from passo.web.files.uploads import Uploads
 from passo.web.guard import Guard
+from passo.web.messages import Messages
 from passo.web.operations import OPERATIONS
 from passo.web.pages import page_routes
 from passo.web.routes import EXCEPTION_HANDLERS, routes
@@ -40,13 +41,14 @@ def web_app(
     """The application of one printer, as it is reached at one place, with what is kept of its
     temperatures, and its logs."""
     site = Site(bridge, accounts, Access(accounts, binding), Uploads(bridge), temperatures, logs)
+    messages = Messages()
     described = openapi.encoded(OPERATIONS)
 
     async def description(_: Request) -> Response:
         return Response(described, media_type=JSON)
 
     async def feed(websocket: WebSocket) -> None:
-        await serve_feed(site, websocket)
+        await serve_feed(site, messages, websocket)
 
     app = Starlette(
         routes=[

@@ -15,7 +15,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from passo.errors import PassoError, WebError
 from passo.web.answers import fault, refusal
-from passo.web.deltas import Tree, changes, tree
+from passo.web.messages import text
 from passo.web.roles import Role
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from passo.events import Event
     from passo.printer.console_lines import ConsoleLine
     from passo.web.bridge import Snapshot
+    from passo.web.deltas import Tree
+    from passo.web.messages import Messages
     from passo.web.operation import Caller
     from passo.web.site import Site
 
@@ -49,7 +51,7 @@ class Listen(Struct, tag_field="type", tag="listen", forbid_unknown_fields=True)
     console: bool
 
 
-async def serve_feed(site: Site, websocket: WebSocket) -> None:
+async def serve_feed(site: Site, messages: Messages, websocket: WebSocket) -> None:
     """Serves a client if it may see the printer; nothing is sent before that is certain."""
     try:
         caller = site.access.caller(websocket, writes=False)
@@ -57,19 +59,22 @@ async def serve_feed(site: Site, websocket: WebSocket) -> None:
     except PassoError as error:
         await websocket.send_denial_response(refusal(error))
         return
-    await Feed(site, websocket, caller).run()
+    await Feed(site, messages, websocket, caller).run()
 
 
 class Feed:
     """Messages are JSON objects with a `type`: docs/reference/http.md lists them."""
 
-    def __init__(self, site: Site, websocket: WebSocket, caller: Caller) -> None:
-        self._site, self._websocket, self._caller = site, websocket, caller
+    def __init__(
+        self, site: Site, messages: Messages, websocket: WebSocket, caller: Caller
+    ) -> None:
+        self._site, self._messages = site, messages
+        self._websocket, self._caller = websocket, caller
         self._snapshot: Snapshot | None = None  # newer than the one that was sent
         self._waiting: deque[Event | ConsoleLine] = deque()
         self._answers: deque[Tree] = deque()
         self._lost = 0
-        self._sent: Tree = {}
+        self._sent = site.bridge.latest()
         self._news = Signal()
         self._scripts = 0
         self._end_lines = lambda: None
@@ -112,9 +117,9 @@ class Feed:
                 self._take(await self._websocket.receive_text(), group)
         group.cancel_scope.cancel()
 
-    def _take(self, text: str, group: TaskGroup) -> None:
+    def _take(self, received: str, group: TaskGroup) -> None:
         try:
-            message = msgspec.json.decode(text, type=Script | Listen)
+            message = msgspec.json.decode(received, type=Script | Listen)
         except msgspec.DecodeError as error:
             self._answer(None, WebError.of("web.malformed", value=error))
             return
@@ -148,10 +153,9 @@ class Feed:
     # -- to the client ----------------------------------------------------------------------------
 
     async def _send_all(self) -> None:
-        snapshot = self._site.bridge.latest()
-        self._sent = tree(snapshot.status)
+        self._sent = self._site.bridge.latest()
         try:
-            await self._send("status", version=snapshot.version, status=self._sent)
+            await self._send(self._messages.status(self._sent))
             while True:
                 with move_on_after(_RIGHTS_EVERY_S):
                     await self._news.wait()
@@ -166,23 +170,21 @@ class Feed:
     async def _send_news(self) -> None:
         if (lost := self._lost) > 0:
             self._lost = 0
-            await self._send("lost", events=lost)
+            await self._send(text("lost", events=lost))
         snapshot, self._snapshot = self._snapshot, None
         if snapshot is not None:
-            now = tree(snapshot.status)
-            changed, self._sent = changes(self._sent, now), now
+            changed, self._sent = self._messages.changes(self._sent, snapshot), snapshot
             if changed:
-                await self._send("changes", version=snapshot.version, changes=changed)
+                await self._send(changed)
         while self._waiting:
             one = self._waiting.popleft()
             if isinstance(one, tuple):
-                await self._send("line", line=one._asdict())
+                await self._send(text("line", line=one._asdict()))
             else:
-                await self._send("event", event={"kind": type(one).__name__, **tree(one)})
+                await self._send(self._messages.event(one))
         while self._answers:
-            await self._send("answer", **self._answers.popleft())
+            await self._send(text("answer", **self._answers.popleft()))
 
-    async def _send(self, kind: str, **fields: object) -> None:
-        text = msgspec.json.encode({"type": kind, **fields}).decode()
+    async def _send(self, message: str) -> None:
         with fail_after(_TIMEOUT_S):
-            await self._websocket.send_text(text)
+            await self._websocket.send_text(message)
