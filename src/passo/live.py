@@ -361,7 +361,9 @@ class Printer:
         binding = Binding(loopback, frozenset(name.lower() for name in names))
         try:
             logs = Logs(stems)
-            app = web_app(self._bridge, self._accounts, binding, self._temperatures, logs)
+            state = None if self._state is None else Path(self._state)
+            kept = self._accounts, binding, self._temperatures, logs
+            app = web_app(self._bridge, *kept, state=state)
         except BaseException:
             socket.close()
             raise

@@ -44,8 +44,12 @@ class Served:
         words += ["--klippy-socket", self.klippy] if klippy else []
         self._process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
         assert self._process.stderr is not None
-        said = self._process.stderr.readline()
-        assert said.startswith("Serving"), said + self._process.stderr.read()
+        said: list[str] = []  # the web interface may have something to say first
+        for line in self._process.stderr:
+            said.append(line)
+            if line.startswith("Serving"):
+                break
+        assert said and said[-1].startswith("Serving"), "".join(said)
         host, _, port = self.tcp.rpartition(":")
         self._socket = socket.create_connection((host, int(port)), timeout=ANSWER_S)
         self._lines = self._socket.makefile("r", encoding="ascii", newline="\n")

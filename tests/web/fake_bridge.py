@@ -71,6 +71,7 @@ class FakeBridge:
         self.listeners: list[Listener] = []
         self.asked: list[str] = []
         self.answers: dict[str, tuple[str, ...] | PassoError] = {}
+        self.estimated: list[str] = []
         self.estimates: dict[str, Estimate] = {}
         self.history: list[ConsoleLine] = []
         self.line_listeners: list[Callable[[ConsoleLine], None]] = []
@@ -172,7 +173,10 @@ class FakeBridge:
         (await self.card()).rename(path, to)
 
     async def estimate(self, path: str) -> Estimate:
-        self._answer(f"estimate {path}")
+        self.estimated.append(path)
+        answer = self.answers.get(f"estimate {path}")
+        if isinstance(answer, PassoError):
+            raise answer
         return self.estimates.get(path, Estimate(path, self._machine.name, 60.0, moves=1))
 
     def _answer(self, asked: str) -> tuple[str, ...]:

@@ -29,11 +29,11 @@ def accounts(folder=None, clock=None):
     return Accounts(Store(folder), wall_s=clock, now_s=clock)
 
 
-def site(bridge, kept=None, temperatures=None, logs=None, *, loopback=True, names=()):
+def site(bridge, kept=None, temperatures=None, logs=None, *, loopback=True, names=(), state=None):
     """The application that `passo serve` serves, with accounts in memory unless some are given."""
     binding = Binding(loopback, frozenset(names))
     past = temperatures or TemperatureHistory()
-    return web_app(bridge, kept or accounts(), binding, past, logs or Logs())
+    return web_app(bridge, kept or accounts(), binding, past, logs or Logs(), state=state)
 
 
 def local_client(bridge, kept=None):

@@ -91,7 +91,7 @@ def test_operation_is_for_its_role_and_above(served, by_role, operation):
 
 def test_every_operation_but_the_first_log_in_needs_one():
     public = {operation.name for operation in OPERATIONS if operation.role is Role.PUBLIC}
-    assert public == {"session.get", "session.set_up", "session.log_in"}
+    assert public == {"session.get", "session.set_up", "session.log_in", "rrf.connect"}
     fresh = {operation.name for operation in OPERATIONS if operation.fresh}
     groups = {o.name for o in OPERATIONS if o.group in ("accounts", "keys") and o.writes}
     assert groups <= fresh

@@ -19,15 +19,16 @@ LISTED = [operation for operation in OPERATIONS if not operation.compatible]
 
 
 @pytest.fixture(scope="module")
-def served():
-    """An application with an administrator, and a key."""
+def served(tmp_path_factory):
+    """An application with an administrator, a key, and a card."""
     kept = accounts()
 
     async def fill():
         await kept.create_administrator("ada", "correct horse", "address", None)
         return (await kept.add_key("fuzzer", Role.ADMIN))[1]
 
-    return site(FakeBridge(), kept, names=["testserver"]), asyncio.run(fill())
+    bridge = FakeBridge(str(tmp_path_factory.mktemp("card")))
+    return site(bridge, kept, names=["testserver"]), asyncio.run(fill())
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +38,9 @@ def schema(served):
 
 @pytest.mark.parametrize("operation", LISTED, ids=lambda operation: operation.name)
 def test_operation_keeps_to_its_description(operation, schema, served):
-    # What a file holds is not in the description.
-    excluded = [] if operation.consumes == JSON else [positive_data_acceptance]
+    # What a file holds, and which names a card has, is not in the description.
+    undescribed = operation.consumes != JSON or "card.name" in operation.errors
+    excluded = [positive_data_acceptance] if undescribed else []
 
     @given(schema[operation.template][operation.method].as_strategy())
     @settings(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from ipaddress import ip_address
+from time import monotonic
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
@@ -12,6 +13,7 @@ from passo.web.accounts.accounts import FRESH_S, digest
 from passo.web.accounts.limiter import address_key
 from passo.web.operation import HEADER, Caller
 from passo.web.roles import Role
+from passo.web.slicers.address_sessions import AddressSessions
 
 if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from passo.web.accounts.accounts import Accounts
     from passo.web.operation import Operation
 
+_RRF = "/rr_"  # begins the paths of RepRapFirmware's interface
 _LOCAL = "local"  # the caller on this computer while there is no administrator
 # What a proxy adds: its clients are not on this computer, though it is.
 _OF_PROXIES = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
@@ -54,6 +57,7 @@ class Access:
 
     def __init__(self, accounts: Accounts, binding: Binding) -> None:
         self._accounts, self._binding = accounts, binding
+        self.connected = AddressSessions(monotonic)
 
     def needs_code(self, connection: HTTPConnection) -> bool:
         """Whether it takes the one-time code to create the administrator."""
@@ -79,7 +83,25 @@ class Access:
             return Caller(account.name, account.role, session=session.hash, address=address)
         if not self._accounts.exist and not self.needs_code(connection):
             return Caller(_LOCAL, Role.ADMIN, address=address)
-        return Caller("", Role.PUBLIC, address=address)
+        return self._connected(connection, peer) or Caller("", Role.PUBLIC, address=address)
+
+    def connect(self, connection: HTTPConnection, token: str) -> bool:
+        """Begins a session of RepRapFirmware's interface with an API key; False if it is none."""
+        key = self._accounts.key(token)
+        peer = connection.client.host if connection.client is not None else ""
+        if key is None or any(name in connection.headers for name in _OF_PROXIES):
+            return False
+        self.connected.begin(peer, Caller(key.name, key.role, key=key.hash))
+        return True
+
+    def _connected(self, connection: HTTPConnection, peer: str) -> Caller | None:
+        """Who has such a session: its clients send no key with their further requests."""
+        if not connection.url.path.startswith(_RRF):
+            return None
+        if any(name in connection.headers for name in _OF_PROXIES):
+            return None  # many clients have its address
+        caller = self.connected.use(peer)
+        return caller if caller is not None and self.holds(caller) else None
 
     def holds(self, caller: Caller) -> bool:
         """Whether a caller still has the rights that it had. Never waits."""

@@ -60,6 +60,8 @@ _STATUS = {
     "card.not-directory": 409,
     "card.read-only": 409,
     "card.not-empty": 409,
+    "card.into-itself": 409,
+    "card.no-slots": 409,
     "upload.binary": 415,
     "upload.kind": 415,
     "upload.content": 415,

@@ -12,6 +12,7 @@ from passo.web import openapi
 from passo.web.access import Access, Binding
 from passo.web.answers import JSON
 from passo.web.feed import serve_feed
+from passo.web.files.metadata import MetadataReader
 from passo.web.files.uploads import Uploads
 from passo.web.guard import Guard
 from passo.web.messages import Messages
@@ -21,6 +22,8 @@ from passo.web.routes import EXCEPTION_HANDLERS, routes
 from passo.web.site import Site
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from starlette.requests import Request
     from starlette.types import ASGIApp
     from starlette.websockets import WebSocket
@@ -37,10 +40,14 @@ def web_app(
     binding: Binding,
     temperatures: TemperatureHistory,
     logs: Logs,
+    *,
+    state: Path | None = None,
 ) -> ASGIApp:
     """The application of one printer, as it is reached at one place, with what is kept of its
-    temperatures, and its logs."""
-    site = Site(bridge, accounts, Access(accounts, binding), Uploads(bridge), temperatures, logs)
+    temperatures, and its logs; what is known of its files is kept in the folder `state`."""
+    access, metadata = Access(accounts, binding), MetadataReader(bridge, state)
+    uploads = Uploads(bridge, metadata.want)
+    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs)
     messages = Messages()
     described = openapi.encoded(OPERATIONS)
 

@@ -12,6 +12,7 @@ import passo.web.endpoints.logs
 import passo.web.endpoints.machine
 import passo.web.endpoints.session
 import passo.web.endpoints.status
+import passo.web.files.metadata
 import typing
 
 class RequestError(Exception):
@@ -225,12 +226,82 @@ class Settings:
         ...
 
 class Files:
+    def list(
+        self,
+        folder: str = ...,
+    ) -> passo.web.endpoints.files.Folder:
+        """The files and folders in a folder of the card."""
+        ...
+    def metadata(
+        self,
+        path: str,
+    ) -> passo.web.files.metadata.Metadata:
+        """What is known of a file: slicer, objects, thumbnails, and how this printer would
+        print it, as `passo estimate` finds out. That takes some seconds of a long file;
+        until then `state` is `pending`."""
+        ...
+    def thumbnail(
+        self,
+        path: str,
+        number: int = ...,
+    ) -> bytes:
+        """A thumbnail of a file, as the slicer has made it: PNG, JPEG or QOI."""
+        ...
+    def download(
+        self,
+        path: str,
+    ) -> bytes:
+        """The bytes of a file, or the part that a `Range` header names."""
+        ...
     def upload(
         self,
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path."""
+        """Puts a file onto the card, in place of one of that path, once it is whole. If the
+        connection is lost, what has come is kept for some minutes: `files.kept` tells how
+        much, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`, as may be
+        the parts of any file."""
+        ...
+    def kept(
+        self,
+        path: str,
+    ) -> passo.web.endpoints.files.KeptUpload:
+        """Where an interrupted upload of a file goes on."""
+        ...
+    def forget(
+        self,
+        path: str,
+    ) -> None:
+        """Gives up an interrupted upload."""
+        ...
+    def remove(
+        self,
+        path: str,
+    ) -> None:
+        """Deletes a file, unless it is printed now."""
+        ...
+    def rename(
+        self,
+        path: str,
+        to: str,
+    ) -> None:
+        """Renames or moves a file or folder, unless it is, or holds, what is printed
+        now."""
+        ...
+
+class Folders:
+    def make(
+        self,
+        path: str,
+    ) -> None:
+        """Makes a folder."""
+        ...
+    def remove(
+        self,
+        path: str,
+    ) -> None:
+        """Deletes an empty folder."""
         ...
 
 class History:
@@ -565,12 +636,82 @@ class AsyncSettings:
         ...
 
 class AsyncFiles:
+    async def list(
+        self,
+        folder: str = ...,
+    ) -> passo.web.endpoints.files.Folder:
+        """The files and folders in a folder of the card."""
+        ...
+    async def metadata(
+        self,
+        path: str,
+    ) -> passo.web.files.metadata.Metadata:
+        """What is known of a file: slicer, objects, thumbnails, and how this printer would
+        print it, as `passo estimate` finds out. That takes some seconds of a long file;
+        until then `state` is `pending`."""
+        ...
+    async def thumbnail(
+        self,
+        path: str,
+        number: int = ...,
+    ) -> bytes:
+        """A thumbnail of a file, as the slicer has made it: PNG, JPEG or QOI."""
+        ...
+    async def download(
+        self,
+        path: str,
+    ) -> bytes:
+        """The bytes of a file, or the part that a `Range` header names."""
+        ...
     async def upload(
         self,
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path."""
+        """Puts a file onto the card, in place of one of that path, once it is whole. If the
+        connection is lost, what has come is kept for some minutes: `files.kept` tells how
+        much, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`, as may be
+        the parts of any file."""
+        ...
+    async def kept(
+        self,
+        path: str,
+    ) -> passo.web.endpoints.files.KeptUpload:
+        """Where an interrupted upload of a file goes on."""
+        ...
+    async def forget(
+        self,
+        path: str,
+    ) -> None:
+        """Gives up an interrupted upload."""
+        ...
+    async def remove(
+        self,
+        path: str,
+    ) -> None:
+        """Deletes a file, unless it is printed now."""
+        ...
+    async def rename(
+        self,
+        path: str,
+        to: str,
+    ) -> None:
+        """Renames or moves a file or folder, unless it is, or holds, what is printed
+        now."""
+        ...
+
+class AsyncFolders:
+    async def make(
+        self,
+        path: str,
+    ) -> None:
+        """Makes a folder."""
+        ...
+    async def remove(
+        self,
+        path: str,
+    ) -> None:
+        """Deletes an empty folder."""
         ...
 
 class AsyncHistory:
@@ -731,6 +872,8 @@ class Client:
     @property
     def files(self) -> Files: ...
     @property
+    def folders(self) -> Folders: ...
+    @property
     def history(self) -> History: ...
     @property
     def logs(self) -> Logs: ...
@@ -772,6 +915,8 @@ class AsyncClient:
     def settings(self) -> AsyncSettings: ...
     @property
     def files(self) -> AsyncFiles: ...
+    @property
+    def folders(self) -> AsyncFolders: ...
     @property
     def history(self) -> AsyncHistory: ...
     @property

@@ -30,6 +30,9 @@ def description(operations: Sequence[Operation]) -> Tree:
     for operation in listed:
         row = _row(operation, schema_of, components)
         paths.setdefault(operation.template, {})[operation.method.lower()] = row
+    for name in {_name(schema_of[_key(o.query)]) for o in listed if o.query is not None}:
+        if _REFERENCE.format(name=name) not in msgspec.json.encode(paths).decode():
+            del components[name]  # its fields are parameters
     return {
         "openapi": "3.1.0",
         "info": {"title": "Passo", "version": __version__, "license": {"name": "Apache-2.0"}},
@@ -104,13 +107,18 @@ def _row(operation: Operation, schema_of: dict[str, Tree], components: Tree) -> 
 
 def _query(schema: Tree, components: Tree) -> list[Tree]:
     """The fields of the type of a query, as parameters."""
-    name = schema["$ref"].rpartition("/")[2]
-    described = components.pop(name)
+    name = _name(schema)
+    described = components[name]
     required = described.get("required", [])
     return [
         {"name": field, "in": "query", "required": field in required, "schema": kind}
         for field, kind in described["properties"].items()
     ]
+
+
+def _name(schema: Tree) -> str:
+    """Of the component that it refers to."""
+    return str(schema["$ref"]).rpartition("/")[2]
 
 
 def _responses(operation: Operation, schema_of: dict[str, Tree]) -> Tree:

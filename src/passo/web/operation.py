@@ -46,12 +46,12 @@ class Operation:
     """A row: what a client may ask for.
 
     `name` is `group.verb`, as the Python client calls it. `body` and `query` are the types of the
-    request, None without one; `response` is the type of the answer, None of 204; `status` is that
-    of an answer in JSON. `errors` are codes of the catalogue that this operation has beyond those
-    that all have. A request that does not consume JSON is read by its handler, which also limits
-    its size; one that does not produce JSON answers with a `Response`. `fresh`: the password must
-    have been entered within the last minutes. `compatible`: of another printer's interface, and not
-    in the description.
+    request, None without one; `response` is the type of an answer in JSON, None of 204 and of other
+    content; `status` is that of an answer in JSON. `errors` are codes of the catalogue that this
+    operation has beyond those that all have. A request that does not consume JSON is read by its
+    handler, which also limits its size; one that does not produce JSON answers with a `Response`.
+    `fresh`: the password must have been entered within the last minutes. `compatible`: of another
+    printer's interface, and not in the description.
     """
 
     name: str

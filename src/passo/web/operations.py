@@ -25,7 +25,7 @@ from passo.web.endpoints import (
     tuning,
 )
 from passo.web.operation import Operation
-from passo.web.slicers import octoprint
+from passo.web.slicers import octoprint, prusalink, rrf
 
 
 def _declared(module: ModuleType) -> list[Operation]:
@@ -34,7 +34,8 @@ def _declared(module: ModuleType) -> list[Operation]:
 
 _MODULES = (
     *(status, faults, machine, emergency, job, console, heaters, fans, motion, tuning, settings),
-    *(files, history, logs, session, accounts, metrics, octoprint),
+    *(files, history, logs, session, accounts, metrics),
+    *(octoprint, prusalink, rrf),
 )
 OPERATIONS: tuple[Operation, ...] = tuple(
     operation for module in _MODULES for operation in _declared(module)

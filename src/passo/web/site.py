@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from passo.web.access import Access
     from passo.web.accounts.accounts import Accounts
     from passo.web.bridge import Bridge
+    from passo.web.files.metadata import MetadataReader
     from passo.web.files.uploads import Uploads
     from passo.web.logs import Logs
     from passo.web.temperature_history import TemperatureHistory
@@ -16,12 +17,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """One printer, who may use it, the uploads that are on their way to its card, what is kept of
-    its past, and its logs."""
+    """One printer, who may use it, the uploads that are on their way to its card, what is known of
+    its files, what is kept of its past, and its logs."""
 
     bridge: Bridge
     accounts: Accounts
     access: Access
     uploads: Uploads
+    metadata: MetadataReader
     temperatures: TemperatureHistory
     logs: Logs

@@ -58,3 +58,36 @@ def cura(name: str = "CE3_part.gcode", *, start: bool = True) -> dict:
             boundary=boundary,
         ),
     }
+
+
+def cura_request(method: str, path: str, body: bytes | None = None) -> tuple[str, str, dict]:
+    """A further request of Cura's OctoPrint plug-in."""
+    headers = {
+        "User-Agent": "UltiMaker Cura/5.8.0 (OctoPrintPlugin/3.7.3)",
+        "X-Api-Key": KEY,
+    }
+    if body is not None:
+        headers["Content-Type"] = "application/json"
+    return method, path, {"headers": headers, "content": body}
+
+
+def prusalink(name: str = "part.gcode", *, start: bool = True) -> tuple[str, str, dict]:
+    """PrusaSlicer, host type PrusaLink."""
+    headers = {
+        "User-Agent": "PrusaSlicer/2.9.3+linux-x64",
+        "Accept": "*/*",
+        "X-Api-Key": KEY,
+        "Content-Type": "text/x.gcode",
+        "Overwrite": "?1",
+        **({"Print-After-Upload": "?1"} if start else {}),
+        "Expect": "100-continue",
+    }
+    return "PUT", f"/api/v1/files/local/{name}", {"headers": headers, "content": GCODE}
+
+
+def duet_upload(name: str = "part.gcode") -> tuple[str, str, dict]:
+    """PrusaSlicer, OrcaSlicer and Cura's plug-in, host type Duet; there is no key."""
+    query = f"name=0:/gcodes/{name}&time=2026-11-25T10:00:00"
+    headers = {"User-Agent": "PrusaSlicer/2.9.3+linux-x64", "Accept": "*/*"}
+    headers["Content-Type"] = "application/x-www-form-urlencoded"
+    return "POST", f"/rr_upload?{query}", {"headers": headers, "content": GCODE}

@@ -1,12 +1,16 @@
 """What slicers of the host type OctoPrint ask, and what they get."""
 
+from dataclasses import replace
+
 import pytest
-from tests.web.fake_bridge import FakeBridge
+from tests.support.web_errors import code_of
+from tests.web.fake_bridge import STATUS, FakeBridge
 from tests.web.local_site import local_client
 from tests.web.slicers import recorded
 from tests.web.slicers.recorded import GCODE
 
 from passo.errors import CommandError
+from passo.printer.status import FilesStatus, JobStatus, PrinterState
 
 
 @pytest.fixture
@@ -68,3 +72,132 @@ def test_a_file_that_is_printed_is_not_replaced(bridge, client, tmp_path):
     answer = client.post("/api/files/local", **recorded.prusaslicer())
     assert (answer.status_code, answer.json()["error"]["code"]) == (409, "job.printing")
     assert (tmp_path / "part.gcode").read_bytes() == b"G28\n"
+
+
+CURA_STARTS = [
+    ("GET", "/api/settings", None, lambda told: told["feature"]["sdSupport"] is False),
+    ("GET", "/api/printerprofiles", None, lambda told: told["profiles"]["_default"]["heatedBed"]),
+    ("POST", "/api/login", b'{"passive":true}', lambda told: told["active"]),
+    ("GET", "/api/version", None, lambda told: told["api"] == "0.1"),
+    ("GET", "/api/connection", None, lambda told: told["current"]["state"] == "Operational"),
+    ("GET", "/api/printer", None, lambda told: told["state"]["flags"]["ready"]),
+    ("GET", "/api/job", None, lambda told: told["state"] == "Operational"),
+]
+
+
+@pytest.mark.parametrize(("method", "path", "body", "right"), CURA_STARTS)
+def test_cura_finds_what_it_asks_for_at_its_start(client, method, path, body, right):
+    method, path, sent = recorded.cura_request(method, path, body)
+    answer = client.request(method, path, **sent)
+    assert answer.status_code == 200
+    assert right(answer.json())
+
+
+def test_cura_watches_a_print(bridge, client):
+    job = JobStatus("part.gcode", 0.25, 10, 1, 8, 60.0, 180.0, path="/toys/part.gcode", size=400)
+    printing = replace(
+        STATUS,
+        state=PrinterState.PRINTING,
+        job=replace(job, offset=100),
+        files=FilesStatus(mounted=True, selected="/toys/part.gcode"),
+    )
+    bridge.show(printing)
+    told = client.get("/api/job").json()
+    assert told["state"] == "Printing"
+    assert told["job"]["file"]["path"] == "toys/part.gcode"
+    assert told["job"]["estimatedPrintTime"] == 240.0
+    assert told["progress"] == {
+        "completion": 25.0,
+        "filepos": 100,
+        "printTime": 60,
+        "printTimeLeft": 180,
+        "printTimeLeftOrigin": "analysis",
+    }
+    told = client.get("/api/printer").json()
+    assert told["temperature"] == {
+        "tool0": {"actual": 25.0, "target": 0.0, "offset": 0},
+        "bed": {"actual": 60.0, "target": 60.0, "offset": 0},
+    }
+    flags = told["state"]["flags"]
+    assert (flags["printing"], flags["paused"], flags["ready"], flags["error"]) == (1, 0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("body", "asked"),
+    [
+        ({"command": "pause", "action": "pause"}, "pause"),
+        ({"command": "pause", "action": "resume"}, "resume"),
+        ({"command": "pause"}, "pause"),
+        ({"command": "cancel"}, "cancel"),
+        ({"command": "start"}, "print /part.gcode"),
+    ],
+)
+def test_orders_for_the_print(bridge, client, body, asked):
+    bridge.show(replace(STATUS, files=FilesStatus(mounted=True, selected="/part.gcode")))
+    assert client.post("/api/job", json=body).status_code == 204
+    assert bridge.asked == [asked]
+
+
+def test_a_paused_print_is_resumed_by_the_same_button(bridge, client):
+    bridge.show(replace(STATUS, state=PrinterState.PAUSED))
+    assert client.post("/api/job", json={"command": "pause"}).status_code == 204
+    assert bridge.asked == ["resume"]
+
+
+def test_without_a_selected_file_nothing_starts(client):
+    answer = client.post("/api/job", json={"command": "start"})
+    assert (answer.status_code, code_of(answer)) == (409, "job.no-file")
+
+
+def test_a_halted_printer_is_started_again_by_connecting(bridge, client):
+    bridge.show(replace(STATUS, state=PrinterState.HALTED, halted="M112"))
+    assert client.get("/api/printer").json()["state"]["text"] == "Error: M112"
+    assert client.post("/api/connection", json={"command": "connect"}).status_code == 204
+    assert bridge.asked == ["restart"]
+
+
+def test_commands_are_carried_out(bridge, client):
+    assert client.post("/api/printer/command", json={"command": "G28"}).status_code == 204
+    body = {"commands": ["G91", "G1 Z10 F600", "G90"]}
+    assert client.post("/api/printer/command", json=body).status_code == 204
+    assert bridge.asked == ["G28", "G91\nG1 Z10 F600\nG90"]
+
+
+@pytest.mark.parametrize("body", [b"[]", b"{", b'{"commands": 5}', b'{"commands": [5]}', b"{}"])
+def test_what_is_no_command_is_refused(bridge, client, body):
+    answer = client.post("/api/printer/command", content=body)
+    assert (answer.status_code, code_of(answer)) == (400, "web.malformed")
+    assert bridge.asked == []
+
+
+def test_files_are_listed_selected_and_deleted(bridge, client, tmp_path):
+    (tmp_path / "toys").mkdir()
+    (tmp_path / "toys" / "part.gcode").write_bytes(GCODE)
+    assert client.get("/api/files").json()["files"][0]["children"] == []
+    (folder,) = client.get("/api/files?recursive=true").json()["files"]
+    (file,) = folder["children"]
+    assert (folder["type"], file["path"], file["size"]) == ("folder", "toys/part.gcode", len(GCODE))
+    path = file["refs"]["resource"]
+    assert client.get(path).json() == file
+    assert client.get(file["refs"]["download"]).content == GCODE
+    for more, asked in (({}, "select"), ({"print": True}, "print")):
+        assert client.post(path, json={"command": "select", **more}).status_code == 204
+        assert bridge.asked[-1] == f"{asked} /toys/part.gcode"
+    assert client.delete(path).status_code == 204
+    assert client.get(path).status_code == 404
+
+
+def test_a_form_makes_a_folder(client, tmp_path):
+    body = recorded.form(('name="foldername"', b"toys"), ('name="path"', b""), boundary="b")
+    sent = {"Content-Type": "multipart/form-data; boundary=b"}
+    assert client.post("/api/files/local", content=body, headers=sent).status_code == 201
+    assert (tmp_path / "toys").is_dir()
+
+
+@pytest.mark.parametrize("before", [b'"print"', b"true", b'"file"', b"G28", b"M400"])
+def test_a_form_that_breaks_off_leaves_nothing(client, tmp_path, before):
+    sent = recorded.prusaslicer()
+    sent["content"] = sent["content"].partition(before)[0]
+    answer = client.post("/api/files/local", **sent)
+    assert (answer.status_code, code_of(answer)) == (400, "upload.malformed")
+    assert list(tmp_path.iterdir()) == []

@@ -97,6 +97,21 @@ export interface FaultStatus {
   action: string;
 }
 
+/** A file or folder. `size` is in bytes, 0 of a folder; `modified_s` is the time of its last
+ * change, in seconds since 1970. */
+export interface FileEntry {
+  name: string;
+  path: string;
+  folder: boolean;
+  size: number;
+  modified_s: number;
+}
+
+/** Where something is on the card, from its root; names have `/` between them. */
+export interface FilePath {
+  path: string;
+}
+
 /** Where a file is on the card. */
 export interface FileToPrint {
   path: string;
@@ -113,6 +128,13 @@ export interface FilesStatus {
 /** The factor of a tool's extrusion; 1 is that of the file. */
 export interface FlowFactor {
   factor: number;
+}
+
+/** A folder of the card and what is in it, by name; how many bytes the card has free. */
+export interface Folder {
+  path: string;
+  free_bytes: number;
+  entries: FileEntry[];
 }
 
 /** A heater. `max_c` is the temperature above which it is switched off. */
@@ -184,6 +206,13 @@ export interface Jog {
   speed_mm_s: number;
 }
 
+/** An upload that was interrupted: what follows `offset` may be sent within some minutes. */
+export interface KeptUpload {
+  path: string;
+  offset: number;
+  total: number;
+}
+
 /** An API key, without what is secret; `made_s` is in seconds since 1970. */
 export interface KeyRecord {
   id: string;
@@ -239,6 +268,18 @@ export interface MadeKey {
   key: string;
 }
 
+/** What is known of a file. While `state` is `pending` there is no plan yet; `refused`: the file
+ * cannot be printed as it is, and `problems` are the reasons, such as what is out of range. */
+export interface Metadata {
+  path: string;
+  state: "known" | "pending" | "refused";
+  slicer: string;
+  objects: string[];
+  thumbnails: Picture[];
+  plan?: Plan | null;
+  problems: Fault[];
+}
+
 /** How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
  * filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
  * `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path; the first is
@@ -272,6 +313,12 @@ export interface NewAccount {
 export interface NewKey {
   name: string;
   role?: "admin" | "operator" | "viewer";
+}
+
+/** What is renamed, and its new path, which may be in another folder. */
+export interface NewName {
+  path: string;
+  to: string;
 }
 
 /** A value to set: `command` and `word` as `settings.list` names them. */
@@ -308,6 +355,28 @@ export interface PastPrint {
   print_s: number;
   filament_mm: number;
   note: string;
+}
+
+/** A thumbnail, to be had by its number, and its size in pixels. */
+export interface Picture {
+  number: number;
+  width: number;
+  height: number;
+  type: string;
+}
+
+/** A file as this printer would print it. `total_s` is the sum of `moving_s`, `dwell_s` and
+ * `heating_s`; `limits_s` tells for each limit of the machine how long it bounds the speed. */
+export interface Plan {
+  total_s: number;
+  moving_s: number;
+  dwell_s: number;
+  heating_s: number;
+  layers: number;
+  moves: number;
+  filament_mm: Record<string, number>;
+  limits_s: Record<string, number>;
+  warnings: string[];
 }
 
 /** An object that the file labels. `number` is the one of M486, or its place in the file; `name`
@@ -395,10 +464,11 @@ export interface StatusNow {
   status: Status;
 }
 
-/** A file of the card, and its bytes. */
+/** How many bytes of a file have come, and whether it is on the card now. */
 export interface StoredFile {
   path: string;
   size: number;
+  complete: boolean;
 }
 
 /** `ages_s` are the times of the samples, in seconds before the answer, oldest first. */

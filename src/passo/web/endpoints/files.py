@@ -1,30 +1,147 @@
-"""Files of the card."""
+"""Files and folders of the card."""
 
 from __future__ import annotations
 
+import re
 from typing import Annotated
 
 from msgspec import Meta, Struct
+from starlette.responses import Response
 
-from passo.errors import PassoError
+from passo.errors import InputError, PassoError, WebError
 from passo.web.call import Call
 from passo.web.files.body import Body
-from passo.web.files.names import program
+from passo.web.files.download import download
+from passo.web.files.incoming import beside
+from passo.web.files.metadata import Metadata, comments_of
+from passo.web.files.names import confined, program
 from passo.web.operation import operation
 from passo.web.roles import Role
 
+_RANGE = re.compile(r"bytes (\d{1,19})-(\d{1,19})/(\d{1,19})")
+_CARD = ("card.absent", "card.name", "card.not-found", "card.removed")
+_CHANGE = (*_CARD, "card.busy", "card.read-only", "job.printing")
+_UPLOAD = (
+    *("card.full", "card.directory", "input.empty", "upload.binary", "upload.kind"),
+    *("upload.content", "upload.slow", "upload.too-many", "upload.malformed", "upload.offset"),
+)
+_Path = Annotated[str, Meta(min_length=1, max_length=1024)]
+
 
 class FilePath(Struct, forbid_unknown_fields=True):
-    """Where a file is on the card, from its root."""
+    """Where something is on the card, from its root; names have `/` between them."""
 
-    path: Annotated[str, Meta(min_length=1, max_length=1024)]
+    path: _Path
+
+
+class FolderQuery(Struct, forbid_unknown_fields=True):
+    """A folder of the card; its root by default."""
+
+    folder: Annotated[str, Meta(max_length=1024)] = "/"
+
+
+class PictureQuery(Struct, forbid_unknown_fields=True):
+    """A file, and the number of a thumbnail of it."""
+
+    path: _Path
+    number: Annotated[int, Meta(ge=0, le=100)] = 0
+
+
+class NewName(Struct, forbid_unknown_fields=True):
+    """What is renamed, and its new path, which may be in another folder."""
+
+    path: _Path
+    to: _Path
+
+
+class FileEntry(Struct):
+    """A file or folder. `size` is in bytes, 0 of a folder; `modified_s` is the time of its last
+    change, in seconds since 1970."""
+
+    name: str
+    path: str
+    folder: bool
+    size: int
+    modified_s: float
+
+
+class Folder(Struct):
+    """A folder of the card and what is in it, by name; how many bytes the card has free."""
+
+    path: str
+    free_bytes: int
+    entries: list[FileEntry]
 
 
 class StoredFile(Struct):
-    """A file of the card, and its bytes."""
+    """How many bytes of a file have come, and whether it is on the card now."""
 
     path: str
     size: int
+    complete: bool
+
+
+class KeptUpload(Struct):
+    """An upload that was interrupted: what follows `offset` may be sent within some minutes."""
+
+    path: str
+    offset: int
+    total: int
+
+
+@operation("files.list", "GET", "/files", Role.VIEWER, errors=(*_CARD, "card.not-directory"))
+async def files(call: Call, query: FolderQuery) -> Folder:
+    """The files and folders in a folder of the card."""
+    card, path = await call.bridge.card(), confined(query.folder)
+    entries = await beside(lambda: card.list(path))
+    free = await beside(lambda: card.free_bytes)
+    inner = path.rstrip("/")
+    listed = [
+        FileEntry(e.name, f"{inner}/{e.name}", e.is_directory, e.size, e.modified.timestamp())
+        for e in entries
+    ]
+    return Folder(path, free, listed)
+
+
+@operation(
+    "files.metadata", "GET", "/files/metadata", Role.VIEWER, errors=(*_CARD, "card.directory")
+)
+async def metadata(call: Call, query: FilePath) -> Metadata:
+    """What is known of a file: slicer, objects, thumbnails, and how this printer would print it,
+    as `passo estimate` finds out. That takes some seconds of a long file; until then `state` is
+    `pending`."""
+    return await call.site.metadata.get(confined(query.path))
+
+
+@operation(
+    "files.thumbnail",
+    "GET",
+    "/files/thumbnail",
+    Role.VIEWER,
+    errors=(*_CARD, "web.not-found"),
+    produces="image/png",
+)
+async def thumbnail(call: Call, query: PictureQuery) -> Response:
+    """A thumbnail of a file, as the slicer has made it: PNG, JPEG or QOI."""
+    comments = await comments_of(await call.bridge.card(), confined(query.path))
+    if query.number >= len(comments.thumbnails):
+        raise WebError.of("web.not-found", value=f"thumbnail {query.number}")
+    picture = comments.thumbnails[query.number]
+    headers = {"X-Content-Type-Options": "nosniff", "Cache-Control": "no-cache"}
+    return Response(picture.data, headers=headers, media_type=picture.kind)
+
+
+@operation(
+    "files.download",
+    "GET",
+    "/files/content",
+    Role.VIEWER,
+    errors=(*_CARD, "card.directory"),
+    produces="text/x.gcode",
+)
+async def content(call: Call, query: FilePath) -> Response:
+    """The bytes of a file, or the part that a `Range` header names."""
+    return await download(call.request, await call.bridge.card(), confined(query.path))
 
 
 @operation(
@@ -32,23 +149,95 @@ class StoredFile(Struct):
     "PUT",
     "/files/content",
     Role.OPERATOR,
-    errors=(
-        *("card.absent", "card.name", "card.full", "card.busy", "card.directory", "job.printing"),
-        *("upload.kind", "upload.content", "upload.slow", "upload.too-many", "upload.malformed"),
-    ),
+    errors=(*_CHANGE, *_UPLOAD),
     consumes="application/octet-stream",
     status=201,
 )
 async def upload(call: Call, query: FilePath) -> StoredFile:
-    """Puts a file onto the card, in place of one of that path."""
+    """Puts a file onto the card, in place of one of that path, once it is whole. If the connection
+    is lost, what has come is kept for some minutes: `files.kept` tells how much, and the rest is
+    sent with `Content-Range: bytes FIRST-LAST/TOTAL`, as may be the parts of any file."""
     body = Body(call.request)
     try:
         path = program(query.path)
-        uploads = call.site.uploads
-        async with uploads.file(path, total=body.length, resumable=True) as incoming:
+        offset, total = _part(call.request.headers.get("content-range"), body.length)
+        async with call.site.uploads.file(
+            path, offset=offset, total=total, resumable=True
+        ) as incoming:
             async for data in body.pieces():
                 await incoming.write(data)
     except PassoError:
         await body.drain()
         raise
-    return StoredFile(path, incoming.offset)
+    return StoredFile(path, incoming.offset, total is None or incoming.offset == total)
+
+
+@operation(
+    "files.kept", "GET", "/files/upload", Role.OPERATOR, errors=("card.name", "web.not-found")
+)
+async def kept(call: Call, query: FilePath) -> KeptUpload:
+    """Where an interrupted upload of a file goes on."""
+    path = confined(query.path)
+    found = call.site.uploads.kept(path)
+    if found is None or found.total is None:
+        raise WebError.of("web.not-found", value=f"interrupted upload of {path}")
+    return KeptUpload(path, found.offset, found.total)
+
+
+@operation("files.forget", "DELETE", "/files/upload", Role.OPERATOR, errors=("card.name",))
+async def forget(call: Call, query: FilePath) -> None:
+    """Gives up an interrupted upload."""
+    await call.site.uploads.forget(confined(query.path))
+
+
+@operation("files.remove", "DELETE", "/files", Role.OPERATOR, errors=(*_CHANGE, "card.directory"))
+async def remove(call: Call, query: FilePath) -> None:
+    """Deletes a file, unless it is printed now."""
+    await call.bridge.remove_file(confined(query.path))
+
+
+@operation(
+    "files.rename",
+    "POST",
+    "/files/rename",
+    Role.OPERATOR,
+    errors=(*_CHANGE, "card.exists", "card.into-itself", "card.no-slots", "card.full"),
+)
+async def rename(call: Call, body: NewName) -> None:
+    """Renames or moves a file or folder, unless it is, or holds, what is printed now."""
+    await call.bridge.rename(confined(body.path), confined(body.to))
+
+
+@operation(
+    "folders.make", "POST", "/folders", Role.OPERATOR, errors=(*_CHANGE, "card.exists", "card.full")
+)
+async def make_folder(call: Call, body: FilePath) -> None:
+    """Makes a folder."""
+    card, path = await call.bridge.card(), confined(body.path)
+    await beside(lambda: card.make_directory(path))
+
+
+@operation(
+    "folders.remove",
+    "DELETE",
+    "/folders",
+    Role.OPERATOR,
+    errors=(*_CHANGE, "card.not-empty", "card.not-directory"),
+)
+async def remove_folder(call: Call, query: FilePath) -> None:
+    """Deletes an empty folder."""
+    card, path = await call.bridge.card(), confined(query.path)
+    await beside(lambda: card.remove_directory(path))
+
+
+def _part(content_range: str | None, length: int | None) -> tuple[int, int | None]:
+    """The offset of what is sent, and the size of the whole file."""
+    if content_range is None:
+        return 0, length
+    found = _RANGE.fullmatch(content_range.strip())
+    if found is None:
+        raise InputError.of("upload.malformed", value=f"Content-Range is {content_range!r}")
+    first, last, total = (int(digits) for digits in found.groups())
+    if not first <= last < total or length not in (None, last - first + 1):
+        raise InputError.of("upload.malformed", value=f"Content-Range is {content_range!r}")
+    return first, total

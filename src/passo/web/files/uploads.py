@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator
+from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -30,8 +30,9 @@ class _Kept:
 class Uploads:
     """The uploads of one printer; used in the web's event loop alone."""
 
-    def __init__(self, bridge: Bridge) -> None:
-        self._bridge = bridge
+    def __init__(self, bridge: Bridge, arrived: Callable[[str], None]) -> None:
+        """`arrived` is called with the path of each file that is whole."""
+        self._bridge, self._arrived = bridge, arrived
         self._active = 0
         self._kept: dict[str, _Kept] = {}
 
@@ -67,6 +68,7 @@ class Uploads:
                 yield incoming
                 if total is None or incoming.offset == total:
                     await incoming.finish()
+                    self._arrived(path)
                 elif incoming.offset > total or not resumable:
                     raise InputError.of(
                         "upload.malformed", value=f"it has {incoming.offset} of {total} bytes"

@@ -1,34 +1,149 @@
-"""OctoPrint's interface, as far as slicers use it to test a printer, upload and start. Source:
+"""OctoPrint's interface, as far as slicers test a printer with it, upload, start and watch. Source:
 OctoPrint's REST API documentation."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from starlette.responses import Response
 
-from passo.errors import CommandError, InputError, PassoError
+from passo.errors import InputError, PassoError, WebError
 from passo.version import __version__
 from passo.web.answers import json
 from passo.web.call import Call
 from passo.web.files.body import Body
 from passo.web.files.form_upload import receive_form
-from passo.web.files.names import program
+from passo.web.files.incoming import beside
+from passo.web.files.names import confined, program
 from passo.web.operation import operation
 from passo.web.roles import Role
+from passo.web.slicers.octoprint_status import job_state, printer_profile, printer_state, state_text
+from passo.web.slicers.printing import posted, run_soon, started
 
 if TYPE_CHECKING:
     from starlette.requests import Request
 
-    from passo.web.bridge import Bridge
+    from passo.card import Entry
+
+_DONE = 204
 
 
 @operation("octoprint.version", "GET", "/api/version", Role.VIEWER, root="")
 async def version(_: Call) -> Response:
     """What a slicer tests: `text` begins with OctoPrint for those that ask."""
-    return json({"api": "0.1", "server": "1.5.0", "text": f"OctoPrint (Passo {__version__})"})
+    return json(
+        {
+            "api": "0.1",
+            "server": "1.5.0",
+            "text": f"OctoPrint (Passo {__version__})",
+            "capabilities": {"upload-by-put": True},  # for those that take it for PrusaLink
+        }
+    )
+
+
+@operation("octoprint.login", "POST", "/api/login", Role.VIEWER, root="")
+async def login(call: Call) -> Response:
+    """Who the key belongs to."""
+    caller = call.caller
+    admin = caller.role >= Role.ADMIN
+    return json({"name": caller.name, "active": True, "user": True, "admin": admin, "session": ""})
+
+
+@operation("octoprint.settings", "GET", "/api/settings", Role.VIEWER, root="")
+async def settings(_: Call) -> Response:
+    """No camera, no plug-ins."""
+    feature = {"sdSupport": False, "temperatureGraph": False}
+    return json({"plugins": {}, "feature": feature, "webcam": {"webcamEnabled": False}})
+
+
+@operation("octoprint.profiles", "GET", "/api/printerprofiles", Role.VIEWER, root="")
+async def profiles(call: Call) -> Response:
+    """The one machine."""
+    return json({"profiles": {"_default": printer_profile(call.bridge.machine)}})
+
+
+@operation("octoprint.printer", "GET", "/api/printer", Role.VIEWER, root="")
+async def printer(call: Call) -> Response:
+    """Temperatures and state."""
+    return json(printer_state(call.bridge))
+
+
+@operation("octoprint.job", "GET", "/api/job", Role.VIEWER, root="")
+async def job(call: Call) -> Response:
+    """The file that is printed, or selected, and how far it is."""
+    return json(job_state(call.bridge))
+
+
+@operation("octoprint.order", "POST", "/api/job", Role.OPERATOR, root="")
+async def order(call: Call) -> Response:
+    """Starts, pauses, resumes or cancels the print."""
+    wanted, bridge = await posted(call), call.bridge
+    command, action = wanted.get("command"), wanted.get("action", "toggle")
+    paused = bridge.latest().status.state.value == "A"
+    if command in ("start", "restart"):
+        path = bridge.latest().status.files.selected
+        if not path:
+            raise InputError.of("job.no-file")
+        await bridge.start_print(path)
+    elif command == "cancel":
+        await bridge.cancel_print()
+    elif command == "pause" and action in ("toggle", "pause", "resume"):
+        if action == "resume" or (action == "toggle" and paused):
+            await bridge.resume_print()
+        else:
+            await bridge.pause_print()
+    else:
+        raise _unknown(command)
+    return Response(status_code=_DONE)
+
+
+@operation("octoprint.connection", "GET", "/api/connection", Role.VIEWER, root="")
+async def connection(call: Call) -> Response:
+    """The printer is always connected to what serves it."""
+    text = state_text(call.bridge.latest().status)
+    port = {"port": "passo", "baudrate": 250000, "printerProfile": "_default"}
+    profile = {"id": "_default", "name": call.bridge.machine.name}
+    options = {"ports": ["passo"], "baudrates": [250000], "printerProfiles": [profile]}
+    return json({"current": {"state": text, **port}, "options": options})
+
+
+@operation("octoprint.connect", "POST", "/api/connection", Role.OPERATOR, root="")
+async def connect(call: Call) -> Response:
+    """Connects to a halted printer by starting it again; does nothing otherwise."""
+    wanted = await posted(call)
+    if wanted.get("command") == "connect" and call.bridge.latest().status.halted:
+        await call.bridge.restart()
+    return Response(status_code=_DONE)
+
+
+@operation("octoprint.command", "POST", "/api/printer/command", Role.OPERATOR, root="")
+async def command(call: Call) -> Response:
+    """Carries out lines of G-code, in order."""
+    wanted = await posted(call)
+    lines: object = wanted.get("commands", [wanted.get("command")])
+    if not isinstance(lines, list):
+        raise _unknown(lines)
+    texts: list[str] = []
+    for line in lines:  # pyright: ignore[reportUnknownVariableType]
+        if not isinstance(line, str):
+            raise _unknown(line)  # pyright: ignore[reportUnknownArgumentType]
+        texts.append(line)
+    await run_soon(call, "\n".join(texts))
+    return Response(status_code=_DONE)
+
+
+@operation("octoprint.files", "GET", "/api/files", Role.VIEWER, root="")
+async def all_files(call: Call) -> Response:
+    """The files of the card's root, with those of its folders if `recursive` is true."""
+    return await _listing(call)
+
+
+@operation("octoprint.local", "GET", "/api/files/local", Role.VIEWER, root="")
+async def local_files(call: Call) -> Response:
+    """The same: there is no other place for files."""
+    return await _listing(call)
 
 
 @operation(
@@ -41,49 +156,118 @@ async def version(_: Call) -> Response:
 )
 async def upload(call: Call) -> Response:
     """Takes a file, then selects or prints it if the form says so. A printer that cannot print it
-    now keeps it all the same: `effectivePrint` is false then, as OctoPrint has it."""
-    request = call.request
-    body = Body(request)
+    now keeps it all the same: `effectivePrint` is false then, as OctoPrint has it. A form with a
+    `foldername` makes a folder."""
+    request, body = call.request, Body(call.request)
     try:
         form = await receive_form(body, call.site.uploads, _target)
-        if not form.path:
-            raise InputError.of("upload.malformed", value="it has no file")
     except PassoError:
         await body.drain()
         raise
-    printed = form.fields.get("print", "") == "true" and await _start(call.bridge, form.path)
+    path = form.path
+    if not path:
+        if not (folder := form.fields.get("foldername")):
+            raise InputError.of("upload.malformed", value="it has no file")
+        path = confined(f"{form.fields.get('path', '')}/{folder}")
+        card = await call.bridge.card()
+        await beside(lambda: card.make_directory(path))
+        answer = {"done": True, "folder": _named(request, path)}
+        return json(answer, 201, {"Location": _resource(request, path)})
+    if printed := form.fields.get("print", "") == "true":
+        selected = printed = await started(call.bridge, path)
+    else:
+        selected = form.fields.get("select", "") == "true" and await _selected(call, path)
     answer = {
         "done": True,
         "effectivePrint": printed,
-        "effectiveSelect": printed,
-        "files": {"local": _file(request, form.path)},
+        "effectiveSelect": selected,
+        "files": {"local": _named(request, path)},
     }
-    resource = f"{request.base_url}api/files/local{quote(form.path)}"
-    return json(answer, 201, {"Location": resource})
+    return json(answer, 201, {"Location": _resource(request, path)})
 
 
-async def _start(bridge: Bridge, path: str) -> bool:
-    try:
-        await bridge.start_print(path)
-    except CommandError:
-        return False
-    return True
+@operation("octoprint.file", "GET", "/api/files/local/{path:path}", Role.VIEWER, root="")
+async def file(call: Call, path: str) -> Response:
+    """One file."""
+    card, path = await call.bridge.card(), confined(path)
+    entry = await beside(lambda: card.find(path))
+    return json(_entry(call.request, path, entry))
+
+
+@operation("octoprint.select", "POST", "/api/files/local/{path:path}", Role.OPERATOR, root="")
+async def select(call: Call, path: str) -> Response:
+    """Selects a file, and prints it if `print` is true."""
+    wanted, path = await posted(call), confined(path)
+    if wanted.get("command") != "select":
+        raise _unknown(wanted.get("command"))
+    if wanted.get("print") is True:
+        await call.bridge.start_print(path)
+    else:
+        await call.bridge.select_file(path)
+    return Response(status_code=_DONE)
+
+
+@operation("octoprint.remove", "DELETE", "/api/files/local/{path:path}", Role.OPERATOR, root="")
+async def remove(call: Call, path: str) -> Response:
+    """Deletes a file."""
+    await call.bridge.remove_file(confined(path))
+    return Response(status_code=_DONE)
+
+
+def _unknown(command: object) -> WebError:
+    return WebError.of("web.malformed", value=f"{command!r} is not a command")
 
 
 def _target(fields: Mapping[str, str], name: str) -> str:
     return program(f"{fields.get('path', '')}/{name}")
 
 
-def _file(request: Request, path: str) -> dict[str, object]:
+async def _selected(call: Call, path: str) -> bool:
+    try:
+        await call.bridge.select_file(path)
+    except PassoError:
+        return False
+    return True
+
+
+def _resource(request: Request, path: str) -> str:
+    return f"{request.base_url}api/files/local{quote(path)}"
+
+
+def _named(request: Request, path: str) -> dict[str, Any]:
     name = path.rpartition("/")[2]
-    at = quote(path)
+    download = f"{request.base_url}api/v1/files/content?path={quote(path)}"
     return {
         "name": name,
         "display": name,
         "path": path.removeprefix("/"),
         "origin": "local",
-        "refs": {
-            "resource": f"{request.base_url}api/files/local{at}",
-            "download": f"{request.base_url}api/v1/files/content?path={at}",
-        },
+        "refs": {"resource": _resource(request, path), "download": download},
     }
+
+
+def _entry(request: Request, path: str, entry: Entry) -> dict[str, Any]:
+    kind = {"type": "machinecode", "typePath": ["machinecode", "gcode"]}
+    about = {"size": entry.size, "date": int(entry.modified.timestamp())}
+    if entry.is_directory:
+        kind, about = {"type": "folder", "typePath": ["folder"]}, {}
+    return {**_named(request, path), **kind, **about}
+
+
+async def _listing(call: Call) -> Response:
+    card, request = await call.bridge.card(), call.request
+    deep = request.query_params.get("recursive", "").lower() == "true"
+
+    def read(folder: str, depth: int) -> list[dict[str, Any]]:
+        found: list[dict[str, Any]] = []
+        for entry in card.list(folder or "/"):
+            path = f"{folder}/{entry.name}"
+            about = _entry(request, path, entry)
+            if entry.is_directory:
+                about["children"] = read(path, depth - 1) if deep and depth else []
+            found.append(about)
+        return found
+
+    files = await beside(lambda: read("", 8))
+    free = await beside(lambda: card.free_bytes)
+    return json({"files": files, "free": free})

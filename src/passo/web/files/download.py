@@ -1,0 +1,64 @@
+"""A file of the card as an answer, whole or a part of it (RFC 9110, section 14)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import AsyncGenerator
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from starlette.responses import Response, StreamingResponse
+
+from passo.card.unheld import Unheld
+from passo.errors import CardError
+from passo.web.files.incoming import beside
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+
+    from passo.card import Card
+
+_PIECE = 1 << 18
+_RANGE = re.compile(r"bytes=(\d{0,19})-(\d{0,19})")
+
+
+async def download(request: Request, card: Card, path: str) -> Response:
+    """The file at a confined path. It is not kept from others while a slow client reads it: if it
+    is replaced, the answer breaks off. Raises CardError."""
+    entry = await beside(lambda: card.find(path))
+    if entry.is_directory:
+        raise CardError.of("card.directory", path)
+    file = await beside(lambda: Unheld(card, path))
+    tag = f'"{entry.size:x}-{int(entry.modified.timestamp()):x}"'
+    headers = {
+        "Accept-Ranges": "bytes",
+        "ETag": tag,
+        "Content-Disposition": f"attachment; filename*=UTF-8''{quote(entry.name, safe='')}",
+        "X-Content-Type-Options": "nosniff",
+    }
+    begin, end, status = 0, file.size, 200
+    wanted = _RANGE.fullmatch(request.headers.get("range", ""))
+    if wanted and any(wanted.groups()) and request.headers.get("if-range", tag) == tag:
+        begin, end = _part(wanted[1], wanted[2], file.size)
+        if begin >= end:
+            return Response(None, 416, {**headers, "Content-Range": f"bytes */{file.size}"})
+        headers["Content-Range"] = f"bytes {begin}-{end - 1}/{file.size}"
+        status = 206
+    headers["Content-Length"] = str(end - begin)
+    return StreamingResponse(_pieces(file, begin, end), status, headers, "text/x.gcode")
+
+
+def _part(first: str, last: str, size: int) -> tuple[int, int]:
+    """The bytes that a range means: from, and up to but without."""
+    if not first:
+        return max(size - int(last), 0), size
+    return int(first), min(int(last) + 1, size) if last else size
+
+
+async def _pieces(file: Unheld, begin: int, end: int) -> AsyncGenerator[bytes]:
+    file.seek(begin)
+    while begin < end:
+        count = min(_PIECE, end - begin)
+        data = await beside(lambda count=count: file.read(count))
+        begin += len(data)
+        yield data

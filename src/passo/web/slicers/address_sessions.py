@@ -1,0 +1,41 @@
+"""Sessions of RepRapFirmware's interface, whose clients send their password once and are known by
+their address from then on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from passo.web.operation import Caller
+
+IDLE_S = 60.0  # a session ends that is not used so long
+_MAX = 32
+
+
+class AddressSessions:
+    """Who has connected from which address with an API key. `now_s` is a monotonic clock."""
+
+    def __init__(self, now_s: Callable[[], float]) -> None:
+        self._now_s = now_s
+        self._found: dict[str, tuple[Caller, float]] = {}
+
+    def begin(self, address: str, caller: Caller) -> None:
+        """Requests from this address are the caller's."""
+        self._found.pop(address, None)
+        self._found[address] = (replace(caller, address=address), self._now_s())
+        while len(self._found) > _MAX:
+            del self._found[next(iter(self._found))]
+
+    def use(self, address: str) -> Caller | None:
+        """Who has connected from this address; the session goes on."""
+        caller, used_s = self._found.pop(address, (None, 0.0))
+        if caller is None or self._now_s() - used_s > IDLE_S:
+            return None
+        self._found[address] = (caller, self._now_s())
+        return caller
+
+    def end(self, address: str) -> None:
+        """Nobody is connected from this address."""
+        self._found.pop(address, None)

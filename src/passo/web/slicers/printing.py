@@ -1,0 +1,76 @@
+"""What all interfaces of slicers do in the same way: start a print, run commands, read JSON."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, cast
+
+import msgspec
+
+from passo.config.heater_numbers import heater_of
+from passo.errors import PassoError, WebError
+from passo.printer.status import HeaterStatus, PrinterState, Status
+from passo.web.requests import limited
+
+if TYPE_CHECKING:
+    from passo.web.bridge import Bridge
+    from passo.web.call import Call
+
+_MAX_JSON = 1 << 16
+_ANSWER_S = 2.0  # so long a command may take until its client hears that it goes on
+
+_going_on = set[asyncio.Task[tuple[str, ...]]]()  # the event loop alone would not keep them
+
+
+async def started(bridge: Bridge, path: str) -> bool:
+    """Prints a file; False if the printer cannot now."""
+    try:
+        await bridge.start_print(path)
+    except PassoError:
+        return False
+    return True
+
+
+async def run_soon(call: Call, script: str) -> tuple[str, ...]:
+    """Carries out lines of G-code, and returns what they have answered within some seconds; those
+    that take longer go on. Raises PassoError for what fails within that time."""
+    task = asyncio.ensure_future(call.run(script))
+    _going_on.add(task)
+    task.add_done_callback(_ended)
+    done, _ = await asyncio.wait({task}, timeout=_ANSWER_S)
+    return task.result() if done else ()
+
+
+def _ended(task: asyncio.Task[tuple[str, ...]]) -> None:
+    _going_on.discard(task)
+    if not task.cancelled():
+        task.exception()  # consoles have shown it
+
+
+async def posted(call: Call) -> dict[str, Any]:
+    """The object of JSON that a request holds, empty without a body. Raises WebError."""
+    data = await limited(call.request, _MAX_JSON)
+    try:
+        found: object = msgspec.json.decode(data) if data.strip() else {}
+    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+        raise WebError.of("web.malformed", value=error) from None
+    if not isinstance(found, dict):
+        raise WebError.of("web.malformed", value="expected an object")
+    return cast("dict[str, Any]", found)
+
+
+def heaters(bridge: Bridge, status: Status, kind: str) -> list[HeaterStatus]:
+    """The heaters of a kind, by their numbers in commands."""
+    machine = bridge.machine
+    names = (heater_of(machine, kind, i) for i in range(len(machine.heaters) + len(machine.tools)))
+    return [status.heaters[name] for name in dict.fromkeys(names) if name in status.heaters]
+
+
+def is_printing(status: Status) -> bool:
+    """A file is printed, or its print is paused."""
+    return status.state in (PrinterState.PRINTING, PrinterState.PAUSED)
+
+
+def sentence(error: PassoError) -> str:
+    """What is wrong, and what to do."""
+    return str(error.problems[0])
