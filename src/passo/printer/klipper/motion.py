@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from passo.printer.klipper.names import extruder_object, stepper_object
+from passo.config.heater_numbers import heater_of
+from passo.printer.klipper.names import heater_object, stepper_object
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -34,7 +35,7 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
         "homed_axes": "".join(name for name in "xyz" if name in status.homed),
         "axis_minimum": Coord(x.min_mm, y.min_mm, z.min_mm, 0.0),
         "axis_maximum": Coord(x.max_mm, y.max_mm, z.max_mm, 0.0),
-        "extruder": extruder_object(status.tool) if machine.extruders else "",
+        "extruder": _active_extruder(machine, status.tool),
         "max_velocity": min(fastest, motion.max_speed_mm_s or fastest),
         "max_accel": accel,
         "minimum_cruise_ratio": motion.minimum_cruise_ratio,
@@ -44,6 +45,12 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
         "estimated_print_time": status.time_s,
         "stalls": 0,
     }
+
+
+def _active_extruder(machine: MachineConfig, tool: int) -> str:
+    """The hotend of the tool in use: tools that share one share its object."""
+    hotend = heater_of(machine, "hotend", tool)
+    return "" if hotend is None else heater_object(machine, hotend)
 
 
 def gcode_move(status: Status) -> Object:
