@@ -1,7 +1,7 @@
 /** The files of the card: one folder of them, and what is known of each. */
 
 import { call } from "../api/client";
-import type { FileEntry, Folder, Metadata } from "../api/files";
+import type { FileEntry, Folder, Metadata } from "../api/schema";
 import { attempt } from "./actions.svelte";
 
 const AGAIN_MS = 1500; // while a plan is being made

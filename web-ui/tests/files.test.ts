@@ -1,0 +1,93 @@
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
+import { expectAccessible, expectFits, launch, picture, visit } from "./browser";
+import { Served } from "./served";
+
+const served = new Served();
+let browser: Browser;
+let page: Page;
+let faults: string[];
+
+beforeAll(async () => {
+  [browser] = await Promise.all([launch(), served.start()]);
+});
+
+afterAll(async () => {
+  await browser.close();
+  await served.remove();
+});
+
+beforeEach(async () => {
+  ({ page, faults } = await visit(browser, served.url));
+  await page.getByRole("link", { name: "Files" }).click();
+});
+
+afterEach(async () => {
+  expect(faults).toEqual([]);
+  await page.context().close();
+});
+
+const row = (name: string) => page.getByRole("row", { name });
+
+async function upload(name: string, text: string): Promise<void> {
+  const file = { name, mimeType: "text/x.gcode", buffer: Buffer.from(text) };
+  await page.locator("input[type=file]").setInputFiles(file);
+}
+
+test("a file shows its verdict, its time and what limits it", async () => {
+  await row("demo.gcode").getByText("Fits").waitFor();
+  await page.getByRole("button", { name: "demo.gcode" }).click();
+  await page.getByText("What limits the speed").waitFor();
+  await page.getByText("Check that the bed is clear.").waitFor();
+  for (const width of [360, 1280]) {
+    await page.setViewportSize({ width, height: 800 });
+    await expectFits(page);
+    await expectAccessible(page);
+    await picture(page, `files-${width}-light`);
+  }
+  await page.emulateMedia({ colorScheme: "dark" });
+  await expectAccessible(page);
+  await picture(page, "files-1280-dark");
+});
+
+test("an upload arrives, asks when its name is taken, and is deleted", async () => {
+  await upload("line.gcode", "G28\nG1 X10 F3000\n");
+  await row("line.gcode").waitFor();
+  await upload("line.gcode", "G28\nG1 X20 F3000\n");
+  await page.getByRole("dialog", { name: "The name is taken" }).waitFor();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Keep both" }).click();
+  await row("line-2.gcode").waitFor();
+  await page.getByRole("button", { name: "Delete" }).click();
+  await page.getByRole("button", { name: "Delete the file" }).click();
+  await row("line-2.gcode").waitFor({ state: "detached" });
+});
+
+test("a file that leaves the machine cannot be printed, with the reason", async () => {
+  await upload("far.gcode", "G28\nG1 X999 F3000\n");
+  await row("far.gcode").getByText("Cannot be printed").waitFor();
+  await page.getByText(/999/).waitFor();
+  expect(await page.getByRole("button", { name: "Print", exact: true }).isDisabled()).toBe(true);
+});
+
+test("a print is started, watched, paused and cancelled", async () => {
+  await page.getByRole("button", { name: "demo.gcode" }).click();
+  await page.getByRole("button", { name: "Print", exact: true }).click();
+  const card = page.getByRole("region", { name: "Print" });
+  await card.getByText(/Waiting for \w+/).waitFor();
+  await card.locator(".chip", { hasText: "Printing" }).waitFor();
+  await picture(page, "printing-1280-light");
+  await page.setViewportSize({ width: 360, height: 740 });
+  await picture(page, "printing-360-light");
+  await card.getByRole("button", { name: "Pause" }).click();
+  await card.locator(".chip", { hasText: "Paused" }).waitFor();
+  await card.getByRole("button", { name: "Cancel" }).click();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Keep printing" }).click();
+  await card.getByRole("button", { name: "Resume" }).click();
+  await card.locator(".chip", { hasText: "Printing" }).waitFor();
+  await card.getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("button", { name: "Cancel the print" }).click();
+  await card.locator(".chip", { hasText: "Cancelled" }).waitFor();
+  await expectAccessible(page);
+});
