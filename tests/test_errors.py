@@ -20,16 +20,20 @@ from passo.board.faults import BoardResetError, BoardSilentError
 from passo.board.trinamic.driver import DriverFailure
 from passo.catalogue import ExitStatus
 from passo.errors import InputError, PassoError, Problem
+from passo.web.answers import Fault
+from passo.web.client import RequestError
 
 PROBLEMS = (
     Problem("config.value", "m.toml", 3, {"key": "a", "value": [1, 2.5], "limit": "b"}, "Why?"),
     Problem("input.garbage", "p.gcode", 7, {"value": "\u00e4\u65e5"}),
 )
+FAULT = Fault("card.not-found", "card", "a.g is not there", "Look at the list", {"value": "a.g"})
 # Those whose constructors take something else than problems or a text.
 MADE: dict[type[BaseException], Callable[[], BaseException]] = {
     BoardResetError: lambda: BoardResetError("tool"),
     BoardSilentError: lambda: BoardSilentError("get_clock (board tool)"),
     DriverFailure: lambda: DriverFailure(PROBLEMS[0]),
+    RequestError: lambda: RequestError(404, FAULT),
 }
 
 

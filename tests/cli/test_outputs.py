@@ -193,7 +193,7 @@ def test_explain(short, capsys):
 
 def test_explain_of_lines_without_a_move(short, capsys):
     assert main(["explain", f"{short}:2"]) == 0
-    assert "M106: Sets a fan's speed." in capsys.readouterr().out
+    assert "M106: Sets the speed of fan P" in capsys.readouterr().out
     assert main(["explain", f"{short}:99"]) == 4
     assert "there is no line 99: the file has 5" in capsys.readouterr().err
 
@@ -220,7 +220,7 @@ LINES = {
     "T0": ["T0: Selects a tool."],
     "G777": ["G777: unknown here, skipped."],
     "G80": ["G80: Ends a canned cycle."],
-    "G81 X2 Z1 R2 F60": ["G81: Drills: rapidly to X Y", "  X2", "  Z1", "  R2", "  F60"],
+    "G81 X2 Z1 R2 F60": ["G81: Drills: travels to X Y", "  X2", "  Z1", "  R2", "  F60"],
     "N2 G1 X5 F600*55": [
         "The line has the number 2, which is skipped; its checksum is right.",
         "G1: Moves in a straight line",
@@ -229,7 +229,7 @@ LINES = {
     ],
     "N4 M104 S100*96": [
         "The line has the number 4, which is skipped; its checksum is right.",
-        "M104: Sets the hotend's temperature",
+        "M104: Sets the temperature of a hotend",
         "  S100",
     ],
     "(first X3) G1 X20": ["G1: Moves in a straight line", "  X20"],
@@ -238,24 +238,24 @@ LINES = {
     "PRINT_START BED=60": ["PRINT_START: unknown here, skipped.", "  BED=60"],
     "foo": ["FOO: unknown here, skipped."],
     "G91 G1 X5 F600 M106 S3": [
-        "G91: Positions are relative",
+        "G91: Makes positions relative",
         "G1: Moves in a straight line",
         "  X5",
         "  F600",
-        "M106: Sets a fan's speed.",
+        "M106: Sets the speed of fan P",
         "  S3",
     ],
-    "G90 X3": ["G90: Positions are absolute.", "A move in the way of the last one", "  X3"],
+    "G90 X3": ["G90: Makes positions absolute.", "A move in the way of the last one", "  X3"],
     "Y2 (x) X1": ["A move in the way of the last one", "  Y2", "  X1"],
-    "S20 M3": ["M3: Laser or spindle on.", "  S20"],
-    "M117 hello X3": ["M117: A message", "  hello X3"],
-    "M862.3 P": ["M862.3: It asks", "  P"],
+    "S20 M3": ["M3: Switches the laser or spindle on.", "  S20"],
+    "M117 hello X3": ["M117: Sends a message", "  hello X3"],
+    "M862.3 P": ["M862.3: The command checks", "  P"],
     "G1 X2 T1.5 M400 G4 P5": [
         "G1: Moves in a straight line",
         "  X2",
         "  T1.5",
         "M400: Waits",
-        "G4: Waits.",
+        "G4: Waits",
         "  P5",
     ],
 }

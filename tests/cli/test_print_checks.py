@@ -117,7 +117,7 @@ def test_each_hotend_is_checked_for_its_tool(capsys, program):
 
 UNKNOWN = [
     "PRINT_START BED=60", "START_PRINT", "_PURGE_LINE", "print_end",
-    "SET_GCODE_OFFSET Z=0.1 MOVE=1", "RESTORE_GCODE_STATE NAME=a", "G84 X1 Z-1 R1", "G33",
+    "G84 X1 Z-1 R1", "G33",
     "G38.2 Z-5", "G5 X1 Y1 I0 J1 P0 Q1", "G41 D1", "G51 X2", "O100 call", "O5 while [1]",
     "G90 G68 X0 Y0 R45",
 ]  # fmt: skip

@@ -81,8 +81,9 @@ def test_a_history_of_an_older_kind_is_taken_over(tmp_path):
     for size in (8, 9):
         history = History(tmp_path)
         history.add("new.g", size, "failed", 30.0, 2.0, "late")
-        assert history.last(1) == [("new.g", "failed", 30.0, "late")]
-        assert history.last(9)[-1] == ("old.g", "done", 60.0, "")
+        (new,), old = history.last(1), history.last(9)[-1]
+        assert (new.file, new.ended, new.print_s, new.note) == ("new.g", "failed", 30.0, "late")
+        assert (old.file, old.ended, old.print_s, old.note) == ("old.g", "done", 60.0, "")
         history.close()
 
 
@@ -102,7 +103,8 @@ def test_without_a_directory_there_is_no_history():
 def rows(path):
     history = History(path)
     try:
-        return history.last(9), history.totals()
+        last = [(row.file, row.ended, row.print_s, row.note) for row in history.last(9)]
+        return last, history.totals()
     finally:
         history.close()
 

@@ -240,8 +240,8 @@ def test_homed_in_a_pause(start):
 
 def test_the_file_that_is_printed_is_neither_deleted_nor_written(start):
     s = start()
-    assert "is in use" in s.host.ok("M30 a.g")[0]
-    assert "is in use" in s.host.ok("M28 a.g")[0]
+    assert "is being printed" in s.host.ok("M30 a.g")[0]
+    assert "is being printed" in s.host.ok("M28 a.g")[0]
     s.host.ok("M106 S255")  # for the file, which is none
     s.host.ok("M29")
     assert "is being printed" in s.host.ok("M23 a.g")[0]

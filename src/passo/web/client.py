@@ -29,6 +29,10 @@ class RequestError(Exception):
         super().__init__(f"{fault.message}. {fault.action}.")
         self.status, self.fault = status, fault
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Crosses to another process with its status and fault."""
+        return type(self), (self.status, self.fault), self.__dict__
+
 
 @dataclass(frozen=True, slots=True)
 class _Request:
