@@ -72,6 +72,8 @@ def test_print_pauses_resumes_and_is_cancelled(server, tmp_path):
     server.upload("/server/files/upload", squares(tmp_path / "long.gcode", 400), print="true")
     server.wait(lambda: server.print_state == "printing")
     server.wait(lambda: server.query("motion_report")["live_extruder_velocity"] > 0)
+    # More than a pause retracts: the print may be cancelled before that is undone.
+    server.wait(lambda: server.query("print_stats")["filament_used"] > 4)
     server.post("/printer/print/pause")
     server.wait(lambda: server.print_state == "paused")
     assert server.query("pause_resume")["is_paused"] is True
