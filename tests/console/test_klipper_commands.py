@@ -84,6 +84,16 @@ def test_what_is_wrong_with_a_parameter_is_named(line, reason):
         assert any(reason in text for text in s.host.ok(line))
 
 
+def test_wait_for_a_temperature_ends_within_its_limits():
+    with Scenario("i3") as s:
+        s.host.ok("M104 S100 F")
+        s.host.ok("TEMPERATURE_WAIT SENSOR=extruder MINIMUM=60", within=60)
+        assert 60 <= s.printer.connection.heaters["hotend"].celsius < 70
+        s.host.ok("M104 S0 F")
+        s.host.ok("TEMPERATURE_WAIT SENSOR=extruder MAXIMUM=50", within=300)
+        assert 45 < s.printer.connection.heaters["hotend"].celsius <= 50
+
+
 def test_lines_for_pages_have_klippers_prefixes():
     with Scenario("i3") as s:
         assert "// action:prompt_end" in s.host.ok('RESPOND TYPE=command MSG="action:prompt_end"')

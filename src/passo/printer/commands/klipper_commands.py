@@ -95,7 +95,7 @@ class KlipperCommands:
             index = list(self._machine.extruders).index(part.extruder) if part.extruder else None
             if index is not None and job.flows[index] != saved.flows[index]:
                 lines.append(f"M221 T{tool} S{numeral(100 * saved.flows[index])}")
-        if _number(words, "MOVE", 0.0):
+        if number(words, "MOVE", 0.0):
             at = zip("XYZ", saved.program_mm, strict=True)
             place = " ".join(f"{letter}{numeral(mm)}" for letter, mm in at)
             speed = _lettered(words, {"F": ("MOVE_SPEED", 60)})
@@ -122,8 +122,8 @@ class KlipperCommands:
     )
     def _heat(self, command: Command, _: Reply) -> None:
         words = command.pairs()
-        target = numeral(_number(words, "TARGET", 0.0))
-        self._become([f"{self._setting(self._heater(words))} S{target}"])
+        target = numeral(number(words, "TARGET", 0.0))
+        self._become([f"{self._setting(heater_named(self._machine, words, 'HEATER'))} S{target}"])
 
     @command(
         "TURN_OFF_HEATERS",
@@ -146,27 +146,21 @@ class KlipperCommands:
     )
     def _tune(self, command: Command, _: Reply) -> None:
         words = command.pairs()
-        name = self._heater(words)
-        number = number_of(self._machine, name)
-        if number is None:
+        name = heater_named(self._machine, words, "HEATER")
+        found = number_of(self._machine, name)
+        if found is None:
             raise CommandError.of("command.value", axis="HEATER", value=name, limit=_TUNED)
-        self._become([f"M303 H{number} S{numeral(_number(words, 'TARGET'))} U1"])
-
-    def _heater(self, words: _Words) -> str:
-        """The heater of this name."""
-        named = {heater_object(self._machine, name): name for name in self._machine.heaters}
-        named = {name.removeprefix("heater_generic "): own for name, own in named.items()}
-        return _one_of(words, "HEATER", named)
+        self._become([f"M303 H{found} S{numeral(number(words, 'TARGET'))} U1"])
 
     def _setting(self, name: str) -> str:
         """The command, with its number, that sets a heater."""
         kind = self._machine.heaters[name].kind
         if kind == "hotend":
-            number = number_of(self._machine, name) or 0
+            index = number_of(self._machine, name) or 0
         else:
             same = [n for n, heater in self._machine.heaters.items() if heater.kind == kind]
-            number = same.index(name)
-        return _SETS[kind].format(number)
+            index = same.index(name)
+        return _SETS[kind].format(index)
 
     @command(
         "SET_FAN_SPEED",
@@ -183,8 +177,8 @@ class KlipperCommands:
             for name, fan in fans.items()
             if fan.commanded
         }
-        number = fans[_one_of(words, "FAN", named)].number
-        self._become([f"M106 P{number} S{numeral(_FULL_FAN * _number(words, 'SPEED', 0.0))}"])
+        index = fans[_one_of(words, "FAN", named)].number
+        self._become([f"M106 P{index} S{numeral(_FULL_FAN * number(words, 'SPEED', 0.0))}"])
 
     @command(
         "ACTIVATE_EXTRUDER",
@@ -196,7 +190,7 @@ class KlipperCommands:
     )
     def _tool(self, command: Command, _: Reply) -> None:
         tools = range(len(self._machine.all_tools))
-        named = {extruder_object(number): str(number) for number in tools}
+        named = {extruder_object(tool): str(tool) for tool in tools}
         self._become([f"T{_one_of(command.pairs(), 'EXTRUDER', named)}"])
 
     @command(
@@ -244,9 +238,9 @@ def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, fl
     words = command.pairs()
     found: dict[str, float] = {}
     for name in "xyz":
-        by = _number(words, f"{name.upper()}_ADJUST", 0.0)
+        by = number(words, f"{name.upper()}_ADJUST", 0.0)
         if name.upper() in words:
-            by = _number(words, name.upper()) - done_mm[name]
+            by = number(words, name.upper()) - done_mm[name]
         found[name] = by
     return found
 
@@ -257,7 +251,14 @@ def babystep_line(steps_mm: Mapping[str, float]) -> str:
     return f"M290 {' '.join(words)}" if words else ""
 
 
-def _number(words: _Words, key: str, default: float | None = None) -> float:
+def heater_named(machine: MachineConfig, words: Mapping[str, str], key: str) -> str:
+    """The heater that a name of Klipper means. Raises CommandError."""
+    named = {heater_object(machine, name): name for name in machine.heaters}
+    named = {name.removeprefix("heater_generic "): own for name, own in named.items()}
+    return _one_of(words, key, named)
+
+
+def number(words: _Words, key: str, default: float | None = None) -> float:
     """A number of a command. Raises CommandError."""
     if key not in words:
         if default is None:
@@ -284,7 +285,7 @@ def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
 def _lettered(words: _Words, letters: Mapping[str, tuple[str, float]]) -> str:
     """Words of a command with numbers, out of keys and their factors."""
     found = [
-        f" {letter}{numeral(factor * _number(words, key))}"
+        f" {letter}{numeral(factor * number(words, key))}"
         for letter, (key, factor) in letters.items()
         if key in words
     ]

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import inf
 
+from passo.board.faults import HeaterFault
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.heater_control import ControlCommands
+from passo.printer.commands.klipper_commands import heater_named, number
 from passo.printer.live_rig import LiveRig
-from passo.printer.wait_requests import Reply, Wait
+from passo.printer.wait_requests import Reply, Wait, WaitForTuning
 
 
 class HeatCommands:
@@ -62,6 +65,29 @@ class HeatCommands:
     def warm(self) -> bool:
         """The active tool's hotend lets filament move."""
         return self.cold.warm(self._rig.connection.heaters, self._rig.job.tool)
+
+    @command(
+        "TEMPERATURE_WAIT",
+        Subject.HEATERS,
+        When.EXCLUSIVE,
+        "SENSOR MINIMUM(°C) MAXIMUM(°C)",
+        "Waits until the temperature of a heater is within these limits.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _await(self, command: Command, _: Reply) -> Wait | None:
+        words = command.pairs()
+        name = heater_named(self._rig.machine, words, "SENSOR")
+        heater = self._rig.connection.heaters[name]
+        low, high = number(words, "MINIMUM", -inf), number(words, "MAXIMUM", inf)
+
+        def finish() -> None:
+            if heater.fault is not None:
+                raise CommandError([HeaterFault.of(name, heater.fault).problem])
+
+        return WaitForTuning(
+            lambda: heater.fault is not None or low <= heater.celsius <= high, finish
+        )
 
     # -- faults -----------------------------------------------------------------------------------
 
