@@ -11,7 +11,7 @@ namespace passo {
 inline constexpr int kAxes = 8;
 inline constexpr int kX = 0, kY = 1, kZ = 2, kE = 3, kExtra = 4;
 
-inline constexpr double kLongestMove = 1e6;  // s, dwells too
+inline constexpr double kMaxMoveS = 1e6;  // s, dwells too
 
 enum class MoveKind : uint8_t {
   travel,
@@ -20,9 +20,19 @@ enum class MoveKind : uint8_t {
   dwell
 };  // extrude: E alone (retract, prime)
 
+// What a move belongs to, for reports and statistics.
+struct MoveOrigin {
+  uint32_t line;       // 1-based line of the source
+  uint32_t main_line;  // the line of the call, for a line of a sub-program; else the same
+  uint16_t layer;      // slicer's layer, 0 before the first
+  uint16_t feature;    // index in the interpreter's table of feature names, 0 = none
+  uint16_t extruder;   // active extruder
+  uint16_t tool;       // in use; several may share one extruder
+};
+
 // What the interpreter hands to the planner for each G0, G1, chord of an arc, retraction or dwell.
 // The start of a move is the end of the one before it.
-struct MoveRequest {
+struct MoveRequest : MoveOrigin {
   double target[kAxes];  // absolute machine position, mm
   double feed_mm_s;      // F; infinity when none was ever given
   double duration_s;     // APrinter's T: at least this long; of a dwell: exactly; else 0
@@ -33,12 +43,6 @@ struct MoveRequest {
   double owed_mm;        // by which the program has drawn filament back at the start
   double hop_mm;         // of a retraction, that is in the target's Z
   double radius_mm;      // arc radius; infinity on straight moves
-  uint32_t line;         // 1-based line of the source
-  uint32_t main_line;    // of the call, where that is in a sub-program; else the same
-  uint16_t layer;        // slicer's layer, 0 before the first
-  uint16_t feature;      // index in the interpreter's table of feature names, 0 = none
-  uint16_t extruder;     // active extruder
-  uint16_t tool;         // in use; several may have one extruder
   MoveKind kind;
   uint8_t moved;     // bit per axis: the letter stood in the command
   uint8_t arc_axis;  // slot perpendicular to the arc's plane

@@ -15,14 +15,14 @@ namespace passo {
 class Arc {
  public:
   static constexpr double kChordError = 0.0045;  // mm
-  static constexpr double kMostChords = 1e7;
+  static constexpr double kMaxChords = 1e7;
   // By how much the radii at both ends may differ: a share of the larger one, within these, mm.
-  static constexpr double kSpiral = 0.005, kLeastSpiral = 0.05, kMostSpiral = 0.5;
+  static constexpr double kSpiral = 0.005, kMinSpiralMm = 0.05, kMaxSpiralMm = 0.5;
   static constexpr double kFullTurn = 6.283185307179586;
 
   // Whether an arc whose ends are so many mm apart is a straight line where its words name no
   // circle: its distances from one of the ends differ by no more than they may.
-  static bool tiny(double mm) { return mm <= kLeastSpiral; }
+  static bool tiny(double mm) { return mm <= kMinSpiralMm; }
 
   bool active() const { return done_ < chords_; }
 
@@ -46,9 +46,9 @@ class Arc {
     sweep_ += (clockwise ? -1 : 1) * kFullTurn * turns;
     double r = std::max(radius0_, radius1_);
     double step = 2 * std::sqrt(2 * std::min(kChordError / std::max(r, 1e-6), 0.1));
-    most_turns_ = std::floor(kMostChords * step / kFullTurn);
+    most_turns_ = std::floor(kMaxChords * step / kFullTurn);
     double chords = std::ceil(std::fabs(sweep_) / step);
-    if (chords > kMostChords) return false;
+    if (chords > kMaxChords) return false;
     chords_ = std::max(1, int(chords));
     done_ = 0;
     reached_ = false;
@@ -76,7 +76,7 @@ class Arc {
   double end_radius() const { return radius1_; }
   // Rounded coordinates make a circle a little of a spiral, a wrong centre makes a wide one.
   bool round() const {
-    double allowed = std::clamp(kSpiral * radius(), kLeastSpiral, kMostSpiral);
+    double allowed = std::clamp(kSpiral * radius(), kMinSpiralMm, kMaxSpiralMm);
     return std::fabs(radius1_ - radius0_) <= allowed;
   }
   bool first() const { return done_ == 1; }

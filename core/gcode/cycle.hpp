@@ -11,7 +11,7 @@ namespace passo {
 class Cycle {
  public:
   static constexpr double kBackOffMm = 0.254;  // between pecks, as RS274 has it
-  static constexpr double kMostRepeats = 10'000, kMostPecks = 1e6;
+  static constexpr double kMaxRepeats = 10'000, kMaxPecks = 1e6;
 
   struct Plan {
     int code = 81;

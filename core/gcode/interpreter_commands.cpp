@@ -192,11 +192,11 @@ void Interpreter::run_dwell(const Arguments& a) {
   m.duration_s = a.has('S') ? a.value('S', 0) : a.value('P', 0) / 1000;
   stamp(m);
   m.radius_mm = m.feed_mm_s = kInfinity;
-  if (!(a.has('S') ? within('S', m.duration_s, 0, kLongestMove)
-                   : within('P', m.duration_s * 1000, 0, kLongestMove * 1000)))
+  if (!(a.has('S') ? within('S', m.duration_s, 0, kMaxMoveS)
+                   : within('P', m.duration_s * 1000, 0, kMaxMoveS * 1000)))
     return;
   if (laser_.energy) m.energy_ws = std::max(0.0, a.value(laser_.energy, 0));
-  if (!within(laser_.energy, m.energy_ws, 0, kLongestMove * laser_.most_w)) return;
+  if (!within(laser_.energy, m.energy_ws, 0, kMaxMoveS * laser_.most_w)) return;
   m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
   if (m.duration_s > 0) {
     Item item{};

@@ -53,9 +53,9 @@ void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
   if (!words.given[0]) return lacks("R");
   if (pecks && !words.given[1]) return lacks("Q");
   if (!(feed < kInfinity)) return lacks("F");
-  if (!within(given('K') ? 'K' : 'L', repeats, 0, Cycle::kMostRepeats)) return;
+  if (!within(given('K') ? 'K' : 'L', repeats, 0, Cycle::kMaxRepeats)) return;
   if (repeats != std::floor(repeats)) return fail(Fault::number, "L", repeats, 0);
-  if (words.given[2] && !within('P', words.value[2], 0, kLongestMove)) return;
+  if (words.given[2] && !within('P', words.value[2], 0, kMaxMoveS)) return;
 
   Cycle::Plan plan;
   plan.code = code;
@@ -77,7 +77,7 @@ void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
   }
   plan.clear = to_level_ ? std::max(plan.start, initial) : plan.start;
   plan.peck = pecks ? words.value[1] : 0;
-  const double least_peck = (plan.start - plan.bottom) * std::max(1.0, repeats) / Cycle::kMostPecks;
+  const double least_peck = (plan.start - plan.bottom) * std::max(1.0, repeats) / Cycle::kMaxPecks;
   if (pecks && !(plan.peck > 0 && plan.peck >= least_peck))
     return void(within('Q', plan.peck / unit_, std::max(least_peck, 1e-3) / unit_, kInfinity));
   plan.dwell_s = code == 82 ? words.value[2] : 0;

@@ -111,7 +111,7 @@ void Interpreter::change_flow(size_t extruder, FlowChange& change) {
   filament.flow = change.flow();
   filament.owed = change.owed(owed);
   if (owed > 0) filament.scale *= filament.owed / owed;
-  extruder_[extruder] = change.place(from);
+  extruder_[extruder] = change.position(from);
   if (extruder != active_) return;
   position_[kE] = extruder_[extruder];
   auto pass = [&](double to, double& flow) {
@@ -125,7 +125,7 @@ void Interpreter::change_flow(size_t extruder, FlowChange& change) {
     if (item.found == Found::move && item.move.kind != MoveKind::dwell)
       item.move.target[kE] = pass(item.move.target[kE], item.move.flow);
   if (!arc_.active()) return;
-  double start = change.place(from), end = pass(from + arc_.left(kE), arc_move_.flow);
+  double start = change.position(from), end = pass(from + arc_.left(kE), arc_move_.flow);
   arc_.set_left(kE, start, end - start);
 }
 

@@ -6,6 +6,7 @@
 #include "gcode/exponents.hpp"
 #include "gcode/interpreter.hpp"
 #include "gcode/stray.hpp"
+#include "gcode/utf8.hpp"
 #include "gcode/word_grammar.hpp"
 
 namespace passo {
@@ -106,7 +107,7 @@ void Interpreter::run_words() {
   }
   auto starts = [&](const Word& x) { return (x.letter == 'G' || x.letter == 'M') && x.number; };
   auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
-  // Whether this begins a command, behind a move.
+  // Whether this begins a command after a move.
   auto after_move = [&](const Word& x) {
     if (tool(x)) return x.value >= 0 && x.value < double(machine_->tools.size());
     return starts(x) && !(x.letter == 'M' && (!x.whole() || laser_.has('M')));

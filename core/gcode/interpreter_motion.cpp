@@ -18,7 +18,7 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-    if (x->letter == 'R' && code < 2) {  // all are absolute but those right behind it
+    if (x->letter == 'R' && code < 2) {  // all words are absolute but those directly after it
       if (x->number) continue;
       relative = 0;
       keeps_feed = false;
@@ -114,7 +114,7 @@ void Interpreter::queue_step(int j, double by, double feed) {
 }
 
 // G28 B: back to machine position `to`, X and Y first, unless arms lift them together with Z: where
-// these are at home there is no way aside.
+// these are at home they have no room to the side.
 void Interpreter::queue_return(const double* to) {
   here(move_.target);
   const bool together = machine_->axes[size_t(kZ)].by_arms;

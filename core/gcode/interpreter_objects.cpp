@@ -197,8 +197,8 @@ bool Interpreter::join(const MoveRequest& m) {
   } else {
     const double* to = forward ? start : m.target;
     bool far = false;
-    auto aside = [&](int j) { return j != kZ && !is_filament(j); };
-    for (int j = 0; j < kAxes; ++j) far |= aside(j) && std::fabs(to[j] - at[j]) > kRounding;
+    auto sideways = [&](int j) { return j != kZ && !is_filament(j); };
+    for (int j = 0; j < kAxes; ++j) far |= sideways(j) && std::fabs(to[j] - at[j]) > kRounding;
     if (far) settle(true);
     const double top = std::max({at[kZ], start[kZ], to[kZ]});
     if (far && top - at[kZ] > kRounding) {
@@ -206,7 +206,7 @@ bool Interpreter::join(const MoveRequest& m) {
       step(skipped_feed_);
     }
     for (int j = 0; j < kAxes; ++j)
-      if (aside(j)) at[j] = to[j];
+      if (sideways(j)) at[j] = to[j];
     if (!far) at[kZ] = to[kZ];
     if (!forward) {
       retract();

@@ -56,7 +56,7 @@ inline bool read_number(const char*& p, const char* end, double& value) {
 // the first line goes.
 class Lines {
  public:
-  static constexpr size_t kLongest = 65536;  // bytes of a line, comment not counted
+  static constexpr size_t kMaxLineBytes = 65536;  // bytes of a line, comment not counted
 
   Lines() = default;
   // The first line fed has the number `first`.
@@ -86,10 +86,10 @@ class Lines {
     const char* newline = line_end();
     if (!newline && !finished_) {
       shorten(stop);
-      if (!dropped_ || told_) return false;
+      if (!dropped_ || reported_) return false;
       begin = end = stop;
       ++number_;
-      told_ = too_long_ = true;
+      reported_ = too_long_ = true;
       return true;
     }
     if (newline && *newline == '\r' && newline + 1 == stop && !finished_) {
@@ -99,14 +99,14 @@ class Lines {
     if (!newline && at_ == buffer_.size() && !cut_) return false;
     begin = text_begin();
     end = newline ? newline : stop;
-    if (cut_ || size_t(end - begin) > kLongest) end = kept(begin, end);
-    const char* behind = newline ? newline + 1 : stop;
-    if (newline && *newline == '\r' && behind < stop && *behind == '\n') ++behind;
-    at_ = size_t(behind - buffer_.data());
+    if (cut_ || size_t(end - begin) > kMaxLineBytes) end = kept(begin, end);
+    const char* next_line = newline ? newline + 1 : stop;
+    if (newline && *newline == '\r' && next_line < stop && *next_line == '\n') ++next_line;
+    at_ = size_t(next_line - buffer_.data());
     scanned_ = 0;
     unended_ = !newline;
-    if (told_) {
-      told_ = dropped_ = cut_ = false;
+    if (reported_) {
+      reported_ = dropped_ = cut_ = false;
       return next(begin, end);
     }
     ++number_;
@@ -122,7 +122,7 @@ class Lines {
   uint64_t fed_ = 0;
   uint32_t number_ = 0;
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false, unended_ = false;
-  bool told_ = false;  // that the line at at_ is too long, before its end has come
+  bool reported_ = false;  // that the line at at_ is too long, before its end has come
 
   // The first LF or CR of the line; null if there is none yet. The LF is looked for once for all
   // lines that end with a CR before it.
@@ -150,7 +150,7 @@ class Lines {
   // The end of what is kept of a long line: its comment goes, and what follows a zero byte or a
   // Ctrl-Z; without them, all of it.
   const char* kept(const char* begin, const char* end) {
-    const char* stop = begin + std::min(kLongest, size_t(end - begin));
+    const char* stop = begin + std::min(kMaxLineBytes, size_t(end - begin));
     const char* rest =
         std::find_if(begin, stop, [](char c) { return c == ';' || c == 0 || c == 0x1a; });
     dropped_ = dropped_ || rest == stop;
@@ -161,7 +161,7 @@ class Lines {
   // had come in one piece.
   void shorten(const char* stop) {
     const char* begin = text_begin();
-    if (size_t(stop - begin) > kLongest) {
+    if (size_t(stop - begin) > kMaxLineBytes) {
       cut_ = true;
       buffer_.resize(size_t(kept(begin, stop) - buffer_.data()));
       feed_at_ = buffer_.size();

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "gcode/utf8.hpp"
 #include "gcode/words.hpp"
 
 namespace passo {
@@ -73,8 +74,8 @@ inline std::string_view without_comment(std::string_view text) {
 
 class ObjectText {
  public:
-  static constexpr int kMostObjects = 10'000;
-  static constexpr size_t kLongestName = 200;  // bytes
+  static constexpr int kMaxObjects = 10'000;
+  static constexpr size_t kMaxNameBytes = 200;  // bytes
 
   // What a command says, `text` being what follows its code. What cannot be read is left out: a
   // label must not stop a print.
@@ -90,8 +91,8 @@ class ObjectText {
         text.back() == text.front())
       text = text.substr(1, text.size() - 2);
     std::string name = readable(text);
-    if (name.size() > kLongestName) {  // not in the middle of a character
-      size_t stop = kLongestName;
+    if (name.size() > kMaxNameBytes) {  // not in the middle of a character
+      size_t stop = kMaxNameBytes;
       while (stop > 0 && (uint8_t(name[stop]) & 0xc0) == 0x80) --stop;
       name.resize(stop);
     }
@@ -119,8 +120,8 @@ class ObjectText {
       while (p < end && std::isspace(uint8_t(*p))) ++p;
       double value;
       if (!read_number(p, end, value)) continue;
-      const bool whole = value == std::floor(value) && std::fabs(value) <= kMostObjects;
-      const int number = whole ? int(value) : kMostObjects;
+      const bool whole = value == std::floor(value) && std::fabs(value) <= kMaxObjects;
+      const int number = whole ? int(value) : kMaxObjects;
       if (letter == 'S' && value < 0)
         orders.push_back({ObjectAction::end, -1, "", "", ""});
       else if (value >= 0 && (letter == 'S' || letter == 'P' || letter == 'U' || letter == 'T'))
@@ -211,7 +212,7 @@ struct PrintObject {
 // The objects of one print by number, as the file begins them: shared by all that read it.
 class Objects {
  public:
-  static constexpr size_t kMostOutlines = size_t(4) << 20;  // bytes; what is beyond is left out
+  static constexpr size_t kMaxOutlineBytes = size_t(4) << 20;  // bytes; what is beyond is left out
 
   const std::vector<PrintObject>& all() const { return all_; }
   // Another value after each change, and for each print.
@@ -219,12 +220,12 @@ class Objects {
   bool cancelled(int number) const { return all_[size_t(number)].cancelled; }
 
   void reserve(int count) {
-    count = std::min(count, ObjectText::kMostObjects);
+    count = std::min(count, ObjectText::kMaxObjects);
     if (size_t(count) > all_.size()) all_.resize(size_t(count)), renew();
   }
   // -1: there are too many.
   int numbered(int number) {
-    if (number >= ObjectText::kMostObjects) return -1;
+    if (number >= ObjectText::kMaxObjects) return -1;
     reserve(number + 1);
     return number;
   }
@@ -248,7 +249,7 @@ class Objects {
     PrintObject& object = all_[size_t(number)];
     const size_t before = object.centre.size() + object.outline.size();
     const size_t after = order.centre.size() + order.outline.size();
-    if (outlines_ - before + after > kMostOutlines) return;
+    if (outlines_ - before + after > kMaxOutlineBytes) return;
     outlines_ += after - before;
     object.centre = order.centre;
     object.outline = order.outline;
@@ -305,7 +306,7 @@ class ObjectLines {
   void add(uint32_t line, int object) {
     if (!starts_.empty() && starts_.back().first == line) starts_.pop_back();
     starts_.emplace_back(line, object);
-    if (starts_.size() > kMost) starts_.pop_front();
+    if (starts_.size() > kMaxStarts) starts_.pop_front();
   }
   void clear() { starts_.clear(); }
   // -1: none.
@@ -316,7 +317,7 @@ class ObjectLines {
   }
 
  private:
-  static constexpr size_t kMost = 4096;
+  static constexpr size_t kMaxStarts = 4096;
   std::deque<std::pair<uint32_t, int>> starts_;
 };
 

@@ -1,4 +1,4 @@
-// What the interpreter finds in lines, beside moves.
+// The results of the interpreter other than moves.
 #pragma once
 #include <cstdint>
 #include <string>

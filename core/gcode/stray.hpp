@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
+
+#include "gcode/utf8.hpp"
 
 namespace passo {
 
@@ -26,26 +27,6 @@ inline bool utf_16(std::string_view line) {
     others[i % 2] = others[i % 2] && line[i] != 0;
   }
   return line.size() > 2 && ((zeros[0] && others[1]) || (others[0] && zeros[1]));
-}
-
-// The character at `at`: its code, or a byte that is not UTF-8, below 0; and its length in bytes.
-inline std::pair<int64_t, size_t> character_at(std::string_view text, size_t at) {
-  const uint8_t lead = uint8_t(text[at]);
-  if (lead < 0x80) return {lead, 1};
-  const size_t more = lead >= 0xf0 ? 3 : lead >= 0xe0 ? 2 : 1;
-  int64_t code = lead & (0x3f >> more);
-  bool good = lead >= 0xc2 && lead < 0xf5 && at + more < text.size();
-  for (size_t i = 1; good && i <= more; ++i) {
-    good = (uint8_t(text[at + i]) & 0xc0) == 0x80;
-    code = code << 6 | (uint8_t(text[at + i]) & 0x3f);
-  }
-  good = good &&
-         code >= (more == 3   ? 0x10000
-                  : more == 2 ? 0x800
-                              : 0x80) &&
-         code < 0x110000 && code >> 11 != 0x1b;
-  if (!good) return {-int64_t(lead), 1};
-  return {code, more + 1};
 }
 
 // Dashes, quotes, blanks and full-width letters that editors and web pages put in place of ASCII.

@@ -15,7 +15,7 @@ namespace passo {
 
 class Subprograms {
  public:
-  static constexpr size_t kMostBytes = size_t(16) << 20;
+  static constexpr size_t kMaxBytes = size_t(16) << 20;
 
   struct Label {
     uint32_t number;
@@ -56,7 +56,7 @@ enum class CallFault : uint8_t { none, unreadable, missing, nested, unended, idl
 // Reads `P1002 L3`, or P31002 for three times 1002, where there is no 31002. `call` is set if the
 // result is none.
 inline CallFault read_call(std::string_view text, const Subprograms& all, Call& call) {
-  static constexpr int kMostRepeats = 9999;
+  static constexpr int kMaxRepeats = 9999;
   std::vector<Word> words;
   split_words(text, words);
   double number = -1, repeats = -1;
@@ -69,16 +69,16 @@ inline CallFault read_call(std::string_view text, const Subprograms& all, Call& 
     else
       return CallFault::unreadable;
   }
-  if (number < 0 || repeats > kMostRepeats) return CallFault::unreadable;
+  if (number < 0 || repeats > kMaxRepeats) return CallFault::unreadable;
   call.label = all.find(uint32_t(number));
   if (!call.label && repeats < 0 && number > 9999) {
     repeats = std::floor(number / 10'000);
     call.label = all.find(uint32_t(number - repeats * 10'000));
   }
   call.repeats = repeats < 0 ? 1 : int(repeats);
-  return !call.label                   ? CallFault::missing
-         : call.repeats > kMostRepeats ? CallFault::unreadable
-                                       : CallFault::none;
+  return !call.label                  ? CallFault::missing
+         : call.repeats > kMaxRepeats ? CallFault::unreadable
+                                      : CallFault::none;
 }
 
 // The number behind O or N at the beginning of a line; false if there is none.

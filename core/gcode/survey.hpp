@@ -1,5 +1,5 @@
-// What a program does beside its moves, found before it runs: one quick pass over its text, without
-// positions.
+// The commands of a program other than moves, found before it runs: one quick pass over its text,
+// without positions.
 #pragma once
 #include <cstring>
 #include <memory>
@@ -16,10 +16,10 @@ namespace passo {
 
 // Feed it the program; then `commands()` holds each command that the caller of an Interpreter would
 // be handed, once for each code, as it stands first, of the main program and of the sub-programs
-// that it calls. Memory is bounded by kMostCodes and Subprograms::kMostBytes.
+// that it calls. Memory is bounded by kMaxCodes and Subprograms::kMaxBytes.
 class Survey {
  public:
-  static constexpr size_t kMostCodes = 10'000;
+  static constexpr size_t kMaxCodes = 10'000;
 
   // A call that cannot be carried out.
   struct BadCall {
@@ -42,7 +42,7 @@ class Survey {
     lines_.finish();
     read();
     end_part();
-    if (text_.size() > Subprograms::kMostBytes) return judge(CallFault::no_file);
+    if (text_.size() > Subprograms::kMaxBytes) return judge(CallFault::no_file);
     subprograms_->text = std::move(text_);
     judge(CallFault::none);
   }
@@ -61,7 +61,7 @@ class Survey {
     Event event;
     size_t part;
   };
-  // The main program, or what stands behind an O number behind its end.
+  // The main program, or a part after its end that an O number begins.
   struct Part {
     size_t first_label = 0;
     bool returns = false;
@@ -72,7 +72,7 @@ class Survey {
   bool ended_ = false;  // the main program: by M2, M30 or M99
   bool moves_ = false;
   LayerMarks layer_marks_;
-  std::string text_;  // behind that
+  std::string text_;  // after that
   std::shared_ptr<Subprograms> subprograms_ = std::make_shared<Subprograms>();
   std::vector<size_t> part_of_label_;
   std::vector<Part> parts_{Part{}};
@@ -117,7 +117,7 @@ class Survey {
     }
   }
 
-  // A line behind the main program: of a sub-program, if a label comes before it or in it.
+  // A line after the main program. It belongs to a sub-program if a label comes before it or in it.
   void keep(const char* p, const char* end) {
     bool program;
     uint32_t number;
@@ -129,7 +129,7 @@ class Survey {
       subprograms_->add({number, program, text_.size(), 0, lines_.number()});
       part_of_label_.push_back(parts_.size() - 1);
     }
-    if (parts_.size() == 1 || text_.size() > Subprograms::kMostBytes) return;
+    if (parts_.size() == 1 || text_.size() > Subprograms::kMaxBytes) return;
     text_.append(p, size_t(end - p));
     text_ += '\n';
   }
@@ -146,7 +146,7 @@ class Survey {
     }
     if (ended_ && parts_.size() == 1) return;  // it is never read
     if (code == "M98") {
-      if (calls_.size() < kMostCodes) calls_.push_back(placed(event));
+      if (calls_.size() < kMaxCodes) calls_.push_back(placed(event));
       return;
     }
     if (code == "M99" && event.text.empty()) {
@@ -156,7 +156,7 @@ class Survey {
     }
     ended_ = ended_ || code == "M2" || code == "M30" || code == "EOF";
     code += "\n" + std::to_string(parts_.size());
-    if (notes_.size() >= kMostCodes || !seen_.emplace(code, notes_.size()).second) return;
+    if (notes_.size() >= kMaxCodes || !seen_.emplace(code, notes_.size()).second) return;
     notes_.push_back(placed(event));
   }
   Note placed(const Event& event) const {

@@ -65,16 +65,16 @@ inline bool own_command(char letter, int code, int minor) {
          code == 701 || code == 702;
 }
 
-// What follows these is a move in the modal way.
+// Words after these are a modal move.
 inline bool before_modal(char letter, int code, int minor) {
   return letter == 'G' && minor == 0 &&
          ((code >= 17 && code <= 21) || code == 53 || code == 90 || code == 91 || code == 98 ||
           code == 99);
 }
 
-// So it is where it names axes, of these which have none of their own in any dialect (RS274): polar
-// coordinates, radii and lengths of tools, coordinate systems, path modes, rotation,
-// kinds of F and of spindles. Not G80, which probes a part of the bed with them.
+// Axis words after these are a modal move too: in no dialect (RS274) they have axes themselves.
+// Polar coordinates, radii and lengths of tools, coordinate systems, path modes, rotation, kinds of
+// F and of spindles. Not G80, which probes a part of the bed with them.
 inline bool before_axes(char letter, int code, int minor) {
   if (letter != 'G') return false;
   if (minor != 0) return (code == 59 && minor <= 3) || (minor == 1 && (code == 61 || code == 91));
@@ -87,13 +87,13 @@ inline bool beside_axes(char letter, int code, int minor) {
   return letter == 'M' && minor == 0 && code >= 3 && code <= 9;
 }
 
-// What names axes behind it is a move in the modal way, of which a T may be the duration.
+// Axis words after these are a modal move; a T may be its duration.
 inline bool modal_follows(const Word& w) {
   const auto [code, minor] = code_of(w);
   return before_modal(w.letter, code, minor) || before_axes(w.letter, code, minor);
 }
 
-// A T behind it is no word of its own: G90 T1, M6 T1, M83 T1.
+// A T after these commands starts a new command, not a parameter: G90 T1, M6 T1, M83 T1.
 inline bool toolless(const Word& w) {
   const auto [code, minor] = code_of(w);
   return modal_follows(w) || beside_axes(w.letter, code, minor) ||
@@ -105,8 +105,8 @@ inline bool canned(int motion) {
   return motion == 730 || motion == 810 || motion == 820 || motion == 830;
 }
 
-// Ways of RS274 to move that are not known here: splines, threads, probing, other cycles. What
-// follows without a command is theirs.
+// Motion modes of RS274 that Passo does not have: splines, threads, probing, other cycles. Words
+// without a command belong to them.
 inline bool moves_otherwise(char letter, int code) {
   return letter == 'G' && (code == 5 || code == 33 || code == 38 || code == 73 || code == 76 ||
                            (code >= 81 && code <= 89));

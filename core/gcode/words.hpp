@@ -1,4 +1,4 @@
-// A line's words: letter and number, with the place in the text.
+// The words of a line: letter and number, with their position in the text.
 #pragma once
 #include <algorithm>
 #include <cctype>
@@ -54,30 +54,6 @@ inline std::string unknown_name(std::string_view text, const Word& word) {
   return name;
 }
 
-// Old files are not always UTF-8: then bytes beyond ASCII become '?', for what leaves the core.
-inline std::string readable(std::string_view text) {
-  std::string out(text);
-  size_t left = 0;  // bytes that the current character still needs
-  uint32_t code = 0, least = 0;
-  bool good = true;
-  for (char c : text) {
-    uint8_t byte = uint8_t(c);
-    if (left > 0) {
-      good = good && (byte & 0xc0) == 0x80;
-      code = code << 6 | (byte & 0x3f);
-      if (--left == 0) good = good && code >= least && code < 0x110000 && code >> 11 != 0x1b;
-    } else if (byte >= 0x80) {
-      left = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
-      least = left == 3 ? 0x10000 : left == 2 ? 0x800 : 0x80;
-      code = byte & (0x3fu >> left);
-      good = good && byte >= 0xc0 && byte < 0xf8;
-    }
-  }
-  if (!good || left > 0)
-    for (char& c : out) c = uint8_t(c) < 0x80 ? c : '?';
-  return out;
-}
-
 // Where the last '*' outside of comments is: npos if there is none.
 inline size_t last_star(std::string_view text) {
   size_t depth = 0, star = std::string_view::npos;
@@ -95,7 +71,7 @@ inline bool nothing_left(const char* p) {
   return *p == 0 || *p == ';' || *p == '(';
 }
 
-// Comments in parentheses become blanks, what follows ';' goes. `comment` is the text behind ';'.
+// Comments in parentheses become blanks, what follows ';' goes. `comment` is the text after ';'.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();
   size_t depth = 0;

@@ -44,7 +44,7 @@ class Relay {
   }
 
  private:
-  static constexpr double kLeastBias = 20.0 / 255;  // of full power, and as far from its end
+  static constexpr double kMinBias = 20.0 / 255;  // of full power, and as far from its end
 
   RelayControl o_;
   double bias_ = 0, swing_ = 0;
@@ -54,7 +54,7 @@ class Relay {
   Terms terms_;
 
   void balance(double low_s, double max_power) {
-    double least = kLeastBias * max_power;
+    double least = kMinBias * max_power;
     bias_ += swing_ * (high_s_ - low_s) / (high_s_ + low_s);
     bias_ = std::clamp(bias_, least, max_power - least);
     swing_ = bias_ > max_power / 2 ? max_power - bias_ : bias_;

@@ -101,7 +101,7 @@ void ClockSync::find_rate() {
   rate_ = prior_;
   if (tangent(rate_, true).slope <= 0 && tangent(rate_, false).slope >= 0) return;
   Tangent low = tangent(1 - kRateRange), high = tangent(1 + kRateRange);
-  for (int i = 0; i < kMostTangents; ++i) {
+  for (int i = 0; i < kMaxTangents; ++i) {
     rate_ = low.slope <= 0 ? low.rate : high.rate;
     if (low.slope <= 0 || high.slope >= 0) return;
     rate_ = low.rate + (high.at(low.rate) - low.worth) / (low.slope - high.slope);

@@ -65,7 +65,7 @@ class ClockSync {
   static constexpr double kPriorSeconds = 0.2;
   static_assert(kSpanSeconds < kPriorSeconds);
   static constexpr double kJumpSeconds = 0.5e-3;  // so narrow no corridor is: a clock has jumped
-  static constexpr int kMostTangents = 64;        // usually four to eight are enough
+  static constexpr int kMaxTangents = 64;         // usually four to eight are enough
   static constexpr double kFineTicks = 1e-4;      // rounding is less, and does not matter more
 
   struct Point {

@@ -68,7 +68,7 @@ Bytes JobStream::renew(Ticks now) {
   for (Pin& pin : pins_) {
     if (pin.longest == 0 || pin.value == 0 || now < pin.told + pin.longest / 2) continue;
     pin.told = std::max(pin.told + 1, now + 2 * quantum_);
-    uint8_t buffer[kLongestCommand];
+    uint8_t buffer[kMaxCommandBytes];
     payload.assign(buffer, put_value(buffer, pin, pin.told, pin.value));
     break;
   }
@@ -110,7 +110,7 @@ std::vector<Bytes> JobStream::resets(Ticks clock) const {
   std::vector<Bytes> all;
   for (const Stepper& stepper : steppers_) {
     if (stepper.reset_clock.size == 0) continue;
-    uint8_t buffer[kLongestCommand];
+    uint8_t buffer[kMaxCommandBytes];
     uint8_t* p = put_vlq(put(buffer, stepper.reset_clock), uint32_t(clock));
     all.emplace_back(buffer, p);
   }
@@ -144,7 +144,7 @@ JobStream::Fill JobStream::fill(uint8_t* payload, size_t& size, Ticks& first, Ti
     if (next > limit) break;
     const Message& m = queue.front();
     const bool commits = m.kind == MessageKind::commit;
-    if (commits && size + kLongestCommit > kPayloadMax) return Fill::full;
+    if (commits && size + kMaxCommitBytes > kPayloadMax) return Fill::full;
     Word word = commits ? commit(m.interval, m.dir != 0) : Word::yes;
     if (word == Word::no) {
       complete_ = true;

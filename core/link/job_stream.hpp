@@ -25,8 +25,8 @@ class JobStream {
   // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
   // was planned later: in between it waits for others to fill a frame.
   static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
-  static constexpr size_t kLongestCommit = 2 + 5 + 5 + 1 + 2;  // with the question behind it
-  static constexpr size_t kLongestCommand = 2 + 5 + 5 + 1 + 2 + kVlqRoom;
+  static constexpr size_t kMaxCommitBytes = 2 + 5 + 5 + 1 + 2;  // with the question behind it
+  static constexpr size_t kMaxCommandBytes = 2 + 5 + 5 + 1 + 2 + kVlqRoom;
 
   explicit JobStream(double clock_hz);
   ~JobStream();
@@ -86,7 +86,7 @@ class JobStream {
   // for what the board has done.
   enum class Word : uint8_t { no, yes, and_ask };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
-  // kPayloadMax + kLongestCommand). `first` becomes the clock of the most urgent message in the
+  // kPayloadMax + kMaxCommandBytes). `first` becomes the clock of the most urgent message in the
   // frame, `need` the clock at which the board needs it. `commit(serial, rest)` tells of a Word,
   // which is in the frame then; if it may not go, nothing behind it leaves until fill() is called
   // again.

@@ -132,7 +132,7 @@ class Link {
 
  private:
   static constexpr double kLostSeconds = 4;
-  static_assert(JobStream::kLongestCommand <= Window::kOverrun);
+  static_assert(JobStream::kMaxCommandBytes <= Window::kOverrun);
   static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 300;
   static constexpr int kSamplesPerState = 8;  // where the clock is asked for often
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;

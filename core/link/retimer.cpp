@@ -97,7 +97,7 @@ void Retimer::steps(const Message& m, Way& motor) {
   motor.turning = false;
   int64_t due = clock_of(m.clock);
   for (size_t i = 0; i < n;) {
-    Command c = stabbing_->longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMostSteps))),
+    Command c = stabbing_->longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMaxSteps))),
                                    double(motor.last), &executed_[i]);
     motor.last += int64_t(c.span());
     // All parts may leave when the message might: what waits behind them must not wait for them.

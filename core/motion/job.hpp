@@ -1,9 +1,7 @@
-// A G-code program on its way through one machine: text in, planned motion out. It stops at
-// whatever needs the caller, and goes on from there.
+// Runs a G-code program on one machine: text in, planned motion out. It stops at each event that
+// the caller must handle, and continues from there.
 #pragma once
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,7 +9,6 @@
 #include <vector>
 
 #include "gcode/interpreter.hpp"
-#include "geometry/line_sampling.hpp"
 #include "motion/motion.hpp"
 
 namespace passo {
@@ -19,18 +16,12 @@ namespace passo {
 class Job {
  public:
   enum class Status : uint8_t { need_input, event, macro, error, full, end };
-  // What a move outside of any program must keep to: the machine's limits; what its actuators
-  // reach, as on the way to where it has been; or nothing, as it does not know where it is.
+  // What a move outside of any program must keep to: the machine's limits; the reach of its
+  // actuators, for a return to an earlier position; or nothing, while the position is unknown.
   enum class Within : uint8_t { limits, reach, anything };
 
   Job(const Machine& machine, std::vector<double> home, const LaserWords& laser, bool with_steps,
-      double (*cpu_clock)())
-      : motion(machine, with_steps, cpu_clock),
-        interpreter(motion.machine(), std::move(home), laser), cpu_clock_(cpu_clock) {
-    batch_.reserve(Planner::kBatch);
-    extruders_at_.resize(motion.machine().extruders.size());
-    motion.set_position(interpreter.position(), interpreter.extruder());
-  }
+      double (*cpu_clock)());
 
   Motion motion;
   Interpreter interpreter;
@@ -40,413 +31,113 @@ class Job {
 
   const GcodeError& error() const { return error_; }
 
-  // Reads on until input, an event, a macro or an error wants the caller, or until the plan reaches
-  // `horizon` (ticks), what is not settled yet at its least, or more than `most` messages wait to
-  // be taken. With `to_boundary` it reads no more than the rest of the line that it is in.
-  Status advance(double horizon, size_t most, bool to_boundary = false) {
-    const bool bounded = horizon < kInfinity;
-    for (;;) {
-      double left = horizon;
-      if (bounded) left -= motion.planner().clock() + motion.planner().queued_ticks();
-      if (to_boundary ? interpreter.at_boundary() : left <= 0 || motion.stream().waiting() >= most)
-        return Status::full;
-      double start = now();
-      Found found = Found::move;
-      bool admitted = true;  // what is wrong with a move stops the reading at its line
-      batch_.clear();
-      begin_at_the_end();
-      while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
-        batch_.push_back(interpreter.move());
-        if (bounded) left -= least_s(batch_.back()) * motion.machine().clock_hz;
-        if (!(admitted = admit(batch_.back())) || may_be_slow_ || left <= 0) break;
-        if (to_boundary && interpreter.at_boundary()) break;
-      }
-      double parsed = now();
-      cpu_parse += parsed - start;
-      double before = motion.cpu().steps + motion.cpu().compress;
-      for (size_t i = 0; i < batch_.size(); ++i)
-        if (!push(batch_[i])) {
-          admitted = false;
-          break;
-        }
-      cpu_plan += now() - parsed - (motion.cpu().steps + motion.cpu().compress - before);
-      if (!admitted) return Status::error;
-      switch (found) {
-        case Found::move:
-          continue;
-        case Found::event:
-          return Status::event;
-        case Found::macro:
-          return Status::macro;
-        case Found::error:
-          error_ = interpreter.error();
-          return Status::error;
-        case Found::need_input:
-          return Status::need_input;
-        case Found::end:
-          return Status::end;
-      }
-    }
-  }
+  // Reads and plans until the caller must act (see Status). `full`: the plan reaches `horizon`
+  // (ticks), with unsettled moves counted at their minimum duration, or more than `most` messages
+  // wait. With `to_boundary` it reads only the rest of the line that it is in.
+  Status advance(double horizon, size_t most, bool to_boundary = false);
 
   // Where the plan ends, in machine mm; E of the tool in use.
   std::array<double, kAxes> position() const { return motion.position(interpreter.extruder()); }
 
-  // After an error or a stop: the program goes on from where the plan ends.
-  void abandon() {
-    std::vector<double> extruders;
-    for (size_t i = 0; i < motion.machine().extruders.size(); ++i)
-      extruders.push_back(motion.planner().extruder_position(i));
-    interpreter.abandon(motion.planner().position(), extruders);
-  }
-  // Brakes from `ticks` on and forgets all that was to follow, of a program its retraction too.
-  double stop_from(double ticks, bool program) {
-    double cut = motion.hold_from(ticks);
-    use_stopped();
-    motion.forget_held();
-    interpreter.dark();
-    if (program) interpreter.forget_retraction();
-    abandon();
-    return cut;
-  }
+  // After an error or a stop: drops the rest of the line. The program continues from the end of
+  // the plan.
+  void abandon();
+  // Brakes from `ticks` on and drops the moves that follow. `program`: of a program, whose
+  // retraction ends too. Returns the clock of the cut.
+  double stop_from(double ticks, bool program);
 
-  // After motion.hold_from: other moves may come before the program goes on. The rest of a macro
-  // that has asked for the pause is among them, where `hand_over` says so.
-  void suspend(bool hand_over = false) {
-    aside_ = interpreter;
-    if (hand_over) aside_->hand_over_macro(interpreter);
-    use_stopped();
-    motion.suspend();
-    abandon();
-  }
-  void resume() {
-    interpreter.resume(*aside_);
-    aside_.reset();
-    motion.resume();
-  }
+  // After motion.hold_from: other moves may come before the program continues. With `hand_over`
+  // the rest of the macro that asked for the pause is among them.
+  void suspend(bool hand_over = false);
+  void resume();
   void forget_suspended() {
     motion.forget_suspended();
-    aside_.reset();
+    suspended_.reset();
   }
-  // M218, of what is read from now on, and of what is left of the program.
-  void set_tool_offset(size_t tool, int axis, double mm) {
-    if (tool == interpreter.tool()) interpreter.shift_tool(axis, mm);
-    if (aside_ && tool == aside_->tool()) aside_->shift_tool(axis, mm);
-    motion.set_tool_offset(tool, axis, mm);
-  }
+  // M218, for lines that are read from now on, and for the suspended program.
+  void set_tool_offset(size_t tool, int axis, double mm);
 
-  // A straight move in machine coordinates, outside of any program. False, and nothing is changed,
-  // if it is too long or does not keep `within`: error() says how.
-  bool move_to(const double* target, double feed_mm_s, Within within) {
-    MoveRequest m{};
-    const auto from = position();
-    std::copy(from.begin(), from.end(), m.target);
-    bool travels = false;
-    for (int j = 0; j < kAxes; ++j) {
-      if (std::isnan(target[j])) continue;
-      m.target[j] = target[j];
-      if (target[j] != from[size_t(j)]) m.moved |= uint8_t(1u << j);
-      travels |= j != kE && target[j] != from[size_t(j)];
-    }
-    m.kind = travels ? MoveKind::travel : MoveKind::extrude;
-    m.extruder = uint16_t(interpreter.extruder());
-    m.tool = uint16_t(interpreter.tool());
-    m.feed_mm_s = feed_mm_s;
-    m.radius_mm = kInfinity;
-    m.rapid = true;     // no laser burns on it
-    m.unscaled = true;  // homing, parking: at the speed that the machine file says
-    begin_at_the_end();
-    if (too_long(m) || (within == Within::limits && !in_range(m))) return false;
-    bool reaches = within != Within::anything && motion.planner().constraints().checks_reach();
-    if (reaches && !reach(m)) return false;
-    if (!push(m)) return false;
-    abandon();
-    return true;
-  }
+  // A straight move in machine coordinates, outside of any program. If it is too long, too slow or
+  // not `within`, returns false, changes nothing and sets error().
+  bool move_to(const double* target, double feed_mm_s, Within within);
 
-  // All that follows from `ticks` on lies `mm` further along slot j (X, Y or Z), see
-  // Motion::shift_from; the program does not notice. Returns the clock of the cut; nothing if an
-  // end would be out of range, or the axis does not know where it is: error() says which.
-  std::optional<double> shift_from(double ticks, int j, double mm) {
-    if (!may_shift(ticks, j, mm)) return std::nullopt;
-    double cut = motion.shift_from(ticks, j, mm, interpreter.extruder(), interpreter.tool());
-    if (aside_) {
-      aside_->shift(j, mm);
-      interpreter.shift_zero(j, mm);
-    } else {
-      interpreter.shift(j, mm);
-    }
-    return cut;
-  }
-  // The same in its place among the moves.
-  bool shift(int j, double mm) {
-    if (!may_shift(kInfinity, j, mm)) return false;
-    motion.push_shift(j, mm, interpreter.extruder(), interpreter.tool());
-    interpreter.shift(j, mm);
-    return true;
-  }
+  // Babystep: moves everything from `ticks` on by `mm` along slot j (X, Y or Z), see
+  // Motion::shift_from; the program's coordinates stay. Returns the clock of the cut. Returns
+  // nothing and sets error() if an end would be out of range, or the axis is not homed.
+  std::optional<double> shift_from(double ticks, int j, double mm);
+  // The same, from the end of the moves that are read.
+  bool shift(int j, double mm);
 
-  // From `ticks` on this extruder has another flow (M221, a factor): what is planned, held, or was
-  // suspended moves its filament so, and so does the program from now on, which does not notice.
-  // Returns the clock of the cut.
-  double scale_flow_from(double ticks, size_t extruder, double flow) {
-    if (aside_) {
-      FlowChange change(flow);
-      motion.change_flow_aside(extruder, change);
-      aside_->change_flow(extruder, change);
-    }
-    FlowChange change(flow);
-    double cut = motion.change_flow_from(ticks, extruder, change);
-    interpreter.change_flow(extruder, change);
-    return cut;
-  }
+  // Changes the flow of an extruder (M221, a factor) from `ticks` on, in planned, held and
+  // suspended moves and in those still to be read; the program's E stays. Returns the clock of the
+  // cut.
+  double scale_flow_from(double ticks, size_t extruder, double flow);
 
-  // Takes the state of a program that another job of the same machine has read up to the place
-  // where this machine stands.
-  void adopt(Job& other) {
-    motion.flush();
-    interpreter.adopt(other.interpreter);
-    Planner &mine = motion.planner(), &theirs = other.motion.planner();
-    mine.rules().change(false, [&](Rules& rules) {
-      rules.limits = theirs.rules().now().limits;
-      rules.constraints = theirs.rules().now().constraints;
-    });
-    double position[kAxes];
-    std::copy_n(interpreter.position(), kAxes, position);
-    for (size_t i = 0; i < motion.machine().extruders.size(); ++i) {
-      position[kE] = theirs.extruder_position(i);
-      motion.set_position(position, i);
-    }
-    motion.set_position(interpreter.position(), interpreter.extruder());
-  }
+  // Takes over a program's state from another job of the same machine, which has read the program
+  // up to where this machine stands.
+  void adopt(Job& other);
 
-  // After homing: the machine is where the program says.
-  void settle_position() {
-    motion.flush();
-    motion.set_position(interpreter.position(), interpreter.extruder());
-  }
+  // After homing: the planner takes its position from the program.
+  void settle_position();
 
  private:
   static constexpr double kCheckEvery = 2;  // mm along lines of nonlinear machines
-  // mm of filament in one move: no axis bounds it, and all steps of a move are reckoned at once.
-  static constexpr double kMostFilament = 10'000;
-  static constexpr double kSurelyDone = 100;  // s: so quickly at full speed no move is too slow
+  // Of one move: no axis limits it, and all steps of a move are calculated at once.
+  static constexpr double kMaxFilamentMm = 10'000;
+  static constexpr double kQuickS = 100;  // a move that takes less at full speed is not too slow
 
   double (*cpu_clock_)();
-  std::optional<Interpreter> aside_;
+  std::optional<Interpreter> suspended_;
   std::vector<MoveRequest> batch_;
-  double at_[kAxes] = {};  // where the moves read so far end
+  double at_[kAxes] = {};  // end of the moves that are read
   std::vector<double> extruders_at_;
   double slowest_mm_s_ = kInfinity;  // of axes and extruders
-  bool may_be_slow_ = false;         // the move read last
+  bool may_be_slow_ = false;         // the last move that is read
   GcodeError error_;
 
-  // The tool in use is the one that has stopped, not the one that the program was read ahead to.
-  void use_stopped() {
-    const auto tool = motion.stopped_tool();
-    if (!tool) return;
-    interpreter.take_tool(*tool);
-    interpreter.forget_offset();
-  }
+  // After a stop: the tool in use is the one of the move that stopped, not of the last line read.
+  void use_stopped();
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 
-  // What is read next goes on where the plan ends.
-  void begin_at_the_end() {
-    std::copy_n(motion.planner().position(), kAxes, at_);
-    for (size_t i = 0; i < extruders_at_.size(); ++i)
-      extruders_at_[i] = motion.planner().extruder_position(i);
-    const Constraints& constraints = motion.planner().constraints();
-    slowest_mm_s_ = motion.planner().rules().now().limits.speed;
-    for (const Row& row : constraints.rows) slowest_mm_s_ = std::min(slowest_mm_s_, row.speed);
-    for (const Row& row : constraints.extruders) slowest_mm_s_ = std::min(slowest_mm_s_, row.speed);
-  }
+  // The next moves that are read begin at the end of the plan.
+  void begin_at_the_end();
 
-  // Whether the last move of the batch may be pushed, which it is unless it is to be left out.
-  // False: error() says why not, and it is taken out.
-  bool admit(MoveRequest& m) {
-    // Where a move before it was left out, filament alone moves nothing else, and a dwell nothing.
-    if (left_out.times > 0 && m.kind == MoveKind::extrude) std::copy_n(at_, 3, m.target);
-    if (left_out.times > 0 && m.kind == MoveKind::dwell) {
-      std::copy_n(at_, kAxes, m.target);
-      if (!extruders_at_.empty()) m.target[kE] = extruders_at_[m.extruder];
-    }
-    bool travels = m.kind != MoveKind::dwell && m.kind != MoveKind::extrude;
-    bool sound = !too_long(m);
-    if (sound && travels && motion.planner().constraints().checks_reach() && !reach_all(m) &&
-        !(m.hop_mm > 0 && reach_without_hop(m))) {
-      sound = interpreter.clamp;
-      if (sound) {
-        if (left_out.times++ == 0) left_out.first = error_;
-        leave_filament(m);
-        batch_.pop_back();
-        return true;
-      }
-    }
-    if (!sound) {
-      batch_.pop_back();
-      return false;
-    }
-    may_be_slow_ = slow(m);
-    std::copy_n(m.target, kAxes, at_);
-    if (!extruders_at_.empty()) extruders_at_[m.extruder] = m.target[kE];
-    return true;
-  }
-  // A move, and those of its line that share its hop, go without it; whether it is reachable then.
-  bool reach_without_hop(MoveRequest& m) {
-    const double mm = std::exchange(m.hop_mm, 0);
-    m.target[kZ] -= mm;
-    interpreter.drop_hop(mm);
-    return reach_all(m);
-  }
-  // Whether a move, and the whole arc that it begins or leads to, is within reach: none is half
-  // done. Where moves are left out, only the move.
-  bool reach_all(const MoveRequest& m) {
-    const Arc& arc = interpreter.arc();
-    if (m.radius_mm < kInfinity && arc.reached()) return true;
-    if (!reach(m)) return false;
-    if (interpreter.clamp || !arc.active()) return true;
-    double from[kAxes], to[kAxes];
-    std::copy_n(m.target, kAxes, from);
-    for (Arc rest = arc; rest.active(); std::copy_n(to, kAxes, from)) {
-      interpreter.take_chord(rest, to);
-      if (!reach(from, to, m.line)) return false;
-    }
-    interpreter.note_arc_reached();
-    return true;
-  }
-  double way_mm(const MoveRequest& m) const {
-    double mm = 0;
-    for (int j = 0; j < kAxes; ++j)
-      if (j != kE) mm += std::fabs(m.target[j] - at_[j]);
-    if (!extruders_at_.empty()) mm += std::fabs(m.target[kE] - extruders_at_[m.extruder]);
-    return mm;
-  }
-  // Hardly less than this it takes: what is read beyond the horizon may be a little less, too.
-  double least_s(const MoveRequest& m) {
-    double mm_s = 0;
-    for (const Row& row : motion.planner().constraints().rows) mm_s += row.speed;
-    return std::max(m.duration_s, way_mm(m) / std::min(m.feed_mm_s, mm_s));
-  }
-  // It may be too slow, as only its plan can tell: then nothing behind it must have been read.
-  bool slow(const MoveRequest& m) const {
-    const double mm = way_mm(m);
-    return m.duration_s > kSurelyDone || mm > kSurelyDone * m.feed_mm_s ||
-           mm > kSurelyDone * slowest_mm_s_;
-  }
-  // False, and nothing is changed, if the move is too slow; then error() says so.
-  bool push(const MoveRequest& m) {
-    motion.push(m);
-    const Planner& planner = motion.planner();
-    if (planner.too_slow() == 0) return true;
-    const std::string& limit = planner.constraints().names[planner.slowed_by()];
-    error_ = {m.line, Fault::too_slow, limit, planner.too_slow(), kLongestMove, {0, 0, 0}};
-    return false;
-  }
+  // Checks the last move of the batch. False: it breaks a limit; then it leaves the batch and
+  // error() is set. With `clamp` it leaves the batch, and the result is true.
+  bool admit(MoveRequest& m);
+  // Removes the hop from a move and from those of its line that share it. Returns whether the move
+  // is reachable then.
+  bool reach_without_hop(MoveRequest& m);
+  // Whether a move and the whole arc that it begins or leads to are within reach, so that no arc
+  // ends half done. With `clamp`, only the move.
+  bool reach_all(const MoveRequest& m);
+  double distance_mm(const MoveRequest& m) const;
+  // Minimum duration of a move, roughly: `horizon` need not be met exactly.
+  double least_s(const MoveRequest& m);
+  // Whether a move may take longer than kMaxMoveS. Only the planner finds out, so no line after
+  // the move may have been read.
+  bool slow(const MoveRequest& m) const;
+  // If the move is too slow, returns false, changes nothing and sets error().
+  bool push(const MoveRequest& m);
 
-  bool too_long(const MoveRequest& m) {
-    const Machine& machine = motion.machine();
-    if (m.kind == MoveKind::dwell) return false;
-    auto beyond = [&](double from, double to, const std::string& name) {
-      double mm = to - from;
-      if (std::fabs(mm) <= kMostFilament) return false;
-      error_ = {m.line, Fault::too_long, name, mm, kMostFilament, {0, 0, 0}};
-      return true;
-    };
-    for (size_t a = 3; a < machine.axes.size(); ++a) {
-      int j = slot_of_axis(int(a));
-      if (machine.axes[a].filament && beyond(at_[j], m.target[j], machine.axes[a].name))
-        return true;
-    }
-    return !machine.extruders.empty() &&
-           beyond(extruders_at_[m.extruder], m.target[kE], machine.extruders[m.extruder].name);
-  }
-  // Whether the axes that move end within their limits; else fills error_.
-  bool in_range(const MoveRequest& m) {
-    for (int j = 0; j < kAxes; ++j)
-      if ((m.moved >> j & 1) && !interpreter.in_range(j, m.target[j], error_)) return false;
-    return true;
-  }
+  bool too_long(const MoveRequest& m);
+  // Whether the axes that move end within their limits; if not, sets error_.
+  bool in_range(const MoveRequest& m);
 
-  // A move is left out: what it would have printed is not printed by the next one.
-  void leave_filament(const MoveRequest& m) {
-    const Machine& machine = motion.machine();
-    for (size_t a = 3; a < machine.axes.size(); ++a) {
-      int j = slot_of_axis(int(a));
-      double mm = m.target[j] - at_[j];
-      if (machine.axes[a].filament && mm > 0) interpreter.shift(j, -mm);
-    }
-    if (machine.extruders.empty()) return;
-    double mm = m.target[kE] - extruders_at_[m.extruder];
-    if (mm > 0) interpreter.leave_filament(m.extruder, mm);  // a retraction is made up for
-  }
+  // A move is left out: the next move does not print its filament.
+  void leave_filament(const MoveRequest& m);
 
-  // Whether every actuator reaches the whole line, and without a jump; else fills error_.
-  bool reach(const MoveRequest& m) { return reach(at_, m.target, m.line); }
-  bool reach(const double* from, const double* to, uint32_t line) {
-    const Geometry& geometry = *motion.machine().geometry;
-    double mm = 0, p[3];
-    for (int j = 0; j < 3; ++j) mm += (to[j] - from[j]) * (to[j] - from[j]);
-    mm = std::sqrt(mm);
-    int n = std::min(1 + int(mm / kCheckEvery), 4096);
-    const Sampling sampling(geometry, from, to, mm, n);
-    auto reaches = [&](double at) {
-      for (int j = 0; j < 3; ++j) p[j] = from[j] + (to[j] - from[j]) * at;
-      return reach_point(p, line, from);
-    };
-    for (int i = 1; i <= n; ++i) {
-      if (!sampling.before(i, reaches)) return false;
-      for (int j = 0; j < 3; ++j) p[j] = i == n ? to[j] : from[j] + (to[j] - from[j]) * i / n;
-      if (!reach_point(p, line, from)) return false;
-    }
-    return !geometry.jumps(from, to) || stop_at_jump(from, to, line);
-  }
-  // Finds the place. Always false.
-  bool stop_at_jump(const double* from, const double* to, uint32_t line) {
-    double low = 0, high = 1, p[3];
-    for (int k = 0; k < 48; ++k) {
-      double middle = 0.5 * (low + high);
-      for (int j = 0; j < 3; ++j) p[j] = from[j] + (to[j] - from[j]) * middle;
-      (motion.machine().geometry->jumps(from, p) ? high : low) = middle;
-    }
-    error_ = {line, Fault::unreachable, "", 0, 0, {p[0], p[1], p[2]}};
-    return false;
-  }
-  // An actuator that is beyond its limit at `from`, as home offsets may put it, may only go back.
-  // Up to its home it may go, wherever its limit is: its endstop is there.
-  bool reach_point(const double* p, uint32_t line, const double* from = nullptr) {
-    const Machine& machine = motion.machine();
-    for (const StepperSpec& s : machine.steppers) {
-      if (s.drive != Drive::actuator) continue;
-      double q = machine.geometry->inverse(s.index, p);
-      double half_step = 0.5 / s.steps_per_unit;  // so far the nearest step may lie beyond
-      if (q >= s.min - half_step && q <= s.max + half_step) continue;
-      double start = from == nullptr ? q : machine.geometry->inverse(s.index, from);
-      if (q < s.min ? q > start : q < start) continue;
-      double home = machine.geometry->inverse(s.index, interpreter.homed());
-      if (q < s.min ? q >= home - half_step : q <= home + half_step) continue;
-      bool nowhere = !(std::fabs(q) < 1e12);
-      error_ = {line,
-                nowhere ? Fault::unreachable : Fault::actuator,
-                nowhere ? "" : s.name,
-                nowhere ? 0 : q,
-                q < s.min ? s.min : s.max,
-                {p[0], p[1], p[2]}};
-      return false;
-    }
-    return true;
-  }
+  // Whether every actuator reaches the whole line, and without a jump; if not, sets error_.
+  bool reach(const MoveRequest& m);
+  bool reach(const double* from, const double* to, uint32_t line);
+  // Finds the point of the jump, and sets error_. Returns false.
+  bool stop_at_jump(const double* from, const double* to, uint32_t line);
+  // An actuator may go up to its home, where its endstop is, wherever its limit is. If it is beyond
+  // its limit at `from`, by a home offset, it may only go back.
+  bool reach_point(const double* p, uint32_t line, const double* from = nullptr);
 
-  bool may_shift(double ticks, int j, double mm) {
-    if (interpreter.locked(j)) {
-      error_ = {0, Fault::not_homed, motion.machine().axes[size_t(j)].name, 0, 0, {}};
-      return false;
-    }
-    bool reaches = motion.planner().constraints().checks_reach();
-    return motion.allows_shift(ticks, j, mm, [&](const double* p) {
-      return interpreter.in_range(j, p[j], error_) && (!reaches || reach_point(p, 0));
-    });
-  }
+  bool may_shift(double ticks, int j, double mm);
 };
 
 }  // namespace passo

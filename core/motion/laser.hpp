@@ -61,7 +61,7 @@ class LaserLight {
     if (follows_) change(ticks, 0, put);
     follows_ = false;
   }
-  // After a cut: whether a move has the last word on it; what was put last is not known.
+  // After a cut: whether a move sets the light; the last value is not known.
   void cut(bool follows) {
     follows_ = follows;
     value_ = full_ + 1;

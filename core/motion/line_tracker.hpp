@@ -15,14 +15,14 @@ class ProgramLines {
     if (kept_ && number > 0 && (starts_.empty() || starts_.back().number != number))
       starts_.push_back({ticks, number, layer});
   }
-  // What started at `ticks` or later will not be executed.
+  // Drops lines that started at `ticks` or later: they will not be executed.
   void cut(double ticks) {
     while (!starts_.empty() && starts_.back().ticks >= ticks) starts_.pop_back();
   }
-  // Another program begins: no line of the one before counts any more.
+  // Another program begins.
   void forget() { starts_.clear(); }
-  // The line whose move is under way, or was the last one, at `ticks` (0: none). Asked for clocks
-  // that only grow.
+  // The line of the move at `ticks`, or of the last one before (0: none). Each call has a clock not
+  // before that of the last call.
   uint32_t at(double ticks) {
     kept_ = true;
     while (starts_.size() > 1 && starts_[1].ticks <= ticks - kept_ticks_) starts_.pop_front();

@@ -48,7 +48,7 @@ void Motion::record(uint16_t target, uint32_t value) {
   auto same =
       std::find_if(records_.rbegin(), near, [=](const Record& r) { return r.target == target; });
   if (target < kMark && same != near) {
-    same->value = value;  // nobody would ever see the one before
+    same->value = value;  // the output would never have the earlier value
     return;
   }
   records_.push_back({target, value, 0});
@@ -113,7 +113,7 @@ std::optional<double> Motion::recover_from(uint32_t serial) {
   auto held = stream_.hold();
   std::optional<Commits::Point> commit = stream_.rewind(serial);
   if (!commit) return std::nullopt;
-  hold_from(double(commit->clock), commit->way);
+  hold_from(double(commit->clock), commit->stop_distance);
   std::deque<Record> late;
   for (const Message& m : stream_.resume_at_rest(serial, int64_t(std::ceil(planner_.clock()))))
     if (m.target != laser_.target()) late.push_back({m.target, m.interval, m.clock});
@@ -124,15 +124,15 @@ std::optional<double> Motion::recover_from(uint32_t serial) {
 double Motion::replan_from(double ticks) {
   std::vector<Move> rest;
   double speed2 = cut(ticks, rest);
-  go_on(rest, speed2);
+  continue_plan(rest, speed2);
   return ticks_of_cut_;
 }
 
 double Motion::shift_from(double ticks, int j, double mm, size_t extruder, size_t tool) {
-  if (aside_) {
-    aside_->held.shift(j, mm);
-    aside_->stop[j] += mm;
-    aside_->end[j] += mm;
+  if (suspended_) {
+    suspended_->held.shift(j, mm);
+    suspended_->stop[j] += mm;
+    suspended_->end[j] += mm;
     return planner_.clock();
   }
   if (held() > 0) {
@@ -140,13 +140,8 @@ double Motion::shift_from(double ticks, int j, double mm, size_t extruder, size_
     planner_.move_end(j, mm);
     return planner_.clock();
   }
-  std::vector<Move> rest;
-  double speed2 = cut(ticks, rest);
-  planner_.take_queue(rest);
-  std::vector<Move> moves = take_braking(rest, speed2);
-  double left = planner_.shift(rest, j, mm);
-  moves.insert(moves.end(), rest.begin(), rest.end());
-  go_on(moves, speed2);
+  double left = 0;
+  change_from(ticks, [&](std::vector<Move>& rest) { left = planner_.shift(rest, j, mm); });
   if (left != 0) push_shift(j, left, extruder, tool);
   return ticks_of_cut_;
 }
@@ -170,42 +165,38 @@ double Motion::change_flow_from(double ticks, size_t extruder, FlowChange& chang
     planner_.place_filament(extruder, change);
     return planner_.clock();
   }
-  std::vector<Move> rest;
-  double speed2 = cut(ticks, rest);
-  planner_.take_queue(rest);
-  std::vector<Move> moves = take_braking(rest, speed2);
-  change_flow(rest, extruder, change);
-  planner_.place_filament(extruder, change);
-  moves.insert(moves.end(), rest.begin(), rest.end());
-  go_on(moves, speed2);
+  change_from(ticks, [&](std::vector<Move>& rest) {
+    change_flow(rest, extruder, change);
+    planner_.place_filament(extruder, change);
+  });
   return ticks_of_cut_;
 }
 
-void Motion::change_flow_aside(size_t extruder, FlowChange& change) {
-  change_flow(aside_->held.moves, extruder, change);
-  double& end = aside_->extruders[extruder];
-  if (aside_->end[kE] == end) aside_->end[kE] = change.place(end);
-  end = change.place(end);
+void Motion::change_suspended_flow(size_t extruder, FlowChange& change) {
+  change_flow(suspended_->held.moves, extruder, change);
+  double& end = suspended_->extruders[extruder];
+  if (suspended_->end[kE] == end) suspended_->end[kE] = change.position(end);
+  end = change.position(end);
 }
 
 bool Motion::allows_shift(double ticks, int j, double mm,
                           const std::function<bool(const double*)>& allowed) const {
-  auto beside = [&](const double* end) {
+  auto allowed_at = [&](const double* end) {
     double p[kAxes];
     std::copy_n(end, kAxes, p);
     p[j] += mm;
     return allowed(p);
   };
-  auto ends = [&](const Move& m) { return beside(m.p1); };
-  if (ticks == kInfinity && !aside_) return beside(planner_.position());
-  if (aside_)
-    return beside(aside_->stop) && beside(aside_->end) &&
-           std::all_of(aside_->held.moves.begin(), aside_->held.moves.end(), ends);
+  auto ends = [&](const Move& m) { return allowed_at(m.p1); };
+  if (ticks == kInfinity && !suspended_) return allowed_at(planner_.position());
+  if (suspended_)
+    return allowed_at(suspended_->stop) && allowed_at(suspended_->end) &&
+           std::all_of(suspended_->held.moves.begin(), suspended_->held.moves.end(), ends);
   if (held() > 0)
-    return beside(held_.moves.front().p0) && beside(planner_.position()) &&
+    return allowed_at(held_.moves.front().p0) && allowed_at(planner_.position()) &&
            std::all_of(held_.moves.begin(), held_.moves.end(), ends);
   return std::all_of(history_.at(ticks), history_.end(), ends) && planner_.all_queued(ends) &&
-         beside(planner_.position());
+         allowed_at(planner_.position());
 }
 
 std::optional<double> Motion::skip_dwell_from(double ticks) {
@@ -216,25 +207,26 @@ std::optional<double> Motion::skip_dwell_from(double ticks) {
   double speed2 = cut(ticks, rest);
   bool still_there = !rest.empty() && rest[0].kind == MoveKind::dwell && rest[0].start <= start;
   if (still_there) rest[0].duration = 0;
-  go_on(rest, speed2);
+  continue_plan(rest, speed2);
   return ticks_of_cut_;
 }
 
-double Motion::hold_from(double ticks, double way) {
+double Motion::hold_from(double ticks, double stop_distance) {
   std::vector<Move> rest;
   double speed2 = cut(ticks, rest);
   planner_.take_queue(rest);
   planner_.stand(ticks_of_cut_);
   held_.put_first(rest, records_, std::exchange(unattached_, 0));
-  double even = 0;  // deceleration that takes the machine so far
-  if (way > 0) {
+  double even = 0;  // deceleration that takes the machine stop_distance far
+  if (stop_distance > 0) {
     std::vector<Move> ahead = held_.moves;
-    if (std::fabs(length_of(take_braking(ahead, speed2)) - way) > kSameWay * way)
-      even = speed2 / (2 * way);
+    if (std::fabs(length_of(take_braking(ahead, speed2)) - stop_distance) >
+        kSameDistance * stop_distance)
+      even = speed2 / (2 * stop_distance);
   }
   std::vector<Move> braking = take_braking(held_.moves, speed2, even);
-  // Records behind the last move held are not due at the stop.
-  uint32_t due = unattached_ = held_.moves.empty() ? std::exchange(held_.behind, 0) : 0;
+  // Records after the last held move are not due at the stop.
+  uint32_t due = unattached_ = held_.moves.empty() ? std::exchange(held_.at_end, 0) : 0;
   for (const Move& m : braking) due += m.records;
   held_.give_back(due, records_);
   resume_plan(braking, speed2, ticks_of_cut_);
@@ -249,10 +241,10 @@ double Motion::hold_from(double ticks, double way) {
 
 void Motion::release() {
   if (planner_.queued() > 0) flush();
-  Held held = std::exchange(held_, {});
+  HeldPlan held = std::exchange(held_, {});
   planner_.rules().renumber(held.moves);
   records_.insert(records_.end(), held.records.begin(), held.records.end());
-  unattached_ += held.behind;
+  unattached_ += held.at_end;
   if (held.moves.empty()) place(planner_.clock(), std::exchange(unattached_, 0), true);
   resume_plan(held.moves, 0, planner_.clock());
   process(false);
@@ -268,31 +260,31 @@ std::optional<std::array<double, kAxes>> Motion::position_at(double ticks) const
 }
 
 void Motion::suspend() {
-  Aside aside;
-  aside.held = std::exchange(held_, {});
-  std::copy_n(planner_.position(), kAxes, aside.end);
+  Suspended plan;
+  plan.held = std::exchange(held_, {});
+  std::copy_n(planner_.position(), kAxes, plan.end);
   for (size_t i = 0; i < machine_.extruders.size(); ++i)
-    aside.extruders.push_back(planner_.extruder_position(i));
-  stand_before(aside.held);
-  std::copy_n(planner_.position(), kAxes, aside.stop);
-  for (size_t i = 0; i < stream_.motors(); ++i) aside.counts.push_back(stream_.count(i));
-  aside_ = std::move(aside);
+    plan.extruders.push_back(planner_.extruder_position(i));
+  stand_before(plan.held);
+  std::copy_n(planner_.position(), kAxes, plan.stop);
+  for (size_t i = 0; i < stream_.motors(); ++i) plan.counts.push_back(stream_.count(i));
+  suspended_ = std::move(plan);
 }
 
 void Motion::resume() {
-  planner_.set_position(aside_->end, 0);
-  for (size_t i = 0; i < aside_->extruders.size(); ++i) {
+  planner_.set_position(suspended_->end, 0);
+  for (size_t i = 0; i < suspended_->extruders.size(); ++i) {
     double position[kAxes];
-    std::copy_n(aside_->end, kAxes, position);
-    position[kE] = aside_->extruders[i];
+    std::copy_n(suspended_->end, kAxes, position);
+    position[kE] = suspended_->extruders[i];
     planner_.set_position(position, i);
   }
-  planner_.set_position(aside_->end, machine_.extruders.size());
-  // Filament that was moved meanwhile stays where it is.
+  planner_.set_position(suspended_->end, machine_.extruders.size());
+  // Filament stays where other moves have left it.
   for (size_t i = 0; i < stream_.motors(); ++i)
-    if (machine_.pushes_filament(machine_.steppers[i])) stream_.set_count(i, aside_->counts[i]);
-  held_ = std::move(aside_->held);
-  aside_.reset();
+    if (machine_.pushes_filament(machine_.steppers[i])) stream_.set_count(i, suspended_->counts[i]);
+  held_ = std::move(suspended_->held);
+  suspended_.reset();
   release();
 }
 
@@ -305,12 +297,22 @@ void Motion::resume_plan(std::vector<Move>& moves, double speed2, double clock) 
   unattached_ += planner_.resume(std::move(moves), speed2, clock);
 }
 
-void Motion::go_on(std::vector<Move>& moves, double speed2) {
+void Motion::continue_plan(std::vector<Move>& moves, double speed2) {
   resume_plan(moves, speed2, ticks_of_cut_);
   held() > 0 ? flush() : process(false);
 }
 
-void Motion::stand_before(const Held& held) {
+void Motion::change_from(double ticks, const std::function<void(std::vector<Move>&)>& change) {
+  std::vector<Move> rest;
+  double speed2 = cut(ticks, rest);
+  planner_.take_queue(rest);
+  std::vector<Move> moves = take_braking(rest, speed2);
+  change(rest);
+  moves.insert(moves.end(), rest.begin(), rest.end());
+  continue_plan(moves, speed2);
+}
+
+void Motion::stand_before(const HeldPlan& held) {
   for (size_t i = held.moves.size(); i-- > 0;)
     planner_.set_position(held.moves[i].p0, held.moves[i].extruder);
 }
@@ -392,11 +394,11 @@ void Motion::forget() {
 }
 
 void Motion::forget_rules(const Move& oldest) {
-  if (held() == 0 && !aside_) planner_.rules().forget_before(oldest.rules);
+  if (held() == 0 && !suspended_) planner_.rules().forget_before(oldest.rules);
 }
 
 double Motion::cut(double ticks, std::vector<Move>& rest) {
-  auto held = stream_.hold();  // what the link has taken stays as it is until all is cut
+  auto held = stream_.hold();  // the link takes no message until all is cut
   in_pieces_ = false;
   int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), stream_.taken_until());
   ticks_of_cut_ = std::min(double(at), planner_.clock());
@@ -430,12 +432,12 @@ uint32_t Motion::take_back(int64_t at, std::vector<Move>& rest, bool under_way) 
   };
   auto later = [&] { return !placed_.empty() && placed_.back().clock > at; };
   for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
-    // What this move has brought comes before what came behind it, also within half a tick.
-    auto behind = [&] {
+    // Records of this move come before records after it, also within half a tick.
+    auto after_move = [&] {
       return rest[i].records > 0 || double(placed_.back().clock) > rest[i].start + 0.5;
     };
-    for (; later() && placed_.back().alone && behind(); ++*next) back();
-    // One that is due at the very clock of the cut has been, before this move.
+    for (; later() && placed_.back().alone && after_move(); ++*next) back();
+    // A record that is due at the very clock of the cut is executed, before this move.
     uint32_t n = 0;
     for (; n < rest[i].records && later(); ++n) back();
     for (size_t k = rest[i].records - n; k > 0; --k) placed_[placed_.size() - k].alone = true;

@@ -1,5 +1,5 @@
-// How the machine would stop on its path from a clock on: what boards are told in case that nobody
-// tells them how to go on.
+// How the machine would stop on its path from a clock on. Boards get this plan in advance, for the
+// case that their link fails.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace passo {
 
-// Puts into `moves` the way to a stop from `clock` on, planned: of the moves that have been planned
-// up to there, and of those that the planner still has.
+// Sets `moves` to the planned stop from `clock` on, along the moves in `history` and those that the
+// planner still has.
 void brake_from(int64_t clock, const History& history, const Planner& planner, double hz,
                 std::vector<Move>& moves);
 

@@ -1,4 +1,4 @@
-// What a stop on the path has left of a plan.
+// The rest of a plan that a controlled stop has left.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -13,28 +13,28 @@ struct Record {
   uint16_t target;
   uint32_t value;
   int64_t clock;
-  bool alone = false;  // no move has brought it: it came behind one
+  bool alone = false;  // no move brings it: it came after one
 };
 
-struct Held {
+struct HeldPlan {
   std::vector<Move> moves;
-  std::deque<Record> records;  // due at their starts, in their order, and then `behind` them all
-  uint32_t behind = 0;
+  std::deque<Record> records;  // due at the starts of moves; the last `at_end` after all moves
+  uint32_t at_end = 0;
 
-  // These come before what is held already: moves, the records due at their starts, and `at_end`
-  // more that are due behind them.
-  void put_first(const std::vector<Move>& rest, std::deque<Record>& of_rest, uint32_t at_end);
-  // These come when it goes on, before all else.
+  // Inserts moves before those that are held, with the records due at their starts and `after`
+  // more that are due after them.
+  void put_first(const std::vector<Move>& rest, std::deque<Record>& of_rest, uint32_t after);
+  // Inserts records that are due first.
   void record_first(const std::deque<Record>& first);
-  // The first n records come in the plan.
+  // Moves the first n records to `plan`.
   void give_back(uint32_t n, std::deque<Record>& plan);
-  // All of it lies `mm` further along slot j (X, Y or Z).
+  // Shifts all moves by `mm` along slot j (X, Y or Z).
   void shift(int j, double mm);
-  // The same, from a machine that stands where it is to go on: it goes over to there first.
+  // The same; the plan then begins with a move from the unshifted position.
   void shift_from_rest(int j, double mm);
 
  private:
-  uint32_t& due_first() { return moves.empty() ? behind : moves.front().records; }
+  uint32_t& first_due() { return moves.empty() ? at_end : moves.front().records; }
 };
 
 }  // namespace passo

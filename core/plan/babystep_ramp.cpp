@@ -19,7 +19,7 @@ double Shift::apply(std::vector<Move>& moves, int j, double mm) {
   return mm - done;
 }
 
-double Shift::way(const Move& m) {
+double Shift::distance(const Move& m) {
   double mm2 = 0;
   for (int i = 0; i < 3; ++i) mm2 += (m.p1[i] - m.p0[i]) * (m.p1[i] - m.p0[i]);
   return std::sqrt(mm2);
@@ -27,39 +27,39 @@ double Shift::way(const Move& m) {
 
 void Shift::lean(const Move& m, int j, double mm, double& done, std::vector<Move>& out) {
   const Rules& rules = rules_.of(m.rules);
-  double slope = kSteepest;
+  double slope = kMaxSlope;
   Move leaning = m;
   for (;; slope *= 0.5) {
-    if (slope < kGentlest) return out.push_back(m);
+    if (slope < kMinSlope) return out.push_back(m);
     leaning = m;
-    leaning.p1[j] += std::copysign(slope * way(m), mm);
+    leaning.p1[j] += std::copysign(slope * distance(m), mm);
     bounds_.apply(leaning, rules);
     double least2 = kEqual * m.vn2;
     if (leaning.d >= kEqual * m.d && leaning.a >= kEqual * m.a && leaning.vn2 >= least2 &&
         junction_.cap2(m, leaning, rules) >= least2)
       break;
   }
-  double room = slope * way(m), wanted = mm - done;
+  double room = slope * distance(m), wanted = mm - done;
   out.push_back(m);
   if (std::fabs(wanted) >= room) {
     done += std::copysign(room, mm);
     out.back().p1[j] += std::copysign(room, mm);
     return;
   }
-  Move behind = m;
-  split(m, std::fabs(wanted) / room, out.back(), behind);
+  Move after = m;
+  split(m, std::fabs(wanted) / room, out.back(), after);
   out.back().p1[j] += wanted;
-  behind.p0[j] += wanted;
-  behind.p1[j] += wanted;
+  after.p0[j] += wanted;
+  after.p1[j] += wanted;
   done = mm;
-  out.push_back(behind);
+  out.push_back(after);
 }
 
-void Shift::split(const Move& m, double part, Move& before, Move& behind) {
+void Shift::split(const Move& m, double part, Move& before, Move& after) {
   Bounds::cut(m, 0, part, before);
-  Bounds::cut(m, part, 1, behind);
-  behind.inner = true;
-  behind.records = 0;
+  Bounds::cut(m, part, 1, after);
+  after.inner = true;
+  after.records = 0;
 }
 
 }  // namespace passo

@@ -1,4 +1,5 @@
-// A shift of all that is still to come along X, Y or Z, let into moves under way: a babystep.
+// A babystep: planned moves shift along X, Y or Z, and the first of them approach the shifted path
+// by a small slope.
 #pragma once
 #include <vector>
 
@@ -8,33 +9,33 @@
 
 namespace passo {
 
-// Moves follow their own path until the shift begins, then lean towards it by a small slope until
-// they are as far beside it as they shall be. A move that would have to be slower for it, or would
-// become shorter, so that the way to brake might not suffice, does not lean.
+// Moves lean by a small slope until the full offset is reached. A move does not lean if it would
+// have to be slower for it, or would become shorter: its braking distance might not suffice then.
 class Shift {
  public:
   Shift(const Bounds& bounds, const JunctionRule& junction, const RuleBook& rules)
       : bounds_(bounds), junction_(junction), rules_(rules) {}
 
-  // Shifts `moves`, none of which is begun faster than it shall be, by `mm` along slot j. Returns
-  // what did not find room in them.
+  // Shifts `moves` by `mm` along slot j. None of them may start above its nominal speed. Returns
+  // the mm for which they have no room.
   double apply(std::vector<Move>& moves, int j, double mm);
 
  private:
-  static constexpr double kSteepest = 0.05, kGentlest = 0.001;  // mm of shift for a mm of way
+  static constexpr double kMaxSlope = 0.05, kMinSlope = 0.001;  // mm of shift for a mm of path
   static constexpr double kEqual = 1 - 1e-9;
 
   const Bounds& bounds_;
   const JunctionRule& junction_;
   const RuleBook& rules_;
 
-  static double way(const Move& m);
+  static double distance(const Move& m);
 
-  // Appends m, leaning as steeply as costs next to no speed; adds to `done`.
+  // Appends m with the steepest slope that costs almost no speed; adds its shift to `done`.
   void lean(const Move& m, int j, double mm, double& done, std::vector<Move>& out);
 
-  // The corner between the parts is gentle enough: no junction law there.
-  static void split(const Move& m, double part, Move& before, Move& behind);
+  // Splits m at the share `part` of its length. No junction law applies between the parts: the
+  // corner is that small.
+  static void split(const Move& m, double part, Move& before, Move& after);
 };
 
 }  // namespace passo

@@ -28,8 +28,8 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
     if (j < 3) mm += delta[j] * delta[j];
   }
   if (longest < kNoDistance) return false;
-  // Next to a long way of another axis a hair of X, Y, Z cannot measure the path.
-  double least = std::max(kNoDistance, kHair * longest);
+  // A tiny distance of X, Y, Z is no measure of the path of a much longer axis.
+  double least = std::max(kNoDistance, kMinPathShare * longest);
   m.cartesian = mm > least * least;
   mm = m.cartesian ? std::sqrt(mm) : longest;
   m.d = mm;
@@ -51,7 +51,7 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
   double a = per_mm * (accel_id == kPrintAccel     ? limits.print_accel
                        : accel_id == kRetractAccel ? limits.retract_accel
                                                    : limits.travel_accel);
-  a = std::min(a, kHighestAccel * per_mm);
+  a = std::min(a, kMaxAccel * per_mm);
   double inverse = 1 / m.d;
   const Bed bed = bed_below(m);
   // `bend`: second derivative of the row's position by path length.
@@ -95,10 +95,10 @@ void Bounds::split(const Move& m, const Rules& rules, std::vector<Move>& parts) 
   parts.clear();
   double mm2 = 0;
   for (int j = 0; j < 3; ++j) mm2 += (m.p1[j] - m.p0[j]) * (m.p1[j] - m.p0[j]);
-  choose_places(m, std::sqrt(mm2));
-  samples_.resize(places_.size());
-  for (size_t i = 0; i < places_.size(); ++i)
-    samples_[i] = sample(m, *rules.constraints, places_[i].s);
+  choose_points(m, std::sqrt(mm2));
+  samples_.resize(points_.size());
+  for (size_t i = 0; i < points_.size(); ++i)
+    samples_[i] = sample(m, *rules.constraints, points_[i].s);
   size_t first = 0, end = samples_.size() - 1;
   while (first < end) {
     Sample part = worse(samples_[first], samples_[first + 1]);
@@ -115,7 +115,7 @@ void Bounds::split(const Move& m, const Rules& rules, std::vector<Move>& parts) 
     }
     parts.push_back(m);
     Move& p = parts.back();
-    cut(m, places_[first].fraction, places_[last].fraction, p);
+    cut(m, points_[first].fraction, points_[last].fraction, p);
     p.inner = m.inner || first > 0;
     if (part.v * part.v < p.vn2) p.vn2 = part.v * part.v, p.speed_limit = part.speed_id;
     if (part.a < p.a) p.a = p.b = part.a, p.accel_limit = part.accel_id;
@@ -135,16 +135,16 @@ void Bounds::cut(const Move& m, double from, double to, Move& part) {
   }
 }
 
-void Bounds::choose_places(const Move& m, double mm) {
-  int n = std::clamp(int(std::ceil(mm / kSampleEvery)), 1, kMostSamples);
+void Bounds::choose_points(const Move& m, double mm) {
+  int n = std::clamp(int(std::ceil(mm / kSampleEvery)), 1, kMaxSamples);
   const Sampling sampling(*machine_.geometry, m.p0, m.p1, mm, n);
-  places_.assign(1, {0, 0});
+  points_.assign(1, {0, 0});
   for (int i = 1; i <= n; ++i) {
     sampling.before(i, [&](double fraction) {
-      places_.push_back({fraction, m.d * fraction});
+      points_.push_back({fraction, m.d * fraction});
       return true;
     });
-    places_.push_back({double(i) / n, m.d * i / n});
+    points_.push_back({double(i) / n, m.d * i / n});
   }
 }
 

@@ -19,13 +19,13 @@ class Bounds {
 
   bool nonlinear() const { return curved_ && !machine_.joints; }
 
-  // Fills d, vn2, a, b, cartesian and the limits' names, and clears what the budget sets. False if
-  // the move covers no distance and takes no time.
+  // Fills d, vn2, a, b, cartesian and the limits' names, and clears the fields of the budget. False
+  // if the move covers no distance and takes no time.
   bool apply(Move& m, const Rules& rules) const;
 
-  // Nonlinear geometries: tightens vn2 and a by the actuators' limits along the way, curvature
-  // and that of an arc included, and splits the move where these differ much, so that a narrow
-  // place does not slow down the whole line. With q', q'' the derivatives of an actuator by path
+  // Nonlinear geometries: tightens vn2 and a by the actuators' limits along the path, with its
+  // curvature and that of an arc. Splits the move where these limits differ much, so that one slow
+  // region does not slow down the whole line. With q', q'' the derivatives of an actuator by path
   // length: |q'| v ≤ V and |q''| v² + |q'| a ≤ A; half of A at most goes to curvature. Where the
   // bed is not flat, q' and q'' are the greatest that its steepest slope, up or down, makes of
   // them. Its creases, between the cells of the map, are no bends: there Z changes its speed at
@@ -36,11 +36,11 @@ class Bounds {
   static void cut(const Move& m, double from, double to, Move& part);
 
  private:
-  static constexpr double kNoDistance = 1e-9;  // mm
-  static constexpr double kHair = 1e-4;
-  static constexpr double kHighestAccel = 1e7;  // mm/s²
-  static constexpr double kSampleEvery = 2;     // mm
-  static constexpr int kMostSamples = 256;
+  static constexpr double kNoDistance = 1e-9;    // mm
+  static constexpr double kMinPathShare = 1e-4;  // of X, Y, Z, beside a longer axis
+  static constexpr double kMaxAccel = 1e7;       // mm/s²
+  static constexpr double kSampleEvery = 2;      // mm
+  static constexpr int kMaxSamples = 256;
   static constexpr double kAlike = 0.7;    // caps within this ratio share a part
   static constexpr double kOfBends = 0.5;  // share of an acceleration that bends may take
 
@@ -50,19 +50,19 @@ class Bounds {
   };
   const Machine& machine_;
   JunctionRule junction_;
-  bool curved_;  // some actuators do not go evenly along a line
-  struct Place {
+  bool curved_;  // some actuators are nonlinear along a line
+  struct SamplePoint {
     double fraction, s;  // of a move's length
   };
-  std::vector<Place> places_;
+  std::vector<SamplePoint> points_;
   std::vector<Sample> samples_;
 
-  void choose_places(const Move& m, double mm);
+  void choose_points(const Move& m, double mm);
 
   static Sample worse(const Sample& x, const Sample& y);
 
-  // Of an arc: the direction of its centre, or the opposite one, and the acceleration to there by
-  // the square of the speed. A chord's own derivatives know nothing of it.
+  // Of an arc: the direction to its centre, or the opposite, and the acceleration towards it
+  // divided by the square of the speed. The derivatives of a chord do not contain it.
   struct Turn {
     double to[3] = {0, 0, 0}, bend = 0;
   };

@@ -6,18 +6,18 @@
 
 namespace passo {
 
-// Puts into `braking` the part of a move in which the machine comes to a stop from speed² v2, or
-// all of it, and takes what that costs from v2. True if a part of the move is left, which is `m`
-// then.
+// Appends to `braking` the part of a move on which the machine brakes from speed² v2, or all of the
+// move, and reduces v2 accordingly. True if the machine stops within the move; then `m` is the rest
+// of it.
 bool brake(Move& m, double& v2, std::vector<Move>& braking);
 
-// Takes from `rest` the moves on which the machine comes to a stop from speed² v2, or all of them;
-// each by its own deceleration, or all by `even`.
+// Removes from `rest`, and returns, the moves on which the machine stops from speed² v2, or all of
+// them: each with its own deceleration, or all with `even`.
 std::vector<Move> take_braking(std::vector<Move>& rest, double v2, double even = 0);
 
 double length_of(const std::vector<Move>& moves);
 
-// Plans what brake() has found: one deceleration to the stop, from `clock` on.
+// Plans the moves of brake() as one deceleration to the stop, from `clock` on.
 void plan_braking(std::vector<Move>& moves, double clock, double clock_hz);
 
 }  // namespace passo

@@ -72,7 +72,7 @@ void MoveBudget::charge(Move& m, double start2) {
 MoveBudget::Asked MoveBudget::ask(const Move& m, const Shape& s, double saving) const {
   Asked sum{double(m.records)};  // one each, about as long
   for (const Need& need : needs_) {
-    double least = std::min(kMostPerTurn, need.turn / saving) + kPerSecond * s.seconds;
+    double least = std::min(kMaxPerTurn, need.turn / saving) + kPerSecond * s.seconds;
     double own = need.motors * least + (need.bends + need.per_ramp_s * s.ramp_s) / saving;
     if (own < need.steps) sum.per_ramp_s += need.per_ramp_s / saving;
     double brake = budget_.commits * s.seconds * (need.motors + need.brake * s.peak);
@@ -91,7 +91,7 @@ void MoveBudget::list_needs(const Move& m) {
     needs_.push_back({steps, double(motors), turn, bends, per_ramp_s, brake});
   };
   if (curved_motors_ > 0)
-    add(m.curved_steps, curved_motors_, kMostPerTurn * saving_,
+    add(m.curved_steps, curved_motors_, kMaxPerTurn * saving_,
         kPerBendSecond * m.curved_bends * m.d);
   for (const Motor& motor : motors_) add(motor.steps, 1, kPerTurn * std::sqrt(motor.turn), 0);
 }

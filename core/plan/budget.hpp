@@ -23,7 +23,7 @@ class MoveBudget {
   // root of the steps that this makes in the move times the third, but not more than the fourth;
   // and never more in all than its steps. Fitted to circles and random paths of 0.02 to 3 mm a
   // move, 5 to 300 mm/s, 1000 to 20000 mm/s², at 2 µs; at 25 µs what grows with a root is half.
-  static constexpr double kPerSecond = 20, kPerRampSecond = 1.1, kPerTurn = 3, kMostPerTurn = 1.5;
+  static constexpr double kPerSecond = 20, kPerRampSecond = 1.1, kPerTurn = 3, kMaxPerTurn = 1.5;
   // The same where a nonlinear actuator accelerates along a straight line at constant speed. A
   // rotary delta's lines of 24 mm need that much, a delta's of 60 mm 0.7.
   static constexpr double kPerBendSecond = 0.9;

@@ -1,20 +1,20 @@
-// How filament follows the program's E: the flow (M221) of an extruder, what a retraction is owed,
-// and a change of the flow let into moves that were planned with another one.
+// How filament follows the program's E: the flow (M221) of an extruder, the filament that a
+// retraction still has to give back, and a change of the flow in moves that are planned already.
 #pragma once
 #include <algorithm>
 
 namespace passo {
 
-// mm by which filament is still drawn back after it has moved by `mm`, and was by `owed` before.
-// More than a retraction is an unloading, to which nothing is owed.
+// mm by which filament is still drawn back after a move by `mm`, with `owed` before it. More than a
+// retraction is an unloading: nothing is given back.
 inline double owed_after(double owed, double mm) {
-  constexpr double kNone = 1e-9, kMostRetracted = 20;  // mm
+  constexpr double kNone = 1e-9, kMaxRetracted = 20;  // mm
   owed -= mm;
-  return owed > kNone && owed <= kMostRetracted ? owed : 0;
+  return owed > kNone && owed <= kMaxRetracted ? owed : 0;
 }
 
-// Of one extruder. What was drawn back comes back by the same length, whatever the flow is then:
-// a change in between leaves neither a gap nor a blob.
+// Of one extruder. A retraction is given back by the same length even if the flow has changed: it
+// leaves neither a gap nor a blob.
 struct Filament {
   double flow = 1;   // mm that move for a mm that the program means
   double owed = 0;   // mm that the program has drawn back
@@ -34,22 +34,22 @@ struct Filament {
   }
 };
 
-// One extruder's flow becomes another in the midst of a plan. Moves go through `apply` in their
-// order; places that follow them, through `place`.
+// Changes the flow of an extruder within a plan. Moves go through `apply` in their order; positions
+// after them go through `position`.
 class FlowChange {
  public:
   explicit FlowChange(double flow) : flow_(flow) {}
 
   double flow() const { return flow_; }
-  // Where the filament is now that was to be at `at` behind all changed moves so far.
-  double place(double at) const { return at == old_ ? new_ : at + (new_ - old_); }
-  // Its debt there, of `owed` mm before.
+  // The new position of filament that was planned to be at `at` after the moves changed so far.
+  double position(double at) const { return at == old_ ? new_ : at + (new_ - old_); }
+  // The mm to be given back there, `owed` before the change.
   double owed(double owed) const { return begun_ && owed > 0 ? owed_ : owed; }
 
-  // Changes a move of filament from one place to another, made with `flow` (0: not a program's, it
-  // keeps its length), before which the filament was drawn back by `owed`.
+  // Changes a move of filament that was planned with `flow` (0: not a program's, its length stays)
+  // and starts drawn back by `owed`.
   void apply(double& from, double& to, double& flow, double& owed) {
-    double start = place(from), mm = to - from, length = scaled(mm, flow, owed);
+    double start = position(from), mm = to - from, length = scaled(mm, flow, owed);
     old_ = to;
     if (start != from || length != mm) to = length == 0 ? start : start + length;
     from = start;
@@ -58,9 +58,9 @@ class FlowChange {
 
  private:
   double flow_;
-  double old_ = 0, new_ = 0;  // where the last move has ended, and ends
+  double old_ = 0, new_ = 0;  // end of the last move, before and after the change
   bool begun_ = false;
-  double owed_ = 0;  // behind it
+  double owed_ = 0;  // after it
 
   double scaled(double mm, double& flow, double& owed) {
     if (flow == 0) return mm;

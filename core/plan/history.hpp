@@ -1,4 +1,4 @@
-// Moves whose steps are known, as far back as they may be asked for or cut.
+// Moves whose steps are solved, as long as they may still be read or cut.
 #pragma once
 #include <array>
 #include <optional>
@@ -14,7 +14,7 @@ class History {
   explicit History(double clock_hz) : hz_(clock_hz) {}
 
   void add(const std::vector<Move>& moves);
-  // What ended before `past` will not be cut any more.
+  // Drops moves that ended before `past`.
   void forget(double past);
   bool empty() const { return begin_ == moves_.size(); }
   const Move& oldest() const { return moves_[begin_]; }
@@ -22,22 +22,23 @@ class History {
   std::vector<Move>::const_iterator at(double clock) const;
   std::vector<Move>::const_iterator end() const { return moves_.end(); }
   const Move* last() const { return moves_.empty() ? nullptr : &moves_.back(); }
-  // Where the machine was at a clock, and is going if it stood before its next move; nothing if
-  // that is not known any more. `planned_to`: where it goes on from behind all moves.
+  // The position at a clock; at rest, the start of the next move. Nothing if the moves of that
+  // clock are dropped. `planned_to`: the start of what follows all moves.
   std::optional<std::array<double, kAxes>> position_at(double clock,
                                                        const double* planned_to) const;
 
-  // Takes back what comes after `clock`; a move that is under way stays and is returned too.
+  // Removes and returns the moves after `clock`. A move that is under way at `clock` stays, and is
+  // the first of the result.
   std::vector<Move> cut(double clock);
-  // Divides a move that is under way at `clock`: the first part is added, and returned; `m` is what
-  // is left of it, and `speed2` the speed² in between.
+  // Divides a move that is under way at `clock`. Adds and returns the first part; `m` becomes the
+  // second, and `speed2` the speed² between them.
   const Move& divide(Move& m, double clock, double& speed2);
 
  private:
   double hz_;
   std::vector<Move> moves_;
   size_t begin_ = 0;          // moves before it are forgotten
-  double gone_ = -kInfinity;  // clock at which the last of them has ended
+  double gone_ = -kInfinity;  // end of the last one of these, ticks
 };
 
 }  // namespace passo

@@ -11,7 +11,7 @@ class JunctionRule {
  public:
   explicit JunctionRule(const Machine& m) : machine_(m) {}
 
-  // Steps of axis slot j on the way, unsigned and unrounded: the measure of `cornering_distance`.
+  // Steps of axis slot j in the move, unsigned and unrounded: the measure of `cornering_distance`.
   double steps(const Move& m, int j) const;
 
   // Cap of v² at the join of `before` and `m`, whose vn2, a and d are known.

@@ -13,7 +13,7 @@ namespace passo {
 // the law `cornering_distance` the longest axis in steps, as APrinter plans. All speeds and
 // accelerations below are of that measure, per second. The time law over the path position s:
 //   s0 ≤ s: d_acc at acceleration a, d_cru at speed vc, the rest of d at deceleration b.
-struct Move {
+struct Move : MoveOrigin {
   double p0[kAxes], p1[kAxes];  // ends, mm
   double d;                     // path measure
   double v0, vc, v1, a, b;      // speeds at start, in cruise, at end; a, b > 0
@@ -28,13 +28,11 @@ struct Move {
   double curved_steps;  // steps of the nonlinear actuators, at most
   double curved_bends;  // of these at constant speed: sum of √(steps/s²), by speed, at most
   double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
-  double step_load, command_load;  // share of the board's budget that was asked for; ≤ 1: kept
-  double steps, commands;          // of all motors together, as the budget reckons; 0 without one
-  double ahead0, ahead1;     // commands ahead of the board's rate at its start and end, at most
-  uint32_t rules;            // number in the planner's RuleBook
-  uint32_t line, main_line;  // of MoveRequest
-  uint32_t records;          // timed records that are due at its start
-  uint16_t layer, feature, extruder, tool;
+  double step_load, command_load;  // share of the board's budget; ≤ 1: kept
+  double steps, commands;  // of all motors together, as the budget calculates; 0 without one
+  double ahead0, ahead1;   // commands ahead of the board's rate at its start and end, at most
+  uint32_t rules;          // number in the planner's RuleBook
+  uint32_t records;        // timed records that are due at its start
   LimitId speed_limit, accel_limit;
   MoveKind kind;
   uint8_t moved;
@@ -46,7 +44,7 @@ struct Move {
 
   double ticks() const { return t_acc + t_cru + t_dec; }
   double end() const { return start + ticks(); }
-  // Way and speed `tau` ticks after its start, of `hz` a second.
+  // Distance and speed `tau` ticks after its start; `hz` ticks are a second.
   std::pair<double, double> along(double tau, double hz) const {
     double t0 = std::min(tau, t_acc) / hz, t1 = std::clamp(tau - t_acc, 0.0, t_cru) / hz;
     double t2 = std::clamp(tau - t_acc - t_cru, 0.0, t_dec) / hz;

@@ -15,8 +15,8 @@ struct Rules {
   double speed_factor;  // M220
 };
 
-// Each move keeps the number of the rules that held when it came in: whatever has it planned anew
-// later, an M204 behind it in the program does not reach back to it.
+// Each move keeps the number of the rules at its arrival, so replanning never applies a later M204
+// to an earlier move.
 class RuleBook {
  public:
   explicit RuleBook(const Machine& machine)
@@ -24,12 +24,12 @@ class RuleBook {
 
   const Rules& now() const { return rules_.back(); }
   const Rules& of(uint32_t number) const { return rules_[number - first_]; }
-  // Number of the rules of now, for a move.
+  // Number of the current rules, for a move.
   uint32_t use() {
     used_ = true;
     return first_ + uint32_t(rules_.size() - 1);
   }
-  // Changes the rules of moves to come; `live`: of all moves, as far as they are planned anew.
+  // Changes the rules of later moves; `live`: of all moves, when they are planned again.
   template <typename Change>
   void change(bool live, Change&& change) {
     if (live) {
@@ -40,7 +40,7 @@ class RuleBook {
     used_ = false;
     change(rules_.back());
   }
-  // For moves that were held back while others came in: numbers keep growing along the plan.
+  // For moves that were held while others arrived: keeps the numbers ascending along the plan.
   template <typename Moves>
   void renumber(Moves& moves) {
     const Rules now = rules_.back();
@@ -56,7 +56,7 @@ class RuleBook {
     rules_.push_back(now);
     used_ = false;
   }
-  // No move is left whose number is lower.
+  // Drops rules with lower numbers: no move has them.
   void forget_before(uint32_t number) {
     for (; first_ < number && rules_.size() > 1; ++first_) rules_.pop_front();
   }

@@ -1,5 +1,5 @@
-// The other way into the step solver: stretches of time in which every axis is a polynomial of
-// time. Filters of motion make them: what bends a trapezoid of speed is a sum of such stretches.
+// The second input of the step solver: intervals in which the position of each axis is a polynomial
+// of time. Motion filters turn trapezoids of speed into such pieces.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -13,7 +13,7 @@ struct Piece {
   double start;                     // ticks since the start of the job
   double seconds;                   // > 0
   double c[kAxes][kTerms];          // position of an axis = Σ c[k] t^k mm, t in s from `start`
-  double end[kAxes];                // where it ends, exactly: what the last step is rounded from
+  double end[kAxes];                // its exact end, from which the last step is rounded
   uint16_t extruder;                // that moves by c[kE]
 
   static double at(const double* k, double t) {
@@ -30,8 +30,8 @@ struct Piece {
       if (c[kX][k] != 0 || c[kY][k] != 0 || c[kZ][k] != 0) return k;
     return 0;
   }
-  // Length of the way in X, Y, Z, by chords: a polynomial turns too seldom to hide between them.
-  double way() const {
+  // Length of the path in X, Y, Z, by chords: a polynomial has too few bends to hide between them.
+  double length_mm() const {
     constexpr int kChords = 32;
     double sum = 0, from[3] = {c[kX][0], c[kY][0], c[kZ][0]};
     for (int i = 1; i <= kChords; ++i) {

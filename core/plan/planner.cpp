@@ -31,7 +31,7 @@ bool Planner::push(const MoveRequest& r, uint32_t records) {
   fill(m, r);
   m.records = records;
   bool moves = bounds_.apply(m, rules_.now());
-  constexpr double kLongest2 = kLongestMove * kLongestMove * (1 + 1e-9);  // beyond rounding
+  constexpr double kLongest2 = kMaxMoveS * kMaxMoveS * (1 + 1e-9);  // beyond rounding
   bool slow = moves && m.d * m.d > kLongest2 * m.vn2;
   too_slow_ = slow ? m.d / std::sqrt(m.vn2) : 0;
   slowed_by_ = m.speed_limit;
@@ -100,7 +100,7 @@ double Planner::shift(std::vector<Move>& moves, int j, double mm) {
 
 void Planner::place_filament(size_t extruder, const FlowChange& change) {
   double before = extruder_[extruder];
-  extruder_[extruder] = change.place(before);
+  extruder_[extruder] = change.position(before);
   if (position_[kE] == before) position_[kE] = extruder_[extruder];
 }
 
@@ -113,6 +113,7 @@ void Planner::stand(double clock) {
 }
 
 void Planner::fill(Move& m, const MoveRequest& r) {
+  static_cast<MoveOrigin&>(m) = r;
   std::memcpy(m.p0, position_, sizeof m.p0);
   std::memcpy(m.p1, r.target, sizeof m.p1);
   if (!extruder_.empty()) m.p0[kE] = extruder_[r.extruder];
@@ -126,12 +127,6 @@ void Planner::fill(Move& m, const MoveRequest& r) {
   m.owed = r.owed_mm;
   m.rules = rules_.use();
   m.unscaled = r.unscaled;
-  m.line = r.line;
-  m.main_line = r.main_line;
-  m.layer = r.layer;
-  m.feature = r.feature;
-  m.extruder = r.extruder;
-  m.tool = r.tool;
   m.kind = r.kind;
   m.moved = r.moved;
   m.inner = r.arc_inner;
@@ -181,13 +176,13 @@ void Planner::settle(bool flush) {
     m.v0 = v2;
     if (capped && !flush && final == head_) final = i;
   }
-  if (!flush && end - final > kLongest) final = head_ + (end - head_) / 2;
+  if (!flush && end - final > kMaxQueued) final = head_ + (end - head_) / 2;
   for (; head_ < final; ++head_) {
     trapezoid(queue_[head_], head_ + 1 < end ? queue_[head_ + 1].v0 : 0);
     settled_.push_back(queue_[head_]);
   }
   if (head_ == end) {
-    stand(clock_);  // where the last way to brake was too short to be a move, too
+    stand(clock_);  // also if the last braking distance was too short for a move
   } else if (head_ > 4 * kBatch) {
     queue_.erase(queue_.begin(), queue_.begin() + long(head_));
     head_ = 0;
@@ -208,7 +203,7 @@ void Planner::trapezoid(Move& m, double end2) {
   bool faster = start2 > m.vn2 * (1 + 1e-9) && m.from_faster > 0;
   double hardest = faster ? m.from_faster : m.b, braking = std::min(m.a, hardest);
   if (start2 - end2 > 2 * braking * m.d) {
-    // The old plan's way to brake may be all that is left, and was within limits from here.
+    // Only the old plan's braking distance may be left; it was within limits from here.
     hardest = std::max(hardest, m.from_faster);
     braking = std::min(hardest, (start2 - end2) / (2 * m.d));
     double least2 = start2 - 2 * braking * m.d;

@@ -1,4 +1,4 @@
-// What a plan adds up to: times by kind, limit, layer and feature, distances, filament.
+// Sums over a plan: times by kind, limit, layer and feature; distances; filament.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -14,14 +14,14 @@ struct PlanStatistics {
   double move_s = 0, dwell_s = 0, travel_mm = 0, print_mm = 0;
   std::vector<double> filament_mm;                  // net, by extruder
   std::vector<double> limit_s, layer_s, feature_s;  // by LimitId, layer, feature
-  // Where most was asked of the board's budgets: line, and share of what they hold (≤ 1: kept).
+  // The highest load of the board's budgets: line, and share of the budget (≤ 1: kept).
   struct Load {
     uint32_t line = 0;
     double share = 0;
   };
   Load most_steps, most_commands;
-  // The densest places, of what the budget reckons: steps/s of a move in cruise, commands/s over
-  // kWindow or more, commands ahead of the board's rate.
+  // Peaks as the budget calculates them: steps/s of a move in cruise, commands/s over kWindow or
+  // more, commands ahead of the board's rate.
   struct Peak {
     uint32_t line = 0;
     double most = 0;

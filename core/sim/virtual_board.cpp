@@ -423,7 +423,7 @@ Ticks VirtualBoard::ahead(uint32_t clock) const {
 }
 
 void VirtualBoard::check_period(uint32_t ticks) {
-  if (ticks < kShortestPeriod) throw Shutdown{Fault::period_too_short};
+  if (ticks < kMinPeriodTicks) throw Shutdown{Fault::period_too_short};
 }
 
 void VirtualBoard::trigger(uint32_t oid, uint32_t reason) {

@@ -16,14 +16,14 @@ namespace passo {
 
 class Commits {
  public:
-  // The way on which the machine would stop from a clock on.
+  // Sets `moves` to those on which the machine would stop from `clock` on.
   using Brake = std::function<void(int64_t clock, std::vector<Move>& moves)>;
   using Out = std::function<void(const Message&)>;
   struct Point {
     uint32_t serial;
     int64_t clock;
-    bool rest;   // the machine stands there
-    double way;  // on which it would stop from there
+    bool rest;             // the machine is at rest there
+    double stop_distance;  // from there to the planned stop
   };
 
   // A commit spans `period` ticks, and fewer where more than `most` messages would be in it.
@@ -31,8 +31,8 @@ class Commits {
 
   MessageQueue& waiting() { return waiting_; }
   const std::deque<Point>& points() const { return points_; }
-  // All motors stand, nothing waits, and the boards' last commit was `serial`: the clocks of their
-  // last steps, their net steps, and whether their clocks must be told anew.
+  // All motors are at rest, no message waits, and the boards' last commit was `serial`. For each
+  // motor: the clock of its last step, its net steps, and whether its clock must be sent again.
   void begin(uint32_t serial, int64_t clock, std::vector<int64_t> last, std::vector<int64_t> net,
              std::vector<bool> renew);
   // Whether no message of any later commit had been taken when this one was the board's last.
@@ -40,26 +40,24 @@ class Commits {
   // The point of a commit that is still known; end of points() if it is not.
   std::deque<Point>::const_iterator find(uint32_t serial) const;
 
-  // Gives to `out` all that is certain, every message below `known` being in waiting().
-  // `brake(clock, moves)` gives the way on which the machine would stop; `origin` is what each
-  // motor's count is at a net of 0. `end`: that is where the machine stands; kNoMessage if it does
-  // not.
+  // Passes to `out` all commits that are complete; waiting() has every message before `known`.
+  // `origin`: the count of each motor at 0 net steps. `end`: the clock at which the machine comes
+  // to rest; kNoMessage if it does not.
   void advance(int64_t known, int64_t end, const std::vector<int64_t>& origin, const Brake& brake,
                const Out& out);
 
-  // A cut at `clock`: commits later than that are void, and what was in them waits again.
+  // A cut at `clock`: later commits are void, and their messages wait again.
   void revoke(int64_t clock);
-  // After that: of each motor the clock of the last step that does not wait, if none does, and the
-  // net steps of all that it has and that wait, and whether its clock must be told anew before what
-  // does not wait.
+  // After revoke: of each motor the clock of its last step, its net steps with those that wait, and
+  // whether its clock must be sent again.
   void resume(std::vector<int64_t> last, std::vector<int64_t> net, std::vector<bool> renew);
-  // Messages that follow the last commit, in their order, before all that waits already.
+  // Inserts messages between the last commit and those that wait.
   void put_back(const std::vector<Message>& messages);
-  // Of those that were taken, until a clock, no more than so many will be asked for.
+  // Of the commits taken until a clock, drops all but the last `kept`.
   void forget(int64_t taken_until, size_t kept);
 
  private:
-  static constexpr double kTailTolerance = 50e-6;  // s: nothing is printed on the way to a stop
+  static constexpr double kTailTolerance = 50e-6;  // s: nothing is printed during a stop
 
   uint32_t serial_ = 0, begin_ = 0;  // of the last commit made; of the board's last at begin()
   int64_t period_;
@@ -69,11 +67,11 @@ class Commits {
   std::deque<Compressor> compressors_;
   MessageQueue waiting_;
   std::deque<Point> points_;
-  std::vector<int64_t> last_, net_;  // of each motor, of all that does not wait
-  std::vector<bool> renew_;          // its clock must be told anew before its next step
+  std::vector<int64_t> last_, net_;  // of each motor, without steps that wait
+  std::vector<bool> renew_;          // its clock must be sent again before its next step
   std::vector<Move> moves_;
   std::vector<Message> within_, behind_;
-  std::vector<std::vector<Message>> ahead_;  // directions and clocks go with the steps behind them
+  std::vector<std::vector<Message>> ahead_;  // directions and clocks belong to the steps after them
 
   int64_t next_clock() const;
   bool moving() const { return next_clock() != kNoMessage; }
@@ -82,7 +80,7 @@ class Commits {
   void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin,
               const std::vector<Move>& moves, const Out& out);
 
-  // Takes from what waits all that comes up to a clock, and splits what reaches over it.
+  // Takes the messages up to a clock from those that wait, and splits commands across it.
   void divide(int64_t clock);
 
   void tail(int64_t clock, const std::vector<int64_t>& origin, const std::vector<Move>& moves,

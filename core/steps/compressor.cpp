@@ -12,7 +12,7 @@ Compressor::Compressor(const Machine& machine, const StepperSpec& spec, uint16_t
     : tolerance_(machine.tolerance),
       reversal_(double(spec.pulse + std::max(spec.pulse, spec.dir_hold + spec.dir_setup)) + 2),
       least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
-      longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
+      longest_(kMaxSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
       margin_(std::max(reversal_, 4 * machine.widest_tolerance()) + 1), target_(target),
       stabbing_(std::make_unique<Stabbing>()) {
   steps_.ticks.push_back(-kNeverNear);  // stands for the step before the first
@@ -186,14 +186,14 @@ size_t Compressor::compress(size_t i, size_t known, bool last, double frontier, 
     size_t end = std::min(run_end, known);
     bool open = last && !still && (last_run || run_end > known);
     while (i < end) {
-      if (!last && end == known && end - i < size_t(kMostSteps)) return check(i);
+      if (!last && end == known && end - i < size_t(kMaxSteps)) return check(i);
       if (resets(t[i])) {
         reset_clock(t[i]);
         double& lo = lo_[i - base_];  // may reach over the new clock, as the step before is far
         before = double(last_);
         lo = std::max(lo, before + 1);
       }
-      int left = int(std::min(end - i, size_t(kMostSteps))), n = std::min(left, kLook);
+      int left = int(std::min(end - i, size_t(kMaxSteps))), n = std::min(left, kLook);
       size_t k = i - base_;
       Command c = stabbing_->longest(&lo_[k], &hi_[k], n, before, &executed_[k]);
       if ((c.count == n && n < left) || t[i + size_t(c.count) - 1] - t[i] > longest_) {

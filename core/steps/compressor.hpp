@@ -66,7 +66,7 @@ class Compressor {
   void restart(int64_t last, const StepStatistics& revoked);
 
  private:
-  static constexpr double kLongestSeconds =
+  static constexpr double kMaxSeconds =
       0.06;  // span of a command: bounds what waits for more steps, and how long a hold waits
   static constexpr double kLeadSeconds = 0.02;  // a command is due this long before its first step
   // Steps that have windows at a time: so a move of millions of steps takes little more memory than

@@ -120,7 +120,7 @@ int64_t PieceSolver::solve(const Piece& p, int64_t count, int64_t target, bool e
 
 void PieceSolver::check(const Piece& p) const {
   if (!moves(p)) return;
-  int n = std::max(parts(p), kLeastSamples);
+  int n = std::max(parts(p), kMinSamples);
   for (int i = 0; i <= n; ++i) {
     double t = p.seconds * i / n, q, rate;
     if (straight_ && !raised()) {
@@ -143,7 +143,7 @@ bool PieceSolver::moves(const Piece& p) const {
 }
 
 int PieceSolver::parts(const Piece& p) {
-  return int(std::ceil(std::clamp(p.way() / kSampleMm, 1.0, 4096.0)));
+  return int(std::ceil(std::clamp(p.length_mm() / kSampleMm, 1.0, 4096.0)));
 }
 
 HeightMap::Cell PieceSolver::cell_at(const Piece& p, double t) const {

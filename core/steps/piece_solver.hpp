@@ -21,12 +21,12 @@ class PieceSolver {
   int64_t solve(const Piece& p, int64_t count, int64_t target, bool ends_path, Steps& out);
 
   // Throws std::invalid_argument if the motor cannot reach a position, or not so fast. Looked at
-  // each kSampleMm, and kLeastSamples times at least.
+  // each kSampleMm, and kMinSamples times at least.
   void check(const Piece& p) const;
 
  private:
   static constexpr double kSampleMm = 1;  // within which an actuator turns at most twice
-  static constexpr int kLeastSamples = 16;
+  static constexpr int kMinSamples = 16;
   static constexpr double kExact = 1e-3;  // steps: a turn forth and back by less may be missed
 
   const Machine& machine_;

@@ -34,16 +34,16 @@ struct Errors {
   double largest = 0, square = 0, beyond = -1;
 };
 
-inline constexpr int kMostSteps = 4096;  // steps at most, of the protocol's 65535
+inline constexpr int kMaxSteps = 4096;  // steps at most, of the protocol's 65535
 
 struct StabbingTables {
-  double reciprocal[kMostSteps + 4] = {};  // [i] = 1/i
-  double halves[24] = {};                  // 0, ½, 1 …
-  double beyond[8] = {};                   // 0, 0, 0, 0, then far away
+  double reciprocal[kMaxSteps + 4] = {};  // [i] = 1/i
+  double halves[24] = {};                 // 0, ½, 1 …
+  double beyond[8] = {};                  // 0, 0, 0, 0, then far away
   double counts[4] = {1, 2, 3, 4};
   double triangles[4] = {0, 1, 3, 6};  // m(m + 1)/2
   constexpr StabbingTables() {
-    for (int i = 1; i < kMostSteps + 4; ++i) reciprocal[i] = 1.0 / i;
+    for (int i = 1; i < kMaxSteps + 4; ++i) reciprocal[i] = 1.0 / i;
     for (int m = 0; m < 24; ++m) halves[m] = 0.5 * m;
     for (int k = 4; k < 8; ++k) beyond[k] = 1e300;
   }
@@ -74,7 +74,7 @@ using Vector = WideLanes;
 class Stabbing {
  public:
   // lo[m] ≤ time of step m ≤ hi[m], each window holding an integer; `last` is the integer time of
-  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kMostSteps; when its steps come goes
+  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kMaxSteps; when its steps come goes
   // to `executed`. All three arrays must go on up to the next multiple of four behind n; there `lo`
   // and `hi` may be any numbers, and anything may be written to `executed`.
   Command longest(const double* lo, const double* hi, int n, double last, double* executed) {

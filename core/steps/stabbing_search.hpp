@@ -37,7 +37,7 @@ class Search {
   static constexpr double kFar = 1e300;
   static constexpr double kSlack =
       1e-9;  // ticks: rounding of the divided bounds; × count, the most a step may be out
-  static constexpr double kLeastAdd = -32768, kMostAdd = 32767;
+  static constexpr double kMinAdd = -32768, kMaxAdd = 32767;
 
   double low_[kPairs], high_[kPairs];            // the segments
   double least_[kPairs + 1], most_[kPairs + 1];  // slopes per segment, for each count
@@ -118,10 +118,10 @@ class Search {
 
   // The integer nearest to the middle of the range of add: if there is one in it, it is.
   static double middle(double least, double most) {
-    return std::min(std::max(round_even(least + most), kLeastAdd), kMostAdd);
+    return std::min(std::max(round_even(least + most), kMinAdd), kMaxAdd);
   }
   static bool possible(double add, double least, double most) {
-    return add >= 2 * least && add <= 2 * most && add >= kLeastAdd && add <= kMostAdd;
+    return add >= 2 * least && add <= 2 * most && add >= kMinAdd && add <= kMaxAdd;
   }
   // The next integer up or down; what is beyond one by rounding is let in.
   static double at_least(double x) { return round_even(x + (0.5 - kSlack)); }
@@ -138,7 +138,7 @@ class Search {
   template <int blocks>
   PASSO_SEARCH_INLINE Command shortened(int count) const {
     const double least = least_[count], most = most_[count], centre = middle(least, most);
-    const double top = std::max(std::min(at_most(2 * most), kMostAdd), centre);
+    const double top = std::max(std::min(at_most(2 * most), kMaxAdd), centre);
     for (double add : {top, top - 1, centre, centre + 1, centre - 1}) {
       if (!possible(add, least, most)) continue;
       Vector lows(-kFar), highs(kFar);
