@@ -10,6 +10,8 @@
 
 PYTHON ?= python3
 FUZZ_SECONDS ?= 60
+# One seed, so that two runs try the same inputs; FUZZ_SEED=0 takes another one each time.
+FUZZ_SEED ?= 1
 DEMO ?= demo
 CLOCK ?= 1
 
@@ -95,7 +97,7 @@ fuzz: $(FUZZERS)
 	@for fuzzer in $^; do \
 	  echo "$$fuzzer: $(FUZZ_SECONDS) s"; \
 	  mkdir -p $$fuzzer.corpus; \
-	  $$fuzzer -max_total_time=$(FUZZ_SECONDS) -timeout=120 -verbosity=0 -print_final_stats=1 \
+	  $$fuzzer -max_total_time=$(FUZZ_SECONDS) -seed=$(FUZZ_SEED) -timeout=120 -verbosity=0 -print_final_stats=1 \
 	    -artifact_prefix=$$fuzzer. $$fuzzer.corpus $$(ls -d tests/fuzz/seeds/$$(basename $$fuzzer) \
 	    2>/dev/null) || exit 1; \
 	done

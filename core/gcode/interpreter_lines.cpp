@@ -154,12 +154,13 @@ void Interpreter::run_words() {
   }
   while (w < end) {
     if (tool(*w)) {
-      const std::string code = code_name('T', int(w->value));
+      const int number = code_of(*w).first;
+      const std::string code = code_name('T', number);
       if (!w->built_in && is_macro(code)) {
         Word* next = std::find_if(w + 1, end, starts);
         const size_t to = next < end ? next->begin : text.size();
         hear(code, w + 1, next);
-        emit_macro('T', int(w->value), 0, "", text.substr(w->end, to - w->end));
+        emit_macro('T', number, 0, "", text.substr(w->end, to - w->end));
         next_word_ = next < end ? size_t(next - words_.data()) : 0;
         return;
       }
