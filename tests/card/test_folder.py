@@ -306,3 +306,15 @@ def test_a_removed_folder_takes_interrupted_uploads_with_it(card: FolderCard, tm
     (tmp_path / "card/sub/note").unlink()
     card.remove_directory("sub")
     assert not (tmp_path / "card/sub").exists()
+
+
+def test_a_card_that_is_left_keeps_no_half_file(card: FolderCard, tmp_path: Path):
+    writer = card.create("a.g")
+    writer.write(b"G28\n")
+    card.close()
+    assert list((tmp_path / "card").iterdir()) == []
+    for action in (lambda: writer.write(b"G1"), writer.close):
+        with pytest.raises(CardError) as raised:
+            action()
+        assert code(raised) == "card.removed"
+    writer.abort()

@@ -79,6 +79,7 @@ class FolderCard(Card):
         self._path = str(path)
         self._lock = threading.RLock()
         self._files = OpenFiles()
+        self._writers: set[_FolderWriter] = set()
         try:
             self._root: int | None = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         except OSError as error:
@@ -157,11 +158,24 @@ class FolderCard(Card):
             if not found:
                 _check_name(name, path)
             place = _Place(os.dup(folder), where, self._opened)
+            full = f"{where}/{found.name if found else name}"
+
+            def released() -> None:
+                self._files.end_write(full)
+                self._writers.discard(writer)
+
             try:
-                return _FolderWriter(place, found.name if found else name, self._files)
+                self._files.begin_write(full)
+                try:
+                    writer = _FolderWriter(place, full.rpartition("/")[2], released)
+                except BaseException:
+                    self._files.end_write(full)
+                    raise
             except BaseException:
                 os.close(place.folder)
                 raise
+            self._writers.add(writer)
+            return writer
 
     def remove(self, path: str) -> None:
         """As `Card.remove`."""
@@ -226,11 +240,14 @@ class FolderCard(Card):
             return room.f_bavail * room.f_frsize
 
     def close(self) -> None:
-        """As `Card.close`: the folder is let go."""
+        """As `Card.close`: what is being written is given up, and the folder is let go."""
         with self._lock:
             if self._root is not None:
                 os.close(self._root)
                 self._root = None
+            writers = list(self._writers)
+        for writer in writers:
+            writer.give_up(CardError.of("card.removed", self._path, value="it was unmounted"))
 
     def _opened(self, path: str) -> int:
         if self._root is None:
@@ -299,49 +316,54 @@ class FolderCard(Card):
 class _FolderWriter(Writer):
     """Writes beside the file and takes its place at the end."""
 
-    def __init__(self, place: _Place, name: str, files: OpenFiles) -> None:
+    def __init__(self, place: _Place, name: str, released: Callable[[], None]) -> None:
+        """`released()` is called once, when the writer has ended."""
         super().__init__()
-        self._place = place
-        self._name = name
+        self._place, self._name = place, name
         self._full = f"{place.path}/{name}"
         digest = hashlib.blake2b(names.fold(name).encode(), digest_size=12).hexdigest()
         self._partial = _PARTIAL + digest
-        self._files = files
-        files.begin_write(self._full)
-        try:
-            self._file = os.open(self._partial, _NEW, mode=0o666, dir_fd=place.folder)
-        except OSError:
-            files.end_write(self._full)
-            raise
+        self._released = released
+        self._lock = threading.Lock()  # of its own: a slow medium keeps nobody else waiting
+        self._file = os.open(self._partial, _NEW, mode=0o666, dir_fd=place.folder)
+
+    def give_up(self, error: CardError) -> None:
+        """End because the card goes: later calls raise `error`."""
+        self.abort()
+        self._failure = self._failure or error
 
     def _append(self, data: bytes) -> None:
-        self._place.check_mounted(self._full)
         left = memoryview(data)
-        try:
-            while left:
-                left = left[os.write(self._file, left) :]
-        except OSError as error:
-            raise _host_failure(error, self._full, needed=len(left)) from error
+        with self._lock:
+            self._place.check_mounted(self._full)
+            try:
+                while left:
+                    left = left[os.write(self._file, left) :]
+            except OSError as error:
+                raise _host_failure(error, self._full, needed=len(left)) from error
 
     def _store(self) -> None:
         folder = self._place.folder
-        self._place.check_mounted(self._full)
-        try:
-            os.fsync(self._file)
-            os.replace(self._partial, self._name, src_dir_fd=folder, dst_dir_fd=folder)
-            os.fsync(folder)
-        except FileNotFoundError:  # its directory has gone, with what was written
-            raise CardError.of("card.removed", self._full, value="its folder was removed") from None
-        except OSError as error:
-            raise _host_failure(error, self._full) from error
-        self._release()
+        with self._lock:
+            self._place.check_mounted(self._full)
+            try:
+                os.fsync(self._file)
+                os.replace(self._partial, self._name, src_dir_fd=folder, dst_dir_fd=folder)
+                os.fsync(folder)
+            except FileNotFoundError:  # its directory has gone, with what was written
+                value = "its folder was removed"
+                raise CardError.of("card.removed", self._full, value=value) from None
+            except OSError as error:
+                raise _host_failure(error, self._full) from error
+            self._release()
 
     def _discard(self) -> None:
-        with suppress(OSError):
-            os.unlink(self._partial, dir_fd=self._place.folder)
-        self._release()
+        with self._lock:
+            with suppress(OSError):
+                os.unlink(self._partial, dir_fd=self._place.folder)
+            self._release()
 
     def _release(self) -> None:
         os.close(self._file)
         os.close(self._place.folder)
-        self._files.end_write(self._full)
+        self._released()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from passo.web.files.uploads import Uploads
     from passo.web.logs import Logs
     from passo.web.temperature_history import TemperatureHistory
+
+_MAX_REPLIES = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,3 +30,5 @@ class Site:
     metadata: MetadataReader
     temperatures: TemperatureHistory
     logs: Logs
+    rrf_replies: deque[str] = field(default_factory=lambda: deque(maxlen=_MAX_REPLIES))
+    """What lines that came by `rr_gcode` have answered, until `rr_reply` asks."""

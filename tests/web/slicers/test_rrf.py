@@ -207,3 +207,18 @@ def test_a_session_ends_that_is_not_used():
     assert sessions.use("10.0.0.1").key == "hash"
     now[0] = 3 * IDLE_S + 1
     assert sessions.use("10.0.0.1") is None
+
+
+def test_a_long_upload_keeps_its_session():
+    now = [0.0]
+    sessions = AddressSessions(lambda: now[0])
+    caller = Caller("slicer", Role.OPERATOR, key="hash")
+    sessions.begin("10.0.0.1", caller)
+    now[0] = 10 * IDLE_S
+    sessions.renew("10.0.0.1", replace(caller, key="of another"))
+    sessions.renew("10.0.0.2", caller)
+    assert (sessions.use("10.0.0.2"), sessions.use("10.0.0.1")) == (None, None)
+    sessions.begin("10.0.0.1", caller)
+    now[0] += 10 * IDLE_S
+    sessions.renew("10.0.0.1", caller)
+    assert sessions.use("10.0.0.1").key == "hash"

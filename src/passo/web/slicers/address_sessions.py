@@ -36,6 +36,11 @@ class AddressSessions:
         self._found[address] = (caller, self._now_s())
         return caller
 
+    def renew(self, address: str, caller: Caller) -> None:
+        """A request of this caller took long: its session goes on, if it has one."""
+        if (found := self._found.get(address)) is not None and found[0].key == caller.key:
+            self._found[address] = (found[0], self._now_s())
+
     def end(self, address: str) -> None:
         """Nobody is connected from this address."""
         self._found.pop(address, None)

@@ -26,10 +26,7 @@ from passo.web.slicers.rrf_status import aprinter_status, rrf_status
 _MAX_GCODE = 1 << 16  # bytes of lines in one request
 _PREFIX = re.compile(r"^(?:\d:)?/?(?:(?:gcodes|sdcard)(?:/|$))?", re.IGNORECASE)
 _FILE_COMMAND = re.compile(r"\s*(M23|M32)\s+\"?([^\"]+?)\"?\s*", re.IGNORECASE)
-_BUFFER = 255  # bytes that an RepRapFirmware of today has free
-_MAX_REPLIES = 100
-
-_replies: list[str] = []
+_BUFFER = 255  # bytes of commands that may wait, as RepRapFirmware reports it
 
 
 def on_card(path: str) -> str:
@@ -49,8 +46,7 @@ async def connect(call: Call) -> Response:
 @operation("rrf.disconnect", "GET", "/rr_disconnect", Role.VIEWER, root="")
 async def disconnect(call: Call) -> Response:
     """Ends it."""
-    client = call.request.client
-    call.site.access.connected.end("" if client is None else client.host)
+    call.site.access.connected.end(_address(call))
     return json({"err": 0})
 
 
@@ -79,18 +75,17 @@ async def gcode(call: Call) -> Response:
             act = call.bridge.start_print if file[1].upper() == "M32" else call.bridge.select_file
             await act(path)
         else:
-            _replies.extend(await run_soon(call, line))
+            call.site.rrf_replies.extend(await run_soon(call, line))
     except PassoError as error:
-        _replies.append(f"Error: {sentence(error)}")
-    del _replies[:-_MAX_REPLIES]
+        call.site.rrf_replies.append(f"Error: {sentence(error)}")
     return json({"buff": _BUFFER})
 
 
 @operation("rrf.reply", "GET", "/rr_reply", Role.VIEWER, root="")
-async def reply(_: Call) -> Response:
+async def reply(call: Call) -> Response:
     """What lines have answered since this was asked last."""
-    text = "".join(f"{line}\n" for line in _replies)
-    _replies.clear()
+    text = "".join(f"{line}\n" for line in call.site.rrf_replies)
+    call.site.rrf_replies.clear()
     return Response(text, media_type="text/plain")
 
 
@@ -133,7 +128,6 @@ async def upload(call: Call) -> Response:
             async for data in body.pieces():
                 crc = zlib.crc32(data, crc)
                 await incoming.write(data)
-            call.site.access.caller(call.request, writes=True)  # it may have taken long
             wanted = query.get("crc32")
             if wanted is not None and wanted.lower().lstrip("0") != f"{crc:x}".lstrip("0"):
                 text = f"its CRC-32 is {crc:08x}, not {wanted}"
@@ -141,6 +135,7 @@ async def upload(call: Call) -> Response:
     except PassoError as error:
         await body.drain()
         return _failed(error)
+    call.site.access.connected.renew(_address(call), call.caller)
     return json({"err": 0})
 
 
@@ -252,6 +247,10 @@ async def download_file(call: Call) -> Response:
     """The bytes of a file."""
     path = on_card(call.request.query_params.get("name", ""))
     return await download(call.request, await call.bridge.card(), path)
+
+
+def _address(call: Call) -> str:
+    return "" if call.request.client is None else call.request.client.host
 
 
 async def _remove(call: Call, path: str, *, missing: bool = False) -> None:
