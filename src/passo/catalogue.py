@@ -39,6 +39,10 @@ def _input(part: str, says: str, action: str) -> Entry:
     return Entry(part, says, action, ExitStatus.BAD_INPUT)
 
 
+def _levelling(says: str, action: str) -> Entry:
+    return Entry("levelling", says, action, ExitStatus.BAD_INPUT)
+
+
 def _card(says: str, action: str) -> Entry:
     return Entry("card", says, action, ExitStatus.BAD_INPUT)
 
@@ -898,5 +902,56 @@ CATALOGUE: Mapping[str, Entry] = {
         "the board shut down: {value}",
         "Remove the cause, then start again or send M999",
         ExitStatus.MACHINE_FAULT,
+    ),
+    "levelling.few-points": _levelling(
+        "{value} points are too few for the {method} correction: at least {limit} are needed",
+        "Enable or add points of [levelling]",
+    ),
+    "levelling.close-points": _levelling(
+        "points {first} and {second} are {value:.3f} mm apart and count as one: at least {limit:g}"
+        " mm are needed",
+        "Move or remove one of them",
+    ),
+    "levelling.line": _levelling(
+        "the {value} points deviate from a line by at most {deviation:.3f} mm: at least {limit:g}"
+        " mm are needed",
+        "Move points, so that they surround the bed",
+    ),
+    "levelling.conic": _levelling(
+        "the {value} points lie on one curve of second degree: they determine {rank} of {limit}"
+        " coefficients",
+        "Add a point in the middle, or use the linear correction",
+    ),
+    "levelling.no-height": _levelling(
+        "the height at point {place} is {value}, not a finite number", "Probe the bed again"
+    ),
+    "levelling.mesh-size": _levelling(
+        "the mesh has {value}: expected {limit}", "Give a height for each point, or probe again"
+    ),
+    "levelling.uneven": _levelling(
+        "{axis} {value:g} is not on the even grid of the mesh: expected {limit:g} mm",
+        "Give points at even distances, in ascending order",
+    ),
+    "levelling.empty-area": _levelling(
+        "no point of the grid is within {value:g} mm of its middle", "Give a larger radius"
+    ),
+    "levelling.outside-job": _levelling(
+        "the job covers {value}, outside of the mesh: {limit}",
+        "Move the objects onto the mesh, or probe the whole bed",
+    ),
+    "levelling.bad-area": _levelling(
+        "the area {value} is empty", "Give its lower corner first: [x0, y0, x1, y1]"
+    ),
+    "levelling.overlap": _levelling(
+        "the areas to avoid {value} and {limit} overlap", "Make one area of both"
+    ),
+    "levelling.all-avoided": _levelling(
+        "point {value} lies in the area to avoid {limit}, and no place around it is on the mesh",
+        "Make the area smaller, or the mesh larger",
+    ),
+    "levelling.fade": _levelling(
+        "the correction fades over {value:g} mm, but the bed differs by {limit:.3f} mm: the fade"
+        " must be longer than that",
+        "Give a greater end of the fade, or correct the bed by its screws",
     ),
 }

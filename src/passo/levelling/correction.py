@@ -1,0 +1,129 @@
+"""What is added to Z: a fit, a mesh or both, which fade out above the first layers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+from typing import Protocol
+
+from passo.errors import CommandError
+from passo.levelling.areas import Area
+from passo.levelling.fits import Fit
+from passo.levelling.mesh import Interpolation, Mesh
+
+MAX_CELL_MM = 5.0
+"""Of the core's map for a quadric: a curvature of 4e-5/mm is then met to 0.25 µm."""
+REFINED = 4
+"""Intervals of the core's map for each of a bicubic mesh."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fade:
+    """The correction is whole up to `start_mm` of Z, and falls evenly to `target_mm`, which is the
+    same everywhere, at `end_mm`."""
+
+    start_mm: float
+    end_mm: float
+    target_mm: float = 0.0
+
+    def factor(self, z: float) -> float:
+        """1 to 0."""
+        share = (self.end_mm - z) / (self.end_mm - self.start_mm)
+        return min(max(share, 0.0), 1.0)
+
+
+class HeightMapTarget(Protocol):
+    """The core's plan: `passo._core.Job` or `Motion`."""
+
+    def set_height_map(
+        self,
+        first: tuple[float, float],
+        spacing: tuple[float, float],
+        heights: Sequence[Sequence[float]],
+        fade: tuple[float, float, float] | None = None,
+    ) -> None:
+        """See the core."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """Z of the machine is Z + height(X, Y, Z)."""
+
+    fit: Fit | None = None
+    mesh: Mesh | None = None
+    interpolation: Interpolation = "bicubic"
+    fade: Fade | None = None
+
+    def plain(self, x: float, y: float) -> float:
+        """What is added to Z at the bed, mm."""
+        plane = self.fit.height(x, y) if self.fit else 0.0
+        return plane + (self.mesh.height(x, y, self.interpolation) if self.mesh else 0.0)
+
+    def height(self, x: float, y: float, z: float = 0.0) -> float:
+        """What is added to Z, mm, where Z is that of the program."""
+        c = self.plain(x, y)
+        if self.fade is None:
+            return c
+        return self.fade.target_mm + self.fade.factor(z) * (c - self.fade.target_mm)
+
+    def accumulated(self, fit: Fit) -> Correction:
+        """With a fit that was measured while this correction was on, as APrinter's G32 adds it."""
+        return replace(self, fit=fit if self.fit is None else self.fit + fit)
+
+    def even_map(
+        self, area: Area
+    ) -> tuple[tuple[float, float], tuple[float, float], list[list[float]]]:
+        """The core's map: first point, spacing and rows of heights, mm. A mesh gives its own grid,
+        refined if it is bicubic; a fit alone covers `area`. Beyond the map its edge applies, so
+        with a fit and a mesh the map covers both."""
+        fit, mesh = self.fit, self.mesh
+        quadratic = fit is not None and any(fit.coefficients[3:])
+        spans = [(area[0], area[2]), (area[1], area[3])]
+        if mesh is None:
+            counts = [
+                ceil((high - low) / MAX_CELL_MM - 1e-9) if quadratic else 1 for low, high in spans
+            ]
+            steps = [(high - low) / n for (low, high), n in zip(spans, counts, strict=True)]
+            firsts = [low for low, _ in spans]
+        else:
+            parts = REFINED if self.interpolation == "bicubic" else 1
+            if quadratic:
+                parts *= ceil(max(mesh.spacing) / parts / MAX_CELL_MM)
+            firsts: list[float] = []
+            steps: list[float] = []
+            counts: list[int] = []
+            for places, (low, high) in zip((mesh.xs, mesh.ys), spans, strict=True):
+                n = (len(places) - 1) * parts
+                step = (places[-1] - places[0]) / n
+                # Cells of the mesh's own size, as far as the fit is to reach.
+                before = max(ceil((places[0] - low) / step - 1e-9), 0) if fit else 0
+                after = max(ceil((high - places[-1]) / step - 1e-9), 0) if fit else 0
+                firsts.append(places[0] - before * step)
+                steps.append(step)
+                counts.append(n + before + after)
+        xs, ys = (
+            [first + step * k for k in range(n + 1)]
+            for first, step, n in zip(firsts, steps, counts, strict=True)
+        )
+        heights = [[self.plain(x, y) for x in xs] for y in ys]
+        return (firsts[0], firsts[1]), (steps[0], steps[1]), heights
+
+
+def apply(correction: Correction | None, area: Area, core: HeightMapTarget) -> None:
+    """Sets the core's height map; None: the bed is flat. `area`: what the nozzle can reach, mm. No
+    motor moves; Z of the plan changes. Only while nothing is queued. Raises CommandError if the
+    heights differ by more than the correction can fade."""
+    if correction is None:
+        core.set_height_map((0.0, 0.0), (1.0, 1.0), [])
+        return
+    first, spacing, heights = correction.even_map(area)
+    fade = correction.fade
+    if fade is None:
+        core.set_height_map(first, spacing, heights)
+        return
+    range_mm = max(abs(z - fade.target_mm) for row in heights for z in row)
+    if not fade.end_mm - fade.start_mm > range_mm:
+        raise CommandError.of("levelling.fade", value=fade.end_mm - fade.start_mm, limit=range_mm)
+    core.set_height_map(first, spacing, heights, (fade.start_mm, fade.end_mm, fade.target_mm))
