@@ -128,6 +128,7 @@ def _furnish(
     if store is not None:
         printer.state.store_settings = settings.store
     settings.load_at_start()
+    status.unsaved = settings.unsaved
     if card is not None:
         library.mount()
         _start_by_itself(printer, library, keeper)

@@ -46,6 +46,8 @@ class SettingsCommands:
         self._printer, self._store, self._options = printer, store, options
         self._defaults = list(self.lines())
         self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}
+        self._compared: list[str] | None = None  # settings of which `_unsaved` was found
+        self._unsaved: dict[str, dict[str, str]] = {}
 
     def groups(self) -> Iterator[tuple[str, list[str]]]:
         """Headings, each with the commands that bring its settings back."""
@@ -100,6 +102,23 @@ class SettingsCommands:
                 else:
                     source = "file" if same(file, setting.value) else "command"
                 yield group, setting, file, stored, source
+
+    def unsaved(self) -> dict[str, dict[str, str]]:
+        """The settings that M500 would change in the store, by headings: commands with values.
+        Without a store there are none. To be asked often: the store is read after a change."""
+        if self._store is None:
+            return {}
+        lines = list(self.lines())
+        if lines != self._compared:
+            self._compared, self._unsaved = lines, self._found_unsaved()
+        return self._unsaved
+
+    def _found_unsaved(self) -> dict[str, dict[str, str]]:
+        found: dict[str, dict[str, str]] = {}
+        for group, setting, file, stored, _ in self.provenance():
+            if not same(setting.value, file if stored is None else stored):
+                found.setdefault(group, {})[f"{setting.head} {setting.word}"] = setting.value
+        return found
 
     def restore(self, lines: Iterable[str], reply: Reply) -> None:
         """Carries out commands of settings. The caller has the turn, and the machine stands."""
@@ -174,6 +193,7 @@ class SettingsCommands:
     def store(self) -> int:
         """Stores the values that differ from the machine file's; returns their checksum. Raises
         CommandError."""
+        self._compared = None
         return self._needed().save(self._changed())
 
     @command(

@@ -87,7 +87,12 @@ class ColdExtrusion:
         """The temperature below which the tool's hotend moves no filament; 0 without such a
         limit."""
         name = heater_of(self._machine, "hotend", tool)
-        return 0.0 if name is None or self.allows(name) else self.cold_c
+        return 0.0 if name is None else self.min_c_of(name)
+
+    def min_c_of(self, heater: str) -> float:
+        """The same of a heater; 0 of one that is not a hotend."""
+        limited = self._machine.heaters[heater].kind == "hotend" and not self.allows(heater)
+        return self.cold_c if limited else 0.0
 
     def axes(self) -> list[tuple[int, str | None]]:
         """The axes that are extruders, with their hotends."""

@@ -76,6 +76,8 @@ class Printer:
         self.motion_lock = MotionLock()
         self.offsets = Offsets(machine)
         self._first_faults: list[HeaterFault] = []
+        self._aside_mm = 0.0  # filament pushed while jobs were suspended
+        self._stopped_mm: float | None = None  # `filament_mm` of the job that is suspended
         self.laser = Laser(rig, state)
         self.targets = Targets(rig, lambda: self.power_supply.require())
         self.motors = Motors(rig, self.laser)
@@ -214,6 +216,7 @@ class Printer:
         rig.queue.on_motion = self._before_motion
         rig.queue.on_pass = self._time_passed
         self._stopped_tool = 0
+        self._aside_mm, self._stopped_mm = 0.0, None
         if connection.adopted:
             # No board tells whether the host before has left them on. So they go off when the
             # machine stands idle, and what the journal says decides where it stands.
@@ -400,6 +403,7 @@ class Printer:
         self.job.suspend(hand_over_macro)
         self.offsets.suspend()
         self._stopped_tool = self.job.tool
+        self._stopped_mm = self.filament_mm()
         self.commands.set_points.follow_tool()
 
     def take_stopped_tool(self) -> None:
@@ -412,6 +416,7 @@ class Printer:
         self.queue.before_moves()
         if self.job.suspended:
             self.offsets.resume()
+        self._end_aside()
         self.job.resume()
         self.commands.set_points.follow_tool()
         self.queue.after_moves()
@@ -424,8 +429,22 @@ class Printer:
         return bool(self.machine.extruders) and self.heat.warm()
 
     def filament_mm(self) -> float:
-        """Filament that all extruders together were to push so far, mm."""
+        """Filament that all extruders together were to push so far, mm, but for what they pushed
+        and retracted while a job was suspended."""
+        if not self.job.suspended:
+            self._end_aside()
+        if self._stopped_mm is not None:
+            return self._stopped_mm
+        return self._pushed_mm() - self._aside_mm
+
+    def _pushed_mm(self) -> float:
         return sum(self.job.statistics()["filament_mm"])
+
+    def _end_aside(self) -> None:
+        """The suspended job has resumed, or was forgotten."""
+        if self._stopped_mm is not None:
+            self._aside_mm = self._pushed_mm() - self._stopped_mm
+            self._stopped_mm = None
 
     def planned_s(self) -> float:
         """Print time of all motion and dwell that was planned so far, seconds."""

@@ -30,12 +30,15 @@ class PrinterState(Enum):
 @dataclass(frozen=True, slots=True)
 class HeaterStatus:
     """A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
-    `power` is a fraction of full power; `fault` says what a protection has found, or is empty."""
+    `power` is a fraction of full power; `fault` says what a protection has found, or is empty.
+    Below `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it is
+    not a hotend."""
 
     celsius: float | None
     target_c: float
     power: float
     fault: str = ""
+    min_extrude_c: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +63,8 @@ class JobStatus:
     known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
     is where the file is on the card; `offset` of its `size` bytes are read and planned; `elapsed_s`
     is host time since the start, with pauses; `filament_mm` is what all extruders have pushed for
-    it."""
+    it, without pauses; `extruding_s` is the part of `printed_s` since the first of it, or all of it
+    on a machine without filament."""
 
     file: str
     fraction: float
@@ -76,6 +80,7 @@ class JobStatus:
     offset: int = 0
     elapsed_s: float = 0.0
     filament_mm: float = 0.0
+    extruding_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +203,8 @@ class Status:
     print that is done, also of a host's that reports it (M73, M532); `job` is None while no file is
     printed; `ended` is the last print, until another file is selected; `started`: the boards have
     started at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c`
-    the hotend of `tool` moves no filament; 0: it does at any temperature (M302).
+    the hotend of `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the
+    settings that M500 would change on its medium, as commands with their values, by headings.
     """
 
     state: PrinterState
@@ -225,6 +231,7 @@ class Status:
     started: bool = True
     macros: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
     min_extrude_c: float = 0.0
+    unsaved: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
 
 
 def planned_status(

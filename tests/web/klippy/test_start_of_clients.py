@@ -20,7 +20,7 @@ FIELDS = {
     "gcode_move": "speed_factor extrude_factor speed absolute_coordinates absolute_extrude"
     " homing_origin position gcode_position",
     "motion_report": "live_position live_velocity live_extruder_velocity steppers trapq",
-    "extruder": "temperature target power can_extrude pressure_advance smooth_time motion_queue",
+    "extruder": "temperature target power can_extrude motion_queue",
     "heater_bed": "temperature target power",
     "heaters": "available_heaters available_sensors available_monitors",
     "fan": "speed rpm",
@@ -122,6 +122,7 @@ def test_print_shows_file_progress_by_bytes_and_objects():
         offset=50,
         elapsed_s=90.0,
         filament_mm=12.5,
+        extruding_s=45.0,
     )
     printing = replace(
         STATUS,
@@ -136,7 +137,7 @@ def test_print_shows_file_progress_by_bytes_and_objects():
         shown = (await status(served, *names))["status"]
         stats, card, exclude = (shown[name] for name in names)
         assert (stats["filename"], stats["state"]) == ("sub/a.gcode", "printing")
-        assert (stats["total_duration"], stats["print_duration"]) == (90.0, 60.0)
+        assert (stats["total_duration"], stats["print_duration"]) == (90.0, 45.0)
         assert stats["info"] == {"total_layer": 4, "current_layer": 2}
         assert card == {
             "file_path": "/card/sub/a.gcode",

@@ -151,12 +151,15 @@ export interface HeaterPast {
 }
 
 /** A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
- * `power` is a fraction of full power; `fault` says what a protection has found, or is empty. */
+ * `power` is a fraction of full power; `fault` says what a protection has found, or is empty.
+ * Below `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it
+ * is not a hotend. */
 export interface HeaterStatus {
   celsius?: number | null;
   target_c: number;
   power: number;
   fault: string;
+  min_extrude_c: number;
 }
 
 /** What a heater is to reach, in °C; 0 switches it off. */
@@ -182,7 +185,8 @@ export interface Identity {
  * known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
  * is where the file is on the card; `offset` of its `size` bytes are read and planned;
  * `elapsed_s` is host time since the start, with pauses; `filament_mm` is what all extruders have
- * pushed for it. */
+ * pushed for it, without pauses; `extruding_s` is the part of `printed_s` since the first of it,
+ * or all of it on a machine without filament. */
 export interface JobStatus {
   file: string;
   fraction: number;
@@ -198,6 +202,7 @@ export interface JobStatus {
   offset: number;
   elapsed_s: number;
   filament_mm: number;
+  extruding_s: number;
 }
 
 /** How far axes, or the extruder `e`, move from where the last move ends, in mm, and how fast. */
@@ -430,7 +435,8 @@ export interface SpeedFactor {
  * also of a host's that reports it (M73, M532); `job` is None while no file is printed; `ended`
  * is the last print, until another file is selected; `started`: the boards have started at least
  * once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the hotend of
- * `tool` moves no filament; 0: it does at any temperature (M302). */
+ * `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the settings that
+ * M500 would change on its medium, as commands with their values, by headings. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -456,6 +462,7 @@ export interface Status {
   started: boolean;
   macros: Record<string, Record<string, unknown>>;
   min_extrude_c: number;
+  unsaved: Record<string, Record<string, string>>;
 }
 
 /** The status, and a number that counts up with each change of it. */

@@ -68,6 +68,8 @@ class Progress:
         self._forecast: asyncio.Task[Forecast | None] | None = None
         self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
+        self._extrusion = Stopwatch(printer)  # since the first of the print
+        self._has_extruded = False
         self._from_card: Print | None = None
         self._loop = asyncio.get_running_loop()
         self._begun_s: float | None = None  # host time, of that
@@ -79,6 +81,7 @@ class Progress:
         runner.watchers.append(self._job_changed)
         printer.state.stop_listeners.append(self._stopped)
         printer.closers.append(self._close)
+        printer.watchers.append(self._time_passed)
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if state.prints:
@@ -90,9 +93,12 @@ class Progress:
                 self._planned_s = self._printer.planned_s()
                 self._reckon()
             self._watch.start()
+            if self._has_extruded:
+                self._extrusion.start()
             return
         if self._from_card is not None:
             self._watch.pause()
+            self._extrusion.pause()
             if state is not JobState.PAUSED:
                 self._last = self.elapsed_s, self.filament_mm
                 job, self._from_card, self._begun_s = self._from_card, None, None
@@ -111,7 +117,17 @@ class Progress:
         self.percent = self.minutes_left = None
         meant, self._from_host = self._from_host, None  # a host has announced this one
         self._watch.reset()
+        self._extrusion.reset()
+        self._has_extruded = not self._printer.machine.extruders
         return self._statistics.begun(name, lambda: self._watch.seconds, self._runner.size, meant)
+
+    def _time_passed(self) -> None:
+        job = self._from_card
+        if job is None or self._has_extruded or not self._runner.state.prints:
+            return
+        if self._printer.filament_mm() > job.filament_mm:
+            self._has_extruded = True
+            self._extrusion.start()
 
     def _close(self) -> None:
         if self._forecast is not None:
@@ -165,6 +181,12 @@ class Progress:
     def printed_s(self) -> float:
         """Print time of the print that is under way, or was the last, without pauses."""
         return self._watch.seconds
+
+    @property
+    def extruding_s(self) -> float:
+        """The part of `printed_s` since the first extrusion of the print; all of it on a machine
+        without filament."""
+        return self._extrusion.seconds
 
     @property
     def elapsed_s(self) -> float:

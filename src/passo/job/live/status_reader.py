@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from math import hypot
 from typing import TYPE_CHECKING
@@ -50,6 +50,7 @@ class StatusReader:
         self._objects, self._library = objects, library
         self._letters = axis_order(printer.machine.axes)
         self._ended: EndedJob | None = None
+        self.unsaved: Callable[[], dict[str, dict[str, str]]] = dict  # as `Status.unsaved`
         runner.watchers.append(self._job_changed)
 
     def read(self) -> Status:
@@ -84,6 +85,7 @@ class StatusReader:
             started=printer.state.start_failure is None,
             macros=deepcopy(printer.rig.macros.variables),
             min_extrude_c=printer.heat.cold.min_c(job.tool),
+            unsaved=self.unsaved(),
         )
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
@@ -178,6 +180,7 @@ class StatusReader:
             offset=runner.offset,
             elapsed_s=progress.elapsed_s,
             filament_mm=progress.filament_mm,
+            extruding_s=progress.extruding_s,
         )
 
 
@@ -197,6 +200,7 @@ def _heater_status(printer: Printer, name: str) -> HeaterStatus:
         # What the board said last of a heater is from before it was halted.
         0.0 if printer.halted or heater.fault else heater.power,
         heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
+        printer.heat.cold.min_c_of(name),
     )
 
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.motor_roles import axis_order
 from passo.geometry.delta import Delta
-from passo.printer.klipper.heat import MELTS_C
 from passo.printer.klipper.names import fan_object, heater_object
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from passo.config.heat import Heater
     from passo.config.machine import MachineConfig
 
@@ -22,9 +23,11 @@ _NEEDED: dict[str, Object] = {"pause_resume": {}, "display_status": {}, "respond
 _BUILT_IN = ("PAUSE", "RESUME", "CANCEL_PRINT")
 
 
-def configfile(machine: MachineConfig, folder: str) -> Object:
+def configfile(
+    machine: MachineConfig, folder: str, unsaved: Mapping[str, Mapping[str, str]]
+) -> Object:
     """`settings` have types, and sections in lower case; `config` has texts. `folder` is the card,
-    empty without one."""
+    empty without one; `unsaved` is what SAVE_CONFIG would store."""
     named: dict[str, Object] = {
         "printer": _printer(machine),
         **_axes(machine),
@@ -45,8 +48,8 @@ def configfile(machine: MachineConfig, folder: str) -> Object:
             for section, values in named.items()
         },
         "warnings": [],
-        "save_config_pending": False,
-        "save_config_pending_items": {},
+        "save_config_pending": bool(unsaved),
+        "save_config_pending_items": {name: dict(values) for name, values in unsaved.items()},
     }
 
 
@@ -93,7 +96,7 @@ def _heater(part: Heater, machine: MachineConfig) -> Object:
     }
     if part.kind == "hotend":
         settings |= {
-            "min_extrude_temp": MELTS_C,
+            "min_extrude_temp": 170.0,
             "nozzle_diameter": 0.4,
             "filament_diameter": 1.75,
             "max_extrude_only_distance": 50.0,

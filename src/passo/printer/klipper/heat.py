@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
 Object = dict[str, Any]
 
-MELTS_C = 170.0  # filament moves from here on, unless M302 says otherwise
 _ROOM_C = 25.0  # shown of a heater whose sensor has not reported
 
 
@@ -24,12 +23,10 @@ def heater(status: Status, name: str) -> Object:
 
 
 def extruder(status: Status, name: str) -> Object:
-    """A hotend with its filament."""
+    """A hotend with its filament. Clients show a pressure advance where there is one."""
     seen = heater(status, name)
     return seen | {
-        "can_extrude": seen["temperature"] >= MELTS_C,
-        "pressure_advance": 0.0,
-        "smooth_time": 0.0,
+        "can_extrude": seen["temperature"] >= status.heaters[name].min_extrude_c,
         "motion_queue": None,
     }
 

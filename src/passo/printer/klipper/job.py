@@ -17,8 +17,9 @@ _ENDS = {"done": "complete", "cancelled": "cancelled", "failed": "error"}
 
 
 def print_stats(status: Status) -> Object:
-    """The print under way, or the last one as long as its file is selected. Its whole time is at
-    least that of printing, also where print time runs faster than real."""
+    """The print under way, or the last one as long as its file is selected. The time of printing
+    begins with the first extrusion, and has no pauses. The whole time is at least that without
+    pauses, also where print time runs faster than real."""
     job, ended = status.job, status.ended
     state, message = "standby", ""
     if job is None and ended is not None:
@@ -28,7 +29,7 @@ def print_stats(status: Status) -> Object:
     return {
         "state": state,
         "filename": _name(job) if job else "",
-        "print_duration": job.printed_s if job else 0.0,
+        "print_duration": job.extruding_s if job else 0.0,
         "total_duration": max(job.elapsed_s, job.printed_s) if job else 0.0,
         "filament_used": job.filament_mm if job else 0.0,
         "message": message,

@@ -33,7 +33,7 @@ def objects(machine: MachineConfig, status: Status, variables: Variables) -> Obj
     those of the macros, by name."""
     found: Objects = {
         "webhooks": lambda: webhooks(status),
-        "configfile": lambda: configfile(machine, status.files.folder),
+        "configfile": lambda: configfile(machine, status.files.folder, status.unsaved),
         "toolhead": lambda: toolhead(machine, status),
         "gcode_move": lambda: gcode_move(status),
         "motion_report": lambda: motion_report(machine, status),

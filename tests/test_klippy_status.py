@@ -1,0 +1,146 @@
+"""Klipper's status objects of a whole printer in virtual time."""
+
+import asyncio
+
+import pytest
+
+import passo
+from passo.live_bridge import LiveBridge
+from passo.printer.klipper.objects import objects
+
+HEAT_AND_PRINT = "\n".join(
+    [
+        "M109 S200",
+        "G28",
+        "G90",
+        "M83",
+        "G1 X20 Y20 Z1 F6000",
+        "G1 E20 F300",
+        *(f"G1 X{20 + i % 2 * 80} E4 F1200" for i in range(1, 60)),
+    ]
+)
+
+
+def shown(bridge: LiveBridge, *names: str):
+    """The objects of these names, as clients see them now."""
+    status = bridge.latest().status
+    found = objects(bridge.machine, status, status.macros)
+    return [found[name]() for name in names]
+
+
+def on_printer(test, tmp_path):
+    """Runs a test with the bridge of a printer that has a card and a store of settings."""
+    card, state = tmp_path / "card", tmp_path / "state"
+    card.mkdir()
+    (card / "part.gcode").write_text(HEAT_AND_PRINT + "\n")
+
+    async def main():
+        async with passo.Printer("i3", card=str(card), state=str(state)) as printer:
+            await test(printer._bridge)
+
+    passo.run(main(), clock="virtual")
+
+
+async def _until(condition):
+    while not condition():
+        await asyncio.sleep(0.25)
+
+
+def test_print_duration_begins_with_the_first_extrusion(tmp_path):
+    async def test(bridge: LiveBridge):
+        def stats():
+            return shown(bridge, "print_stats")[0]
+
+        await bridge.start_print("/part.gcode")
+        await _until(lambda: bridge.latest().status.heaters["hotend"].target_c == 200)
+        await asyncio.sleep(20)
+        assert (stats()["state"], stats()["print_duration"]) == ("printing", 0.0)
+        assert stats()["total_duration"] >= 20
+        await _until(lambda: stats()["print_duration"] > 0)
+        heated_s = stats()["total_duration"] - stats()["print_duration"]
+        await asyncio.sleep(10)
+        assert stats()["total_duration"] - stats()["print_duration"] == pytest.approx(
+            heated_s, abs=0.1
+        )
+        await bridge.pause_print()
+        await asyncio.sleep(1)
+        printed_s = stats()["print_duration"]
+        await asyncio.sleep(30)
+        assert stats()["print_duration"] == printed_s
+        await bridge.cancel_print()
+        assert stats()["print_duration"] == printed_s
+
+    on_printer(test, tmp_path)
+
+
+def test_filament_of_a_pause_is_none_of_the_print(tmp_path):
+    async def test(bridge: LiveBridge):
+        def used_mm():
+            return shown(bridge, "print_stats")[0]["filament_used"]
+
+        await bridge.start_print("/part.gcode")
+        await _until(lambda: used_mm() > 30)
+        await bridge.pause_print()
+        await asyncio.sleep(5)
+        paused_mm = used_mm()
+        assert paused_mm > 20
+        await bridge.run("M83\nG1 E-50 F1200\nM400")
+        assert used_mm() == paused_mm
+        await bridge.resume_print()
+        await _until(lambda: bridge.latest().status.ended is not None)
+        assert used_mm() == pytest.approx(20 + 59 * 4)
+        assert (await bridge.past_prints(1))[0].filament_mm == pytest.approx(20 + 59 * 4)
+
+    on_printer(test, tmp_path)
+
+
+def test_print_that_is_cancelled_in_a_pause_has_used_filament(tmp_path):
+    async def test(bridge: LiveBridge):
+        await bridge.start_print("/part.gcode")
+        await _until(lambda: shown(bridge, "print_stats")[0]["filament_used"] > 30)
+        await bridge.pause_print()
+        await asyncio.sleep(5)
+        await bridge.run("M83\nG1 E-90 F1200\nM400")
+        await bridge.cancel_print()
+        await asyncio.sleep(5)
+        (stats,) = shown(bridge, "print_stats")
+        assert stats["state"] == "cancelled"
+        assert stats["filament_used"] > 20
+
+    on_printer(test, tmp_path)
+
+
+def test_extruders_may_push_from_the_temperature_of_m302(tmp_path):
+    async def test(bridge: LiveBridge):
+        async def may(line):
+            await bridge.run(line)
+            await asyncio.sleep(0.5)
+            return shown(bridge, "extruder")[0]["can_extrude"]
+
+        assert await may("M302 S170") is False
+        assert await may("M302 S20") is True
+        assert await may("M302 S170") is False
+        assert await may("M302 P1") is True
+
+    on_printer(test, tmp_path)
+
+
+def test_unsaved_settings_are_pending_until_they_are_stored(tmp_path):
+    async def test(bridge: LiveBridge):
+        async def pending(*lines):
+            for line in lines:
+                await bridge.run(line)
+            await asyncio.sleep(0.5)
+            (config,) = shown(bridge, "configfile")
+            assert config["save_config_pending"] == bool(config["save_config_pending_items"])
+            return config["save_config_pending_items"]
+
+        items = await pending("M301 H0 P20")
+        assert items == {"Heater PID": {"M301 H0 P": "20"}}
+        assert await pending("SAVE_CONFIG") == {}
+        assert await pending("M301 H0 P21") == {"Heater PID": {"M301 H0 P": "21"}}
+        assert await pending("M501") == {}
+        assert await pending("M502") != {}
+        assert await pending("M500") == {}
+
+    on_printer(test, tmp_path)
