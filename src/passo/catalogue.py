@@ -76,6 +76,17 @@ CATALOGUE: Mapping[str, Entry] = {
     "config.unreadable": _config("cannot be read: {value}", "Check the path and its permissions"),
     "config.encoding": _config("is not UTF-8 text: {value}", "Save the file as UTF-8"),
     "config.syntax": _config("is not valid TOML: {value}", "Correct the syntax at this place"),
+    "machine.no-file": _config(
+        "{value} is not a file that can be changed: it comes with Passo, or a program made it",
+        "Save the text as a file of your own, and start with --machine FILE.toml",
+    ),
+    "machine.file-changed": _config(
+        "the machine file has changed since it was read", "Read it again, and compare the two"
+    ),
+    "machine.no-restart": _config(
+        "a printer that a program opened, or with --stdin, is not restarted from the web",
+        "Stop Passo and start it again",
+    ),
     "config.unknown-key": _config("{key} is not a known key", "Remove it or correct its name"),
     "config.missing-key": _config("{key} is missing: expected {limit}", "Add the key"),
     "config.value": _config("{key} is {value!r}: expected {limit}", "Correct the value"),

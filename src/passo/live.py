@@ -87,16 +87,22 @@ class Printer:
         halt_reports: str | None = None,
         skip_unknown: bool = False,
         skip_levelling: bool = False,
+        machine_source: str = "",
+        restarts: bool = False,
     ) -> None:
         """`machine` is a machine, or the name or file of one. `fast`: print time of a simulated
         board passes as fast as it can, but only while something waits for it. `card` is the SD card
         (a folder, an image or a device), `state` the folder of settings, history, the journal and
         a report of each halt; without it `halt_reports` begins the path of the reports, if given.
         `skip_unknown` and `skip_levelling` let prints leave out commands as `Machine.print` does.
-        Raises ConfigError.
+        `machine_source` is where a machine that is given as such was loaded from; with `restarts`
+        the web may end the printer to start it again, see `serve`. Raises ConfigError.
         """
+        self._source = machine_source
         if isinstance(machine, str | os.PathLike):
+            self._source = os.fspath(machine)
             machine = config.load(machine)
+        self._restarts, self._restart_wanted = restarts, False
         self.config = machine.config if isinstance(machine, Machine) else machine
         self._fast, self._card, self._state = fast, card, state
         self._halt_reports = halt_reports
@@ -387,17 +393,23 @@ class Printer:
         self._web_thread.start(served.run(), endless=True)
         return f"klippy {path}"
 
-    async def serve(self) -> None:
-        """Serves the consoles until `end` is called. Raises what ends the printer otherwise."""
+    async def serve(self) -> bool:
+        """Serves the consoles until `end` is called; True if the printer is to be opened again with
+        its machine file as it is then. Raises what ends the printer otherwise."""
         assert self._serving is not None
         await asyncio.wait([self._serving])
         if not self._serving.cancelled():
             self._serving.result()
+        return self._restart_wanted
 
     def end(self) -> None:
         """Ends `serve`."""
         assert self._serving is not None
         self._serving.cancel()
+
+    def _restart(self) -> None:
+        self._restart_wanted = True
+        self.end()
 
     # -- within -----------------------------------------------------------------------------------
 
@@ -423,7 +435,8 @@ class Printer:
         if self._bridged is None:
             from passo.live_bridge import LiveBridge
 
-            self._bridged = LiveBridge(self._opened, self._observer)
+            restart = self._restart if self._restarts else None
+            self._bridged = LiveBridge(self._opened, self._observer, self._source, restart)
         return self._bridged
 
     @property

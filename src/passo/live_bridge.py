@@ -13,10 +13,11 @@ from functools import partial
 from io import BufferedReader
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from passo import config
 from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
-from passo.errors import CommandError
+from passo.errors import CommandError, ConfigError
 from passo.gcode.command import forced
 from passo.gcode.registry import When, row_of, table
 from passo.job.batch.estimate import Estimate, estimate_open
@@ -43,8 +44,16 @@ class LiveBridge:
     are called in the web's. `close` is for the printer's loop. A call that has returned shows in
     the latest snapshot."""
 
-    def __init__(self, assembly: Assembly, observer: Observer) -> None:
+    def __init__(
+        self,
+        assembly: Assembly,
+        observer: Observer,
+        machine_source: str,
+        restart: Callable[[], None] | None,
+    ) -> None:
+        """`restart` ends the printer to start it again; None if nothing would start it."""
         self._assembly = assembly
+        self._source, self._restart = machine_source, restart
         self._printer = assembly.printer
         self._loop = asyncio.get_running_loop()
         self._scripts = Client(self._printer)
@@ -140,6 +149,11 @@ class LiveBridge:
         return self._printer.machine
 
     @property
+    def machine_source(self) -> str:
+        """As `Bridge.machine_source`."""
+        return self._source
+
+    @property
     def commands(self) -> Sequence[Declaration]:
         """As `Bridge.commands`."""
         return tuple(table().values())
@@ -211,6 +225,21 @@ class LiveBridge:
     async def restart(self) -> None:
         """As `Bridge.restart`."""
         await self.run("M999")
+
+    async def restart_program(self) -> None:
+        """As `Bridge.restart_program`."""
+        restart = self._restart
+        if restart is None:
+            raise ConfigError.of("machine.no-restart")
+        await asyncio.to_thread(config.load, self._source)
+
+        def end() -> None:
+            runner = self._assembly.runner
+            if runner.engaged:
+                raise CommandError.of("job.printing", value=runner.name)
+            restart()
+
+        await self._call(end)
 
     async def select_file(self, path: str) -> None:
         """As `Bridge.select_file`."""

@@ -66,6 +66,7 @@ class FakeBridge:
 
     def __init__(self, card: str | None = None, machine: str = "i3") -> None:
         self._machine = config.load(machine)
+        self.machine_source = machine
         self._card = None if card is None else open_card(card)
         self._snapshot = Snapshot(1, 100.0, STATUS)
         self.listeners: list[Listener] = []
@@ -130,6 +131,9 @@ class FakeBridge:
 
     async def restart(self) -> None:
         self._answer("restart")
+
+    async def restart_program(self) -> None:
+        self._answer("restart program")
 
     async def select_file(self, path: str) -> None:
         self._answer(f"select {path}")

@@ -234,7 +234,9 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"passo serve: error: --log {arguments.log}: {reason}", file=sys.stderr)
             return ExitStatus.USAGE
     with log or contextlib.nullcontext():
-        run_live(_serve(arguments, machine, orders, log), clock=arguments.clock or "real")
+        clock = arguments.clock or "real"
+        while run_live(_serve(arguments, machine, orders, log), clock=clock):
+            machine = config.load(arguments.machine)
     return ExitStatus.DONE
 
 
@@ -252,7 +254,8 @@ async def _serve(
     machine: MachineConfig,
     orders: list[FaultOrder],
     log: LogFile | None,
-) -> None:
+) -> bool:
+    """Serves once; True if the printer is to start again with its machine file as it is then."""
     from passo.live import Printer
 
     ours = asyncio.current_task()
@@ -268,6 +271,8 @@ async def _serve(
         halt_reports=arguments.log and f"{arguments.log}-halt",
         skip_unknown=skips.unknown,
         skip_levelling=skips.levelling,
+        machine_source=arguments.machine,
+        restarts=not arguments.stdin,  # which ends with its console
     )
     advanced_ok: bool = arguments.advanced_ok
     # An interrupt, as Ctrl-C and SIGTERM are, is the usual end.
@@ -302,7 +307,8 @@ async def _serve(
                 places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
             print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
             _log.info("Serving %s on %s", machine.name, ", ".join(places))
-            await printer.serve()
+            return await printer.serve()
+    return False
 
 
 def _tell_of_administrator(address: str, code: str, *, kept: bool) -> None:

@@ -8,6 +8,7 @@ from passo.config.load import (
     load,
     load_and_question,
     load_text,
+    load_text_and_question,
     shipped_machines,
     shipped_text,
 )
@@ -19,6 +20,7 @@ __all__ = [
     "load_and_question",
     "load_board",
     "load_text",
+    "load_text_and_question",
     "shipped_boards",
     "shipped_machines",
     "shipped_text",

@@ -91,15 +91,16 @@ def _load_file(path: FilePath) -> Loaded:
         column = error.start - raw.rfind(b"\n", 0, error.start)
         reason = f"byte 0x{raw[error.start]:02X} at column {column}"
         raise ConfigError.of("config.encoding", str(path), line, value=reason) from None
-    return _load_text(text, str(path))
+    return load_text_and_question(text, str(path))
 
 
 def load_text(text: str, file: str = "<text>") -> MachineConfig:
     """The machine that a TOML text describes; `file` names it in messages. Raises ConfigError."""
-    return _load_text(text, file).machine
+    return load_text_and_question(text, file).machine
 
 
-def _load_text(text: str, file: str) -> Loaded:
+def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
+    """As `load_text`, with a question for each value that the text cannot mean."""
     try:
         return _machine(text, file)
     except RecursionError:  # in the parser, or in what walks through its tables

@@ -104,9 +104,9 @@ def tables() -> Iterator[Table]:
 def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
     helps = field_help(model)
     keys = [
-        Key(name, _unit(name, helps[name]), _range(field), _default(field), _text(helps[name]))
+        Key(name, unit_of(name, helps[name]), _range(field), _default(field), _text(helps[name]))
         for name, field in model.model_fields.items()
-        if not (path == "" and _models(field.annotation))
+        if not (path == "" and models_of(field.annotation))
     ]
     kind = model.model_fields.get("kind")
     choice = f", kind = {_kinds(kind)}" if kind and path else ""
@@ -114,7 +114,7 @@ def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
     text = " ".join((model.__doc__ or "").split("\n\n")[0].split())
     yield Table(heading, text, keys)
     for name, field in model.model_fields.items():
-        for inner in _models(field.annotation):
+        for inner in models_of(field.annotation):
             yield from _tables(inner, _path(path, name, field.annotation))
 
 
@@ -141,7 +141,8 @@ def _texts_after_fields(tree: ast.ClassDef) -> Iterator[tuple[str, str]]:
             yield field.target.id, " ".join(str(text.value.value).split())
 
 
-def _unit(name: str, text: str) -> str:
+def unit_of(name: str, text: str) -> str:
+    """The unit of a key by its name and its help; empty of a number without one."""
     if found := _IN_UNIT.search(text):
         return found[1]
     return next((unit for ending, unit in _UNITS if name.endswith(ending)), "")
@@ -170,7 +171,7 @@ def _range(field: FieldInfo) -> str:
 def _range_of(annotation: Any, own: dict[str, Any]) -> str:
     kind, limits = _unwrapped(annotation)
     limits |= own
-    if _models(kind):
+    if models_of(kind):
         return _TABLES.get(get_origin(kind), "table")
     if get_origin(kind) is Literal:
         return ", ".join(f'`"{v}"`' if isinstance(v, str) else f"{v}" for v in get_args(kind))
@@ -232,13 +233,13 @@ def _some(annotation: Any) -> list[Any]:
     return [part for part in get_args(annotation) if part is not type(None)]
 
 
-def _models(annotation: Any) -> list[type[BaseModel]]:
+def models_of(annotation: Any) -> list[type[BaseModel]]:
     """The models that a field holds, in its own tables."""
     kind, _ = _unwrapped(annotation)
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return [kind]
     inner = get_args(kind)[-1:] if get_origin(kind) is dict else _some(kind)
-    return [m for part in inner if get_origin(kind) is not Literal for m in _models(part)]
+    return [m for part in inner if get_origin(kind) is not Literal for m in models_of(part)]
 
 
 def _path(path: str, name: str, annotation: Any) -> str:

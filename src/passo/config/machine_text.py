@@ -17,6 +17,11 @@ _SECRET_KEY = re.compile(r"pass(word|phrase|wd|code)?$|secret|token|credential|a
 _USER_IN_URL = re.compile(r"(?<=://)[^/@\s]*@")
 
 
+def is_secret(key: str | int) -> bool:
+    """Whether the value of a key, the last one of a path, is not for others."""
+    return _SECRET_KEY.search(str(key).lower()) is not None
+
+
 def machine_text(machine: MachineConfig) -> str:
     """Each value that is not a default as a line of TOML, `key.key = value`, those of the files of
     boards and sensors included. Passwords, tokens, users in URLs and the UUID are not shown."""
@@ -27,7 +32,7 @@ def machine_text(machine: MachineConfig) -> str:
 def _lines(values: Mapping[str, object], path: tuple[str | int, ...]) -> Iterator[str]:
     for key, value in values.items():
         here = (*path, key)
-        if _SECRET_KEY.search(key.lower()):
+        if is_secret(key):
             yield f"{key_text(here)} = {HIDDEN}"
         elif isinstance(value, dict):
             yield from _lines(cast("dict[str, object]", value), here)
@@ -42,8 +47,7 @@ def _toml(value: object) -> str:
     if isinstance(value, dict):
         content = cast("dict[str, object]", value)
         shown = (
-            f"{key} = {HIDDEN if _SECRET_KEY.search(key.lower()) else _toml(item)}"
-            for key, item in content.items()
+            f"{key} = {HIDDEN if is_secret(key) else _toml(item)}" for key, item in content.items()
         )
         return f"{{ {', '.join(shown)} }}"
     if isinstance(value, float):

@@ -81,6 +81,12 @@ class Bridge(Protocol):
         ...
 
     @property
+    def machine_source(self) -> str:
+        """What the machine was loaded from, as `passo.config.load` takes it: the path of a file or
+        the name of a shipped machine; empty of one that a program made."""
+        ...
+
+    @property
     def commands(self) -> Sequence[Declaration]:
         """Each command that the printer knows, as the table declares it."""
         ...
@@ -122,6 +128,12 @@ class Bridge(Protocol):
 
     async def restart(self) -> None:
         """Starts a halted printer again (M999); returns when it runs."""
+        ...
+
+    async def restart_program(self) -> None:
+        """Ends the printer, and starts it again with the machine file as it is then. Consoles are
+        closed and opened again. Raises `job.printing`, `machine.no-restart`, and ConfigError for a
+        file with errors: then the printer goes on."""
         ...
 
     async def endstops(self) -> dict[str, bool]:

@@ -10,9 +10,11 @@ import passo.web.endpoints.files
 import passo.web.endpoints.history
 import passo.web.endpoints.logs
 import passo.web.endpoints.machine
+import passo.web.endpoints.machine_file
 import passo.web.endpoints.session
 import passo.web.endpoints.status
 import passo.web.files.metadata
+import passo.web.machine.keys
 import typing
 
 class RequestError(Exception):
@@ -47,6 +49,64 @@ class Machine:
         self,
     ) -> passo.web.endpoints.machine.Machine:
         """The parts of the machine, which stay the same while it is served."""
+        ...
+    def file(
+        self,
+    ) -> passo.web.endpoints.machine_file.MachineFile:
+        """The machine file as it is now, which may differ from the machine that runs."""
+        ...
+    def keys(
+        self,
+    ) -> builtins.list[passo.web.machine.keys.KeyValue]:
+        """All keys of the machine file with their values, each with where it comes from,
+        and the setting that overrides it. Secrets are not shown."""
+        ...
+    def schema(
+        self,
+    ) -> dict[str, typing.Any]:
+        """The JSON schema of the machine file: type, range, default and help of each key,
+        its unit as `x-unit`, and as `x-acts` whether a change acts `live` or after a
+        `restart`."""
+        ...
+    def validate(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Validation:
+        """Checks a text as `passo check` does: all problems at once."""
+        ...
+    def diff(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Difference:
+        """Compares a text with the machine that runs, and with its file."""
+        ...
+    def apply(
+        self,
+        text: str,
+        replaces: str,
+    ) -> passo.web.endpoints.machine_file.Applied:
+        """Writes the machine file, whole or not at all, if the text has no errors; the one
+        before stays beside it as FILE.toml.bak. Changes that commands can make act at once;
+        the answer names those that need a restart."""
+        ...
+    def restart(
+        self,
+    ) -> None:
+        """Ends the printer, and starts it again with the machine file as it is now: heaters
+        go off, and axes are not homed. Consoles and this connection are closed; connect
+        again after some seconds. Log-ins last if the printer has a folder for them
+        (`--state`)."""
+        ...
+    def library(
+        self,
+    ) -> builtins.list[passo.web.endpoints.machine_file.ShippedMachine]:
+        """The machines that come with Passo."""
+        ...
+    def shipped(
+        self,
+        name: str,
+    ) -> passo.web.endpoints.machine_file.ShippedFile:
+        """The file of a machine that comes with Passo."""
         ...
 
 class Emergency:
@@ -457,6 +517,64 @@ class AsyncMachine:
         self,
     ) -> passo.web.endpoints.machine.Machine:
         """The parts of the machine, which stay the same while it is served."""
+        ...
+    async def file(
+        self,
+    ) -> passo.web.endpoints.machine_file.MachineFile:
+        """The machine file as it is now, which may differ from the machine that runs."""
+        ...
+    async def keys(
+        self,
+    ) -> builtins.list[passo.web.machine.keys.KeyValue]:
+        """All keys of the machine file with their values, each with where it comes from,
+        and the setting that overrides it. Secrets are not shown."""
+        ...
+    async def schema(
+        self,
+    ) -> dict[str, typing.Any]:
+        """The JSON schema of the machine file: type, range, default and help of each key,
+        its unit as `x-unit`, and as `x-acts` whether a change acts `live` or after a
+        `restart`."""
+        ...
+    async def validate(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Validation:
+        """Checks a text as `passo check` does: all problems at once."""
+        ...
+    async def diff(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.Difference:
+        """Compares a text with the machine that runs, and with its file."""
+        ...
+    async def apply(
+        self,
+        text: str,
+        replaces: str,
+    ) -> passo.web.endpoints.machine_file.Applied:
+        """Writes the machine file, whole or not at all, if the text has no errors; the one
+        before stays beside it as FILE.toml.bak. Changes that commands can make act at once;
+        the answer names those that need a restart."""
+        ...
+    async def restart(
+        self,
+    ) -> None:
+        """Ends the printer, and starts it again with the machine file as it is now: heaters
+        go off, and axes are not homed. Consoles and this connection are closed; connect
+        again after some seconds. Log-ins last if the printer has a folder for them
+        (`--state`)."""
+        ...
+    async def library(
+        self,
+    ) -> builtins.list[passo.web.endpoints.machine_file.ShippedMachine]:
+        """The machines that come with Passo."""
+        ...
+    async def shipped(
+        self,
+        name: str,
+    ) -> passo.web.endpoints.machine_file.ShippedFile:
+        """The file of a machine that comes with Passo."""
         ...
 
 class AsyncEmergency:

@@ -17,6 +17,7 @@ from passo.web.endpoints import (
     job,
     logs,
     machine,
+    machine_file,
     metrics,
     motion,
     session,
@@ -33,7 +34,20 @@ def _declared(module: ModuleType) -> list[Operation]:
 
 
 _MODULES = (
-    *(status, faults, machine, emergency, job, console, heaters, fans, motion, tuning, settings),
+    *(
+        status,
+        faults,
+        machine,
+        machine_file,
+        emergency,
+        job,
+        console,
+        heaters,
+        fans,
+        motion,
+        tuning,
+        settings,
+    ),
     *(files, history, logs, session, accounts, metrics),
     *(octoprint, prusalink, rrf),
 )

@@ -25,6 +25,16 @@ export interface Answer {
   lines: string[];
 }
 
+/** What became of a machine file that was written. `live` are changed keys that act now;
+ * `overridden` those that a stored setting or a command overrides; `restart` those that act after
+ * `machine.restart`. `backup` is the path of the text before. */
+export interface Applied {
+  live: string[];
+  overridden: string[];
+  restart: string[];
+  backup: string;
+}
+
 /** Axes to home; without any all that have an endstop. */
 export interface AxesToHome {
   axes?: string[];
@@ -63,6 +73,13 @@ export interface BoardStatus {
 export interface Command {
   code: string;
   parameters: string;
+  text: string;
+}
+
+/** `changes` are the keys that differ from the machine as it runs, with the values of the files
+ * that the text names; `text` is what differs from the machine file, as `diff -u` shows it. */
+export interface Difference {
+  changes: KeyChange[];
   text: string;
 }
 
@@ -218,12 +235,35 @@ export interface KeptUpload {
   total: number;
 }
 
+/** A key that differs; a value is null where the key is missing. `acts` says when the change has
+ * an effect: at once, or after a restart. */
+export interface KeyChange {
+  key: string;
+  before: unknown;
+  after: unknown;
+  acts: "live" | "restart";
+}
+
 /** An API key, without what is secret; `made_s` is in seconds since 1970. */
 export interface KeyRecord {
   id: string;
   name: string;
   role: "admin" | "operator" | "viewer";
   made_s: number;
+}
+
+/** A key with its value. `source` is `file` (with the line there), `board` (the file of a board or
+ * sensor that the machine file names), or `default`. `setting` is the command with the word that
+ * sets the value too, empty of most keys; `setting_value` is the one that it has in force, and
+ * `setting_source` says where that comes from: `file`, `stored` (M500), or `command`. */
+export interface KeyValue {
+  key: string;
+  value: unknown;
+  source: "board" | "default" | "file";
+  line?: number | null;
+  setting: string;
+  setting_value: string;
+  setting_source: string;
 }
 
 /** A line of a console, which counts from 1, or is 0 for all consoles. `received`: from a host to
@@ -265,6 +305,30 @@ export interface Machine {
   heaters: Record<string, HeaterOfMachine>;
   fans: string[];
   tools: ToolOfMachine[];
+}
+
+/** The text of the machine file. `path` is null where there is no file that may be changed: a
+ * shipped machine, or one that a program made; `sha256` is that of the text, for `machine.apply`. */
+export interface MachineFile {
+  path?: string | null;
+  text: string;
+  sha256: string;
+}
+
+/** What is wrong with a machine file: `line` is 1 where no line is known; `key` is empty where the
+ * text is not TOML; `action` is what to do next. */
+export interface MachineProblem {
+  code: string;
+  key: string;
+  line: number;
+  message: string;
+  action: string;
+}
+
+/** A machine file as a text, in TOML. What it names beside it, files of boards and sensors, is
+ * looked for in the folder of the printer's own machine file. */
+export interface MachineText {
+  text: string;
 }
 
 /** A key that was made just now. `key` is shown this once. */
@@ -318,6 +382,13 @@ export interface NewAccount {
 export interface NewKey {
   name: string;
   role?: "admin" | "operator" | "viewer";
+}
+
+/** The text to write. `replaces` is the `sha256` of the text that was edited: a file that has
+ * changed meanwhile is not overwritten. */
+export interface NewMachineFile {
+  text: string;
+  replaces: string;
 }
 
 /** What is renamed, and its new path, which may be in another folder. */
@@ -422,6 +493,22 @@ export interface SettingValue {
   source: string;
 }
 
+/** The file of a shipped machine, a start for one's own. */
+export interface ShippedFile {
+  name: string;
+  text: string;
+}
+
+/** A machine that comes with Passo. */
+export interface ShippedMachine {
+  name: string;
+  description: string;
+  geometry: string;
+  size_mm: number[];
+  steppers: string[];
+  board: string;
+}
+
 /** The factor of all feedrates; 1 is that of the file. */
 export interface SpeedFactor {
   factor: number;
@@ -488,6 +575,15 @@ export interface Temperatures {
 export interface ToolOfMachine {
   extruder?: string | null;
   heater?: string | null;
+}
+
+/** Whether a text is a machine file. `questions` are values that are allowed and cannot be right;
+ * `notes` say what is worth knowing of the machine. */
+export interface Validation {
+  ok: boolean;
+  problems: MachineProblem[];
+  questions: MachineProblem[];
+  notes: string[];
 }
 
 /** The version of Passo, and the name of the machine. */

@@ -1,0 +1,290 @@
+"""The machine file: read, checked, compared, written; the machines that come with Passo."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated, Any
+
+from msgspec import Meta, Struct
+
+from passo import config
+from passo.catalogue import CATALOGUE
+from passo.config.load import Loaded
+from passo.config.notes import notes
+from passo.errors import ConfigError, PassoError, Problem
+from passo.gcode.command import numeral
+from passo.job.settings_store import same
+from passo.web.bridge import SettingValue
+from passo.web.call import Call
+from passo.web.machine import file
+from passo.web.machine.keys import KeyChange, KeyValue, key_changes, key_values, setting_of
+from passo.web.machine.schema import schema
+from passo.web.operation import operation
+from passo.web.roles import Role
+
+_log = logging.getLogger(__name__)
+_CONFIG_ERRORS = tuple(code for code in CATALOGUE if code.startswith("config."))
+_NAME = "machine.toml"  # of a text that a client sends, in messages
+
+
+class MachineFile(Struct):
+    """The text of the machine file. `path` is null where there is no file that may be changed: a
+    shipped machine, or one that a program made; `sha256` is that of the text, for
+    `machine.apply`."""
+
+    path: str | None
+    text: str
+    sha256: str
+
+
+class MachineText(Struct, forbid_unknown_fields=True):
+    """A machine file as a text, in TOML. What it names beside it, files of boards and sensors, is
+    looked for in the folder of the printer's own machine file."""
+
+    text: Annotated[str, Meta(max_length=500_000)]
+
+
+class NewMachineFile(MachineText, forbid_unknown_fields=True):
+    """The text to write. `replaces` is the `sha256` of the text that was edited: a file that has
+    changed meanwhile is not overwritten."""
+
+    replaces: str
+
+
+class MachineProblem(Struct):
+    """What is wrong with a machine file: `line` is 1 where no line is known; `key` is empty where
+    the text is not TOML; `action` is what to do next."""
+
+    code: str
+    key: str
+    line: int
+    message: str
+    action: str
+
+
+class Validation(Struct):
+    """Whether a text is a machine file. `questions` are values that are allowed and cannot be
+    right; `notes` say what is worth knowing of the machine."""
+
+    ok: bool
+    problems: list[MachineProblem]
+    questions: list[MachineProblem]
+    notes: list[str]
+
+
+class Difference(Struct):
+    """`changes` are the keys that differ from the machine as it runs, with the values of the files
+    that the text names; `text` is what differs from the machine file, as `diff -u` shows it."""
+
+    changes: list[KeyChange]
+    text: str
+
+
+class Applied(Struct):
+    """What became of a machine file that was written. `live` are changed keys that act now;
+    `overridden` those that a stored setting or a command overrides; `restart` those that act after
+    `machine.restart`. `backup` is the path of the text before."""
+
+    live: list[str]
+    overridden: list[str]
+    restart: list[str]
+    backup: str
+
+
+class ShippedMachine(Struct):
+    """A machine that comes with Passo."""
+
+    name: str
+    description: str
+    geometry: str
+    size_mm: list[float]
+    steppers: list[str]
+    board: str
+
+
+class ShippedFile(Struct):
+    """The file of a shipped machine, a start for one's own."""
+
+    name: str
+    text: str
+
+
+@operation("machine.file", "GET", "/machine/file", Role.OPERATOR, errors=_CONFIG_ERRORS)
+async def read(call: Call) -> MachineFile:
+    """The machine file as it is now, which may differ from the machine that runs."""
+    source, machine = call.bridge.machine_source, call.bridge.machine
+    text = await asyncio.to_thread(file.read, source, machine)
+    path = file.path_of(source)
+    return MachineFile(None if path is None else str(path), text, file.digest(text))
+
+
+@operation("machine.keys", "GET", "/machine/keys", Role.VIEWER, errors=_CONFIG_ERRORS)
+async def keys(call: Call) -> list[KeyValue]:
+    """All keys of the machine file with their values, each with where it comes from, and the
+    setting that overrides it. Secrets are not shown."""
+    source, machine = call.bridge.machine_source, call.bridge.machine
+
+    def found() -> list[KeyValue]:
+        text = file.read(source, machine)
+        loaded = config.load_text(text, source) if file.path_of(source) else machine
+        return key_values(loaded, text)
+
+    values = await asyncio.to_thread(found)
+    settings = {(s.command, s.word): s for s in await call.bridge.settings()}
+    for value in values:
+        if setting := settings.get(setting_of(value.key) or ("", "")):
+            value.setting = f"{setting.command} {setting.word}"
+            value.setting_value, value.setting_source = setting.value, setting.source
+    return values
+
+
+@operation("machine.schema", "GET", "/machine/schema", Role.VIEWER)
+async def described(_: Call) -> dict[str, Any]:
+    """The JSON schema of the machine file: type, range, default and help of each key, its unit as
+    `x-unit`, and as `x-acts` whether a change acts `live` or after a `restart`."""
+    return await asyncio.to_thread(schema)
+
+
+@operation("machine.validate", "POST", "/machine/validate", Role.ADMIN)
+async def validate(call: Call, body: MachineText) -> Validation:
+    """Checks a text as `passo check` does: all problems at once."""
+    try:
+        loaded = await _loaded(call, body.text)
+    except ConfigError as error:
+        return Validation(False, [_problem(p) for p in error.problems], [], [])
+    questions = [_problem(question) for question in loaded.questions]
+    return Validation(True, [], questions, list(notes(loaded.machine)))
+
+
+@operation("machine.diff", "POST", "/machine/diff", Role.ADMIN, errors=_CONFIG_ERRORS)
+async def diff(call: Call, body: MachineText) -> Difference:
+    """Compares a text with the machine that runs, and with its file."""
+    source, machine = call.bridge.machine_source, call.bridge.machine
+    loaded = await _loaded(call, body.text)
+    before = await asyncio.to_thread(file.read, source, machine)
+    changes = key_changes(machine, loaded.machine)
+    return Difference(changes, file.difference(before, body.text, _NAME))
+
+
+@operation(
+    "machine.apply",
+    "PUT",
+    "/machine/file",
+    Role.ADMIN,
+    errors=("machine.no-file", "machine.file-changed", "output.unwritable", *_CONFIG_ERRORS),
+)
+async def apply(call: Call, body: NewMachineFile) -> Applied:
+    """Writes the machine file, whole or not at all, if the text has no errors; the one before stays
+    beside it as FILE.toml.bak. Changes that commands can make act at once; the answer names those
+    that need a restart."""
+    source, machine = call.bridge.machine_source, call.bridge.machine
+    path = file.path_of(source)
+    if path is None:
+        raise ConfigError.of("machine.no-file", value=source or machine.name)
+    loaded = await _loaded(call, body.text)
+
+    def write() -> tuple[str, Path]:
+        before = file.read(source, machine)
+        if file.digest(before) != body.replaces:
+            raise ConfigError.of("machine.file-changed", str(path))
+        return before, file.replace(path, body.text)
+
+    before, backup = await asyncio.to_thread(write)
+    _log.info("%s was written by %s", path, call.caller.name)
+    applied = Applied([], [], [], str(backup))
+    with suppress(ConfigError):  # the file before may have had errors
+        machine = (await _loaded(call, before)).machine
+    held = {change.key: change.before for change in key_changes(machine, loaded.machine)}
+    for change in key_changes(call.bridge.machine, loaded.machine):
+        listed = await _act(call, change, held.get(change.key), applied)
+        listed.append(change.key)
+    return applied
+
+
+@operation(
+    "machine.restart",
+    "POST",
+    "/machine/restart",
+    Role.ADMIN,
+    errors=("job.printing", "machine.no-restart", *_CONFIG_ERRORS),
+)
+async def restart(call: Call) -> None:
+    """Ends the printer, and starts it again with the machine file as it is now: heaters go off, and
+    axes are not homed. Consoles and this connection are closed; connect again after some seconds.
+    Log-ins last if the printer has a folder for them (`--state`)."""
+    await call.bridge.restart_program()
+
+
+@operation("machine.library", "GET", "/machine/library", Role.VIEWER)
+async def library(_: Call) -> list[ShippedMachine]:
+    """The machines that come with Passo."""
+    return await asyncio.to_thread(_shipped)
+
+
+@operation(
+    "machine.shipped",
+    "GET",
+    "/machine/library/{name}",
+    Role.VIEWER,
+    errors=("config.unknown-machine",),
+)
+async def shipped(_: Call, name: str) -> ShippedFile:
+    """The file of a machine that comes with Passo."""
+    return ShippedFile(name, config.shipped_text(name))
+
+
+def _shipped() -> list[ShippedMachine]:
+    machines = [(name, config.load(name)) for name in config.shipped_machines()]
+    return [
+        ShippedMachine(
+            name,
+            machine.description,
+            machine.geometry.kind,
+            list(machine.size_mm),
+            list(machine.steppers),
+            machine.board.name,
+        )
+        for name, machine in machines
+    ]
+
+
+async def _loaded(call: Call, text: str) -> Loaded:
+    """Raises ConfigError."""
+    path = file.path_of(call.bridge.machine_source)
+    name = str(path.with_name(_NAME)) if path else _NAME
+    return await asyncio.to_thread(config.load_text_and_question, text, name)
+
+
+def _problem(problem: Problem) -> MachineProblem:
+    key = str(problem.values.get("key", ""))
+    action = problem.hint or problem.entry.action
+    return MachineProblem(problem.code, key, problem.line or 1, problem.sentence, action)
+
+
+async def _act(call: Call, change: KeyChange, held: object, applied: Applied) -> list[str]:
+    """Makes a change if that is possible; the list of `applied` that it belongs to. `held` is the
+    value that the file had before, None if it stays."""
+    at = setting_of(change.key)
+    setting = await _setting(call, at) if at and change.acts == "live" else None
+    if at is None or setting is None:
+        return applied.restart
+    value = numeral(change.after)
+    if same(setting.value, value):
+        return applied.live
+    live = isinstance(held, int | float) and same(setting.value, numeral(held))
+    if setting.source != "file" and not live:
+        return applied.overridden
+    try:
+        await call.run(f"{at[0]} {at[1]}{value}")
+    except PassoError:
+        return applied.restart
+    taken = await _setting(call, at)
+    return applied.live if taken and same(taken.value, value) else applied.restart
+
+
+async def _setting(call: Call, at: tuple[str, str]) -> SettingValue | None:
+    found = (s for s in await call.bridge.settings() if (s.command, s.word) == at)
+    return next(found, None)

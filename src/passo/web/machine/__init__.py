@@ -1,0 +1,1 @@
+"""The machine file, as clients read and change it."""

@@ -1,0 +1,110 @@
+"""The keys of a machine file: their values, where each comes from, and what differs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+from msgspec import Struct
+
+from passo.config.findings import key_text
+from passo.config.machine_text import HIDDEN, is_secret
+from passo.config.toml_lines import Path, key_lines
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_ABSENT = object()
+# Keys whose values commands set too: the command and its word.
+_SETTINGS = (
+    (re.compile(r"axes\.(.)\.speed_mm_s"), "M203", ""),
+    (re.compile(r"axes\.(.)\.accel_mm_s2"), "M201", ""),
+    (re.compile(r"axes\.(.)\.jerk_mm_s"), "M205", ""),
+    (re.compile(r"extruders\.(e)\.speed_mm_s"), "M203", ""),
+    (re.compile(r"extruders\.(e)\.accel_mm_s2"), "M201", ""),
+    (re.compile(r"limits\.print_accel_mm_s2"), "M204", "P"),
+    (re.compile(r"limits\.travel_accel_mm_s2"), "M204", "T"),
+    (re.compile(r"limits\.retract_accel_mm_s2"), "M204", "R"),
+    (re.compile(r"limits\.junction_deviation_mm"), "M205", "J"),
+    (re.compile(r"limits\.speed_mm_s"), "SET_VELOCITY_LIMIT", "VELOCITY="),
+    (re.compile(r"limits\.minimum_cruise_ratio"), "SET_VELOCITY_LIMIT", "MINIMUM_CRUISE_RATIO="),
+)
+
+
+class KeyValue(Struct):
+    """A key with its value. `source` is `file` (with the line there), `board` (the file of a board
+    or sensor that the machine file names), or `default`. `setting` is the command with the word
+    that sets the value too, empty of most keys; `setting_value` is the one that it has in force,
+    and `setting_source` says where that comes from: `file`, `stored` (M500), or `command`."""
+
+    key: str
+    value: Any
+    source: Literal["file", "board", "default"]
+    line: int | None = None
+    setting: str = ""
+    setting_value: str = ""
+    setting_source: str = ""
+
+
+class KeyChange(Struct):
+    """A key that differs; a value is null where the key is missing. `acts` says when the change has
+    an effect: at once, or after a restart."""
+
+    key: str
+    before: Any
+    after: Any
+    acts: Literal["live", "restart"]
+
+
+def key_values(machine: MachineConfig, text: str) -> list[KeyValue]:
+    """All keys of a machine that was loaded from this text, in the order of the model. Secrets are
+    not shown."""
+    lines = key_lines(text)
+    given = dict(leaves(machine.model_dump(mode="json", exclude_defaults=True)))
+    found: list[KeyValue] = []
+    for path, value in leaves(machine.model_dump(mode="json")):
+        line = lines.get(path)
+        source = "file" if line is not None else "board" if path in given else "default"
+        found.append(KeyValue(key_text(path), _shown(path, value), source, line))
+    return found
+
+
+def key_changes(before: MachineConfig, after: MachineConfig) -> list[KeyChange]:
+    """The keys whose values differ, without secrets."""
+    old = dict(leaves(before.model_dump(mode="json")))
+    new = dict(leaves(after.model_dump(mode="json")))
+    found: list[KeyChange] = []
+    for path in {**old, **new}:
+        was, becomes = old.get(path, _ABSENT), new.get(path, _ABSENT)
+        if was == becomes:
+            continue
+        shown = [None if value is _ABSENT else _shown(path, value) for value in (was, becomes)]
+        key = key_text(path)
+        live = setting_of(key) is not None and isinstance(becomes, int | float)
+        found.append(KeyChange(key, shown[0], shown[1], "live" if live else "restart"))
+    return found
+
+
+def setting_of(key: str) -> tuple[str, str] | None:
+    """The command and the word that set the value of a key too; None of most keys."""
+    for pattern, command, word in _SETTINGS:
+        if match := pattern.fullmatch(key):
+            return command, word or match[1].upper()
+    return None
+
+
+def leaves(value: object, path: Path = ()) -> Iterator[tuple[Path, object]]:
+    """Each value that is not a table, with its path."""
+    if isinstance(value, Mapping):
+        for key, inner in cast("Mapping[str, object]", value).items():
+            yield from leaves(inner, (*path, key))
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        for index, inner in enumerate(cast("list[object]", value)):
+            yield from leaves(inner, (*path, index))
+    else:
+        yield path, value
+
+
+def _shown(path: Path, value: object) -> object:
+    return HIDDEN.strip('"') if value is not None and is_secret(path[-1]) else value
