@@ -1,11 +1,13 @@
 // Python's view of simulated boards and the plant around them.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include "bind/bind_bytes.hpp"
+#include "bind/bind_machine.hpp"
 #include "sim/firmware_board.hpp"
 #include "sim/imperfect_link.hpp"
 #include "sim/virtual_board.hpp"
@@ -56,6 +58,37 @@ std::vector<std::pair<int64_t, uint32_t>> changes_of(const std::vector<PinChange
   return changes;
 }
 
+using Dict = nb::typed<nb::dict, nb::str, nb::any>;
+using Pair = std::array<double, 2>;
+using Corners = std::array<double, 4>;
+
+Bed bed_of(const Pair& center, const Pair& size, const Pair& tilt, double dome, double wave,
+           const Pair& wave_length, double lift) {
+  if (!(size[0] > 0 && size[1] > 0 && wave_length[0] > 0 && wave_length[1] > 0))
+    throw nb::value_error("a bed needs a size, and waves a length");
+  return {{center[0], center[1]},
+          {size[0], size[1]},
+          {tilt[0], tilt[1]},
+          dome,
+          wave,
+          {wave_length[0], wave_length[1]},
+          lift};
+}
+
+std::vector<Area> areas_of(const std::vector<Corners>& list) {
+  std::vector<Area> areas;
+  for (const Corners& c : list) areas.push_back({{c[0], c[1]}, {c[2], c[3]}});
+  return areas;
+}
+
+// Does something to the probe on a pin.
+template <class Change>
+void change_probe(Bench& b, uint32_t pin, const Change& change) {
+  for (BedProbe& probe : b.plant().probes)
+    if (probe.pin == pin) return change(probe);
+  throw nb::key_error("no probe has this pin");
+}
+
 // The body as it is now.
 HeatedBody& body_of(Bench& b, uint32_t sensor_pin) {
   b.plant().run_until(b.now());
@@ -97,6 +130,16 @@ void bind_board(nb::module_& m) {
           "now"_a)
       .def_prop_ro("next_deadline", &Device::next_deadline)
       .def_prop_ro("stopped", &Device::stopped);
+  nb::class_<Bed>(m, "Bed", "A simulated bed that is not flat; lengths in mm.")
+      .def(
+          "__init__",
+          [](Bed* self, const Pair& center, const Pair& size, const Pair& tilt, double dome,
+             double wave, const Pair& wave_length, double lift) {
+            new (self) Bed(bed_of(center, size, tilt, dome, wave, wave_length, lift));
+          },
+          "center"_a, "size"_a, "tilt"_a, "dome"_a, "wave"_a, "wave_length"_a, "lift"_a,
+          "Raises ValueError for a size or a wave length of 0.")
+      .def("height", &Bed::height, "x"_a, "y"_a, "Height over a place.");
   nb::class_<Bench, Device>(m, "Bench",
                             "A simulated board with the plant around it; pins by number.")
       .def(
@@ -114,6 +157,41 @@ void bind_board(nb::module_& m) {
           },
           "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
           "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
+      .def(
+          "add_probe",
+          [](Bench& b, uint32_t pin, std::vector<uint32_t> motors, const Dict& geometry,
+             const Bed& bed, const Pair& offset, double trigger, bool pressed_level,
+             double hysteresis, double sigma, uint32_t seed, const std::vector<Corners>& dead,
+             const std::vector<Corners>& touchy) {
+            auto kernel =
+                make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry));
+            if (int(motors.size()) != kernel->actuators())
+              throw nb::value_error("a probe needs one motor for each actuator");
+            BedProbe probe{pin,          std::move(motors),      std::move(kernel),
+                           bed,          {offset[0], offset[1]}, trigger,
+                           pressed_level};
+            probe.hysteresis = hysteresis;
+            probe.sigma = sigma;
+            probe.noise = Noise(seed);
+            probe.error = sigma > 0 ? probe.noise.next(sigma) : 0;
+            probe.dead = areas_of(dead);
+            probe.touchy = areas_of(touchy);
+            b.plant().probes.push_back(std::move(probe));
+          },
+          "pin"_a, "motors"_a, "geometry"_a, "bed"_a, "offset"_a, "trigger"_a, "pressed_level"_a,
+          "hysteresis"_a, "sigma"_a, "seed"_a, "dead"_a, "touchy"_a,
+          "A probe on the head, and the bed below; `motors` are the step pins of the actuators.")
+      .def(
+          "change_probe",
+          [](Bench& b, uint32_t pin, const std::vector<Corners>& dead,
+             const std::vector<Corners>& touchy, double sigma) {
+            change_probe(b, pin, [&](BedProbe& probe) {
+              probe.dead = areas_of(dead);
+              probe.touchy = areas_of(touchy);
+              probe.sigma = sigma;
+            });
+          },
+          "pin"_a, "dead"_a, "touchy"_a, "sigma"_a, "Faults of a probe from now on.")
       .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a,
            "A motor on another board, as the switches of this one feel it while that board lives.")
       .def("place", &Bench::place, "step_pin"_a, "position"_a,
@@ -123,6 +201,8 @@ void bind_board(nb::module_& m) {
           [](Bench& b, uint32_t pin, int pressed) {
             for (Switch& s : b.plant().switches)
               if (s.pin == pin) s.forced = pressed;
+            for (BedProbe& probe : b.plant().probes)
+              if (probe.pin == pin) probe.forced = pressed;
           },
           "pin"_a, "pressed"_a, "A fault: never pressed (0), always (1); -1 ends it.")
       .def(

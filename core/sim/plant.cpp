@@ -97,6 +97,12 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
     if (s.forced >= 0) pressed = s.forced > 0;
     return pressed == s.pressed_level;
   }
+  for (BedProbe& probe : probes) {
+    if (probe.pin != pin) continue;
+    std::vector<double> q;
+    for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
+    return probe.triggered(q.data()) == probe.pressed_level;
+  }
   return true;  // an open input with its pull-up
 }
 

@@ -9,6 +9,7 @@
 
 #include "heat/curve.hpp"
 #include "link/device.hpp"
+#include "sim/bed.hpp"
 #include "sim/spi_device.hpp"
 #include "sim/uart_line.hpp"
 
@@ -73,6 +74,7 @@ class Plant {
  public:
   std::vector<Actuator> actuators;
   std::vector<Switch> switches;
+  std::vector<BedProbe> probes;
   std::vector<HeatedBody> bodies;
   std::vector<uint32_t> low_is_on;  // output pins
   std::deque<UartLine> uarts;

@@ -720,6 +720,15 @@ class Device:
     @property
     def stopped(self) -> bool: ...
 
+class Bed:
+    """A simulated bed that is not flat; lengths in mm."""
+
+    def __init__(self, center: Sequence[float], size: Sequence[float], tilt: Sequence[float], dome: float, wave: float, wave_length: Sequence[float], lift: float) -> None:
+        """Raises ValueError for a size or a wave length of 0."""
+
+    def height(self, x: float, y: float) -> float:
+        """Height over a place."""
+
 class Bench(Device):
     """A simulated board with the plant around it; pins by number."""
 
@@ -729,6 +738,14 @@ class Bench(Device):
         """
         Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).
         """
+
+    def add_probe(self, pin: int, motors: Sequence[int], geometry: dict[str, Any], bed: Bed, offset: Sequence[float], trigger: float, pressed_level: bool, hysteresis: float, sigma: float, seed: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]]) -> None:
+        """
+        A probe on the head, and the bed below; `motors` are the step pins of the actuators.
+        """
+
+    def change_probe(self, pin: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], sigma: float) -> None:
+        """Faults of a probe from now on."""
 
     def feel(self, step_pin: int, board: Bench, its_step_pin: int) -> None:
         """

@@ -24,6 +24,7 @@ from passo.printer.commands import (
     motors,
     outputs,
     power_supply,
+    probing,
     program_flow,
     reports,
     set_points,
@@ -39,6 +40,14 @@ MODULES = (
     *(aprinter_options, card_commands, commands, job_commands, json_status, object_commands),
     *(recovery_commands, settings_commands, ignored_commands, interpreter_commands, statistics),
     *(beeper, drivers, heater_control, heater_tuning, limits, motors, outputs, power_supply),
-    *(klipper_commands, program_flow, reports, set_points, simulated_faults, speed_and_flow),
+    *(
+        klipper_commands,
+        probing,
+        program_flow,
+        reports,
+        set_points,
+        simulated_faults,
+        speed_and_flow,
+    ),
     *(steps_and_offsets, temperature, user_prompts, endstops, delayed_gcode, macros),
 )

@@ -160,6 +160,8 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         for stepper, pin in homing.stepper_pins.items():
             own = original if stepper == name else None
             add(f"homing.{name}.stepper_pins.{stepper}", pin, own)
+    if machine.probe:
+        add("probe.pin", machine.probe.pin, None)
     if machine.laser:
         add("laser.pin", machine.laser.pin, None)
     if machine.mains:

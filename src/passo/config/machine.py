@@ -15,6 +15,7 @@ from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
 from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.pin_names import MAIN, placed
+from passo.config.probing import Levelling, Probe, Simulated
 from passo.config.types import AxisName, CommandName, ExtruderName, Model, Name, Pair, Uuid
 from passo.geometry.base import Point
 from passo.geometry.registry import AnyGeometry
@@ -70,6 +71,12 @@ class MachineConfig(Model):
     move."""
     bed: Bed | None = None
     """The printable area."""
+    probe: Probe | None = None
+    """What measures the bed."""
+    levelling: Levelling = Field(default_factory=Levelling)
+    """How the bed is measured and corrected."""
+    simulated: Simulated = Field(default_factory=Simulated)
+    """What surrounds the simulated boards."""
     heaters: Heaters = {}
     """The heaters, by name."""
     fans: Fans = {}
@@ -115,6 +122,16 @@ class MachineConfig(Model):
     def pin_of_stepper(self, name: str, written: str) -> str:
         """The microcontroller's pin behind a name, on the board that a motor is on."""
         return self.all_boards[self.board_of_stepper(name)].pin(placed(written)[1])
+
+    @property
+    def bed_area_mm(self) -> tuple[float, float, float, float]:
+        """X and Y of the first corner of the bed, then of the opposite one; without `bed` what the
+        axes reach."""
+        if self.bed is None:
+            x, y = self.axes["x"], self.axes["y"]
+            return x.min_mm, y.min_mm, x.max_mm, y.max_mm
+        (cx, cy), (width, depth) = self.bed.center_mm, self.bed.size_mm
+        return cx - width / 2, cy - depth / 2, cx + width / 2, cy + depth / 2
 
     @property
     def size_mm(self) -> tuple[float, float, float]:

@@ -42,7 +42,7 @@ _declare(
     ("SET_PRESSURE_ADVANCE", "Passo has no pressure advance yet."),
     ("G27 M125", "M25 and M601 park the head."),
     ("G29 G31 G32 M420 M421 M561", "Passo has no bed levelling yet."),
-    ("G30 M48 M401 M402 M851", "Passo has no probe yet."),
+    ("M48 M401 M402 M851", "Passo has no probe yet."),
     ("M111", "Passo has no debug levels; see passo serve --log."),
     ("M142 M192", "Passo has no cooler."),
     ("M150 M355", "Passo has no light."),

@@ -43,6 +43,7 @@ class Subject(Enum):
     HEATERS = "Heaters"
     OUTPUTS = "Fans, laser, power supply, beeper"
     MOTORS = "Motors, drivers and endstops"
+    LEVELLING = "Probe and bed levelling"
     CARD = "SD card"
     PRINTS = "Prints"
     STOPS = "Stop and restart"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
+from passo.config.probing import PROBE
 from passo.geometry.base import Point
 
 if TYPE_CHECKING:
@@ -35,6 +36,29 @@ def switches(machine: MachineConfig) -> tuple[Switch, ...]:
             found.append(Switch(name, name, homing.pin, steppers_of(machine, name)))
         found += [Switch(s, name, pin, (s,)) for s, pin in homing.stepper_pins.items()]
     return tuple(found)
+
+
+def probe_switch(machine: MachineConfig) -> Switch | None:
+    """The probe as a switch that stops every motor that lifts the nozzle."""
+    if machine.probe is None:
+        return None
+    return Switch(PROBE, "z", machine.probe.pin, steppers_of(machine, "z"))
+
+
+def inputs(machine: MachineConfig) -> tuple[Switch, ...]:
+    """All switches, and the probe."""
+    probe = probe_switch(machine)
+    return (*switches(machine), probe) if probe else switches(machine)
+
+
+def motors_of_actuators(machine: MachineConfig) -> tuple[str, ...]:
+    """The first motor of each actuator."""
+    found: dict[int, str] = {}
+    for name in machine.steppers:
+        driven = machine.driven_by(name)
+        if driven is not None and driven.drive == "actuator":
+            found.setdefault(driven.index, name)
+    return tuple(found[i] for i in sorted(found))
 
 
 def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from passo._core import Within
-from passo.board.endstops import Endstops
 from passo.config.motor_roles import axis_order
 from passo.errors import CommandError, Problem
 from passo.geometry.base import Point
@@ -21,15 +20,14 @@ from passo.motion.endstops import (
     switches,
 )
 from passo.motion.travel import go_back
-from passo.motion.trigger_overshoot import TriggerOvershoot
 
 if TYPE_CHECKING:
+    from passo.board.endstops import Endstops
     from passo.config.homing import Homing
     from passo.motion.offsets import Offsets
     from passo.motion.rig import Rig
+    from passo.motion.triggered_moves import Interrupts, TriggeredMoves
 
-_REST_S = 0.001  # the board looks at a switch at least this often
-_ARMED_S = 0.005  # switches count from so long before the first step
 _FULL_TURN = 360.0  # of an arm whose range is not given
 _OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
 SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
@@ -62,43 +60,39 @@ class _HomingAxis:
         return {stepper for switch in self.switches for stepper in switch.steppers}
 
 
-class Interrupts(Protocol):
-    """Whether the wait under way has to end. `halted` says why the printer is halted, or is
-    empty."""
-
-    halted: str
-
-    @property
-    def interrupted(self) -> bool:
-        """After M108, M410 or a halt."""
-        ...
-
-    def raise_if_interrupted(self) -> None:
-        """Ends the caller after M108, M410 or a halt."""
-
-
 class Homer:
     """Homes the axes of one printer. Callers hold the motion lock, and the machine is idle. Methods
     raise CommandError, and MachineError."""
 
     def __init__(
-        self, rig: Rig, interrupts: Interrupts, offsets: Offsets, problem: Callable[[], Problem]
+        self,
+        rig: Rig,
+        interrupts: Interrupts,
+        offsets: Offsets,
+        problem: Callable[[], Problem],
+        triggered: TriggeredMoves,
     ) -> None:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
+        self._triggered = triggered
         self._problem_of_job = problem  # the error that the job stopped at
         self._machine = rig.machine
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
-        self._order = [row["name"] for row in self._machine.core_spec()["steppers"]]
         self._joints = False
-        self.starts: list[Callable[[], None]] = []  # called before the switches are needed
         self.begin()
 
     def begin(self) -> None:
         """The boards have been replaced."""
-        self._endstops = Endstops(self._rig.connection)
-        self.active = False
         self.offset_mm: dict[str, float] = {}  # of M206, by axis, when it was placed last
+
+    @property
+    def active(self) -> bool:
+        """Homing or probing is under way."""
+        return self._triggered.active
+
+    @property
+    def _endstops(self) -> Endstops:
+        return self._triggered.endstops
 
     @property
     def axes(self) -> set[str]:
@@ -117,12 +111,12 @@ class Homer:
         back = "B" in letters and "b" not in self._axes
         letters = letters.replace("B", "") if back else letters
         before = None if self._rig.job.locked_axes else self._rig.job.machine_position
-        self.active = True
+        self._triggered.active = True
         self._rig.positions.freeze()
         try:
             await self._home(letters)
         finally:
-            self.active = False
+            self._triggered.active = False
             self._rig.positions.thaw()
         if back and before is not None:
             await self._return(before)
@@ -132,7 +126,7 @@ class Homer:
         slots = [slot_of_axis(i) for i in range(len(self._axes))]
         reached = go_back(self._rig, {slot: to[slot] for slot in slots}, math.inf)
         self._rig.queue.flush()
-        await self._still()
+        await self._triggered.standstill()
         self._interrupts.raise_if_interrupted()
         if not reached:
             raise CommandError([self._problem_of_job()])
@@ -148,7 +142,7 @@ class Homer:
 
         before = point(job.machine_position)
         target = (x, y, before[Z])
-        self.active = True
+        self._triggered.active = True
         rig.positions.freeze()
         job.use_joints(True)
         job.set_axes(list(enumerate(geometry.inverse(before))))
@@ -156,14 +150,14 @@ class Homer:
             a, b, _ = geometry.inverse(target)
             rig.queue.move({X: a, Y: b}, math.inf, Within.ANYTHING)
             rig.queue.flush()
-            await self._still()
+            await self._triggered.standstill()
         finally:
             reached = target
             if self._interrupts.interrupted:
                 reached = geometry.forward(point(job.machine_position))
             job.use_joints(False)
             job.set_axes(list(enumerate(reached)))
-            self.active = False
+            self._triggered.active = False
             rig.positions.thaw()
         self._interrupts.raise_if_interrupted()
 
@@ -175,11 +169,8 @@ class Homer:
             names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
         self._set({name: self._machine.home_mm[name] for name in fixed})
-        for start in self.starts:
-            start()
-        self._rig.queue.use_commits(False)
         batch: list[_HomingAxis] = []
-        try:
+        with self._triggered.prepared():
             for way in self._ways(names, everything=not letters.strip("O")):
                 if any(way.steppers & other.steppers for other in batch):
                     await self._together(batch)
@@ -187,9 +178,6 @@ class Homer:
                 batch.append(way)
             if batch:
                 await self._together(batch)
-        finally:
-            if not self._interrupts.halted:
-                self._rig.queue.use_commits(True)
 
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_HomingAxis]:
         """Arms first. Z of a delta that has a switch of its own needs them only to know where it
@@ -285,41 +273,23 @@ class Homer:
         """All ways at once, each at its own speed, until each has met all its switches."""
         rig = self._rig
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
-        stops = {s.name: s.steppers for w in ways for s in w.switches}
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
-        queue = rig.queue
-        if not rig.positions.settled:
-            rig.positions.settle()
-        queue.before_moves()
-        overshoot = TriggerOvershoot(rig, self._endstops, joints=self._joints)
-        start = queue.base + int(rig.job.clock - _ARMED_S * queue.hz)
-        self._endstops.arm(stops, start, min(_REST_S, max(1.0 / finest, 5e-5)))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
-        passed = 0.0
-        for end in sorted(set(times)):
-            target: dict[int, float] = {}
-            square = 0.0
-            for way, time, speed in zip(ways, times, speeds, strict=True):
-                if time >= end:
-                    target[way.slot] = self._at(way.slot) + way.sign * speed * (end - passed)
-                    square += speed * speed
-            queue.move(target, math.sqrt(square), Within.ANYTHING)
-            passed = end
-        rig.queue.flush()
-        try:
-            await queue.until(
-                lambda: self._all_hit(overshoot) or queue.standing or self._interrupts.interrupted
-            )
-            if not queue.standing:
-                queue.stop(program=False)
-                await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
-            self._all_hit(overshoot)
-        finally:
-            self._endstops.disarm()
-            moved = {stepper for way in ways for stepper in way.steppers}
-            rig.job.renew_steppers([self._order.index(stepper) for stepper in moved])
-        if not self._interrupts.halted:
-            rig.positions.settle()
+
+        def move() -> None:
+            passed = 0.0
+            for end in sorted(set(times)):
+                target: dict[int, float] = {}
+                square = 0.0
+                for way, time, speed in zip(ways, times, speeds, strict=True):
+                    if time >= end:
+                        target[way.slot] = self._at(way.slot) + way.sign * speed * (end - passed)
+                        square += speed * speed
+                rig.queue.move(target, math.sqrt(square), Within.ANYTHING)
+                passed = end
+
+        switches = [switch for way in ways for switch in way.switches]
+        overshoot = await self._triggered.run(switches, finest, move, joints=self._joints)
         self._interrupts.raise_if_interrupted()
         for way in ways:
             for switch in way.switches:
@@ -328,16 +298,10 @@ class Homer:
                 if switch.name not in self._endstops.hit:
                     far = travel[list(ways).index(way)]
                     raise self._problem("machine.switch-missed", switch, far)
-        overshoot.measure(s for way in ways for s in way.switches)
+        overshoot.measure(switches)
         for way in ways:
             self._place(way, way.home)
         rig.job.set_axes(overshoot.places())
-
-    def _all_hit(self, overshoot: TriggerOvershoot) -> bool:
-        """All switches are hit, or the boards of one have lost each other."""
-        done = self._endstops.all_hit() or bool(self._endstops.expired)
-        overshoot.look()
-        return done
 
     async def _go(self, by: Sequence[float], ways: Sequence[_HomingAxis]) -> None:
         """A move of all these axes, by so much towards their switches."""
@@ -349,16 +313,8 @@ class Homer:
             square += way.config.fast**2
         rig.queue.move(target, math.sqrt(square), Within.ANYTHING)
         rig.queue.flush()
-        await self._still()
+        await self._triggered.standstill()
         self._interrupts.raise_if_interrupted()
-
-    async def _still(self) -> None:
-        """Waits until the machine is idle, which a stop may bring about early."""
-        queue = self._rig.queue
-        await queue.until(lambda: queue.standing or self._interrupts.interrupted)
-        if not queue.standing:
-            queue.stop(program=False)
-            await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
 
     def _steps(self, way: _HomingAxis) -> float:
         return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)

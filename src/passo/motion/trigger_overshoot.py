@@ -66,10 +66,37 @@ class TriggerOvershoot:
         point = joints if self._joints else self._machine.geometry.forward((a, b, c))
         return [*enumerate(point), *places]
 
+    def stopped(self) -> tuple[float, float, float]:
+        """Positions of the actuators at which the motors have stopped, mm or degrees, from the
+        counts of their boards. For moves of the axes."""
+        found: dict[int, float] = {}
+        for row in self._rig.job.steppers():
+            driven = self._machine.driven_by(row["name"])
+            if driven is not None and driven.drive == "actuator":
+                steps = row["count"] - self._lost_steps(row["name"])
+                found.setdefault(driven.index, steps / row["steps_per_unit"])
+        a, b, c = (found[i] for i in range(3))
+        return a, b, c
+
+    def triggered(self, switch: Switch) -> tuple[float, float, float]:
+        """Positions of the actuators when this switch was triggered; the other motors are where
+        they have stopped."""
+        self.measure([switch])
+        joints = list(self.stopped())
+        for driven, by in self._ways.items():
+            if driven.drive == "actuator":
+                joints[driven.index] -= by
+        a, b, c = joints
+        return a, b, c
+
+    def _lost_steps(self, stepper: str) -> int:
+        """What this search has left out of the plan."""
+        return self._rig.positions.lost[stepper] - self._lost.get(stepper, 0)
+
     def _way(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:
         """Way of an actuator, or an axis, from the hit to the stop."""
         row = next(r for r in self._rig.job.steppers() if r["name"] == stepper)
-        lost = self._rig.positions.lost[stepper] - self._lost.get(stepper, 0)
+        lost = self._lost_steps(stepper)
         if driven.drive == "axis":
             at = hit_at[slot_of_axis(driven.index)]
         else:

@@ -13,12 +13,15 @@ from passo.gcode.registry import in_program
 from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
+from passo.motion.probing import Prober
+from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.beeper import Beeper
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.heater_control import ControlCommands
 from passo.printer.commands.heater_tuning import TuneCommands
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
+from passo.printer.commands.probing import ProbeCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
 from passo.printer.commands.temperature import HeatCommands
@@ -86,9 +89,11 @@ class Printer:
         self.drivers = DriverWatch(rig, state, self.motors, self.halt)
         self.lateness = LateCommandWatch(rig, state)
         self._begin(connection, first=True)
-        self.homer = Homer(rig, state, self.offsets, lambda: rig.commands.problem())
-        self.endstops = EndstopWatch(rig, state, self.homer, self.stop_by_endstop)
-        self.homer.starts.append(self.endstops.pause)
+        self.triggered = TriggeredMoves(rig, state)
+        self.homer = Homer(rig, state, self.offsets, lambda: rig.commands.problem(), self.triggered)
+        self.prober = Prober(rig, state, self.triggered)
+        self.endstops = EndstopWatch(rig, state, self.triggered, self.stop_by_endstop)
+        self.triggered.starts.append(self.endstops.pause)
         self.prompts = PersonCommands(state, self.beeper)
         self.waits = WaitRunner(rig, state, self.homer, self.prompts, self.laser, self.targets)
         self.controls = ControlCommands(rig)
@@ -100,6 +105,8 @@ class Printer:
         tunes = TuneCommands(rig, state, self.targets, self.controls)
         self.dispatch.add(self, self.heat, self.motion, self.prompts, self.controls, self.endstops)
         self.dispatch.add(self.faults, self.power_supply, self.motors, tunes, self.driver_commands)
+        if machine.probe is not None:
+            self.dispatch.add(ProbeCommands(rig, self.prober))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)
         idle = IdleWatch(
@@ -234,6 +241,7 @@ class Printer:
         self.motors.forget()
         lines = list(state.settings())
         self._begin(reconnected(self.rig.connection), first=False)
+        self.triggered.begin()
         self.homer.begin()
         self.dispatch.begin()
         self.offsets.homed("xyz")

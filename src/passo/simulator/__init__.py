@@ -3,10 +3,12 @@
 from passo.simulator.board import SimulatedBoard
 from passo.simulator.fault_injector import SimulatedFaults
 from passo.simulator.machine import Cable, SimulatedMachine
-from passo.simulator.plant import Actuator, Body, PlantDescription, Switch
+from passo.simulator.plant import Actuator, Bed, BedProbe, Body, PlantDescription, Switch
 
 __all__ = [
     "Actuator",
+    "Bed",
+    "BedProbe",
     "Body",
     "Cable",
     "PlantDescription",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from passo import _core
 from passo.board.description import BoardDescription, UartPins, bare, inverted
@@ -16,7 +16,7 @@ from passo.simulator.dictionary import (
     firmware_library,
     pin_numbers,
 )
-from passo.simulator.plant import PlantDescription
+from passo.simulator.plant import Area, BedProbe, PlantDescription
 
 _ELSEWHERE = 1 << 16  # no board has so many pins
 
@@ -115,6 +115,9 @@ class SimulatedBoard:
                 s.at_maximum,
                 not inverted(pin),
             )
+        self._probe = plant.probe
+        if plant.probe:
+            self._add_probe(plant.probe)
         for output in self.board.outputs:
             if inverted(output.pin):
                 self.device.invert_output(self._pins[bare(output.pin)])
@@ -133,6 +136,40 @@ class SimulatedBoard:
                 self._outputs[b.fan] if b.fan else 0,
                 b.fan_loss if b.fan else 0.0,
             )
+
+    def _add_probe(self, probe: BedProbe) -> None:
+        pin = self._pin_of(probe.endstop)
+        self.device.add_probe(
+            self._pins[bare(pin)],
+            [self._felt_pin(stepper) for stepper in probe.motors],
+            dict(probe.geometry),
+            probe.bed.shape,
+            probe.offset_mm,
+            probe.trigger_mm,
+            not inverted(pin),
+            probe.hysteresis_mm,
+            probe.noise_mm,
+            probe.seed,
+            probe.dead_areas,
+            probe.touchy_areas,
+        )
+        self.force_switch(probe.endstop, probe.forced)
+
+    def _pin_of(self, endstop: str) -> str:
+        return next(e.pin for e in self.board.endstops if e.name == endstop)
+
+    def spoil_probe(
+        self,
+        *,
+        dead_areas: Sequence[Area] = (),
+        touchy_areas: Sequence[Area] = (),
+        noise_mm: float = 0.0,
+    ) -> None:
+        """Faults of the probe from now on. KeyError if it is not on this board."""
+        if self._probe is None:
+            raise KeyError("no probe")
+        pin = self._pins[bare(self._pin_of(self._probe.endstop))]
+        self.device.change_probe(pin, dead_areas, touchy_areas, noise_mm)
 
     def _felt_pin(self, stepper: str) -> int:
         """The step pin of a motor, or a number for one on another board."""
@@ -173,7 +210,7 @@ class SimulatedBoard:
 
     def force_switch(self, endstop: str, pressed: bool | None) -> None:
         """A fault: the switch is pressed or not, whatever moves; None ends it."""
-        pin = next(e.pin for e in self.board.endstops if e.name == endstop)
+        pin = self._pin_of(endstop)
         self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
 
     def force_heater(self, sensor: str, power: float | None) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_left
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from passo import _core
 from passo.board.description import together
+from passo.config.probing import PROBE
 from passo.simulator.board import SimulatedBoard
+from passo.simulator.plant import Area
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,19 @@ class SimulatedMachine:
     def force_switch(self, endstop: str, pressed: bool | None) -> None:
         """A fault: the switch is pressed or not, whatever moves; None ends it."""
         self._of("endstops", endstop).force_switch(endstop, pressed)
+
+    def spoil_probe(
+        self,
+        *,
+        dead_areas: Sequence[Area] = (),
+        touchy_areas: Sequence[Area] = (),
+        noise_mm: float = 0.0,
+    ) -> None:
+        """Faults of the probe from now on: rectangles where it never triggers or always is, and the
+        standard deviation of its height."""
+        self._of("endstops", PROBE).spoil_probe(
+            dead_areas=dead_areas, touchy_areas=touchy_areas, noise_mm=noise_mm
+        )
 
     def force_heater(self, sensor: str, power: float | None) -> None:
         """A fault: what this sensor's heater does, 0 to 1, whatever its pin; None ends it."""

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
+
+from passo import _core
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +45,58 @@ class Body:
     fan_loss: float = 0.0
 
 
+Area = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Bed:
+    """A bed that is not flat: `area_mm` from its first corner to the opposite one, and its shape in
+    mm. `tilt_mm` is the rise over the width and the depth, `dome_mm` the height of the centre above
+    the corners."""
+
+    area_mm: Area
+    tilt_mm: tuple[float, float] = (0.0, 0.0)
+    dome_mm: float = 0.0
+    wave_mm: float = 0.0
+    wave_length_mm: tuple[float, float] = (120.0, 160.0)
+    height_mm: float = 0.0
+
+    @property
+    def shape(self) -> _core.Bed:
+        """The bed by its heights."""
+        x0, y0, x1, y1 = self.area_mm
+        return _core.Bed(
+            center=((x0 + x1) / 2, (y0 + y1) / 2),
+            size=(x1 - x0, y1 - y0),
+            tilt=self.tilt_mm,
+            dome=self.dome_mm,
+            wave=self.wave_mm,
+            wave_length=self.wave_length_mm,
+            lift=self.height_mm,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class BedProbe:
+    """The endstop `endstop` is a probe on the head. It triggers when the nozzle is `trigger_mm`
+    above the bed at the place of the probe, which is `offset_mm` from the nozzle, and opens
+    `hysteresis_mm` higher. `motors` are a stepper for each actuator of the geometry, given as for
+    the core. In a dead area it never triggers, in a touchy area always."""
+
+    endstop: str
+    motors: tuple[str, ...]
+    geometry: Mapping[str, Any]
+    bed: Bed
+    offset_mm: tuple[float, float]
+    trigger_mm: float
+    hysteresis_mm: float = 0.0
+    noise_mm: float = 0.0
+    seed: int = 1
+    forced: bool | None = None
+    dead_areas: tuple[Area, ...] = ()
+    touchy_areas: tuple[Area, ...] = ()
+
+
 @dataclass(frozen=True, slots=True)
 class PlantDescription:
     """Mechanics and heat of one simulated printer."""
@@ -48,3 +104,4 @@ class PlantDescription:
     actuators: tuple[Actuator, ...] = ()
     switches: tuple[Switch, ...] = ()
     bodies: tuple[Body, ...] = ()
+    probe: BedProbe | None = None

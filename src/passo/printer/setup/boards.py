@@ -21,6 +21,7 @@ from passo.board.description import (
 )
 from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.pin_names import MAIN, named_on, placed
+from passo.config.probing import PROBE
 from passo.config.sensor_tables import (
     converter_of,
     converter_setup,
@@ -31,7 +32,9 @@ from passo.config.sensor_tables import (
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.motion.endstops import (
     Switch,
+    inputs,
     is_actuator,
+    motors_of_actuators,
     pressed_point,
     switches,
     weights_of,
@@ -48,7 +51,14 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.heat import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
-    from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
+    from passo.simulator import (
+        Actuator,
+        Bed,
+        BedProbe,
+        Cable,
+        SimulatedBoard,
+        SimulatedMachine,
+    )
 
 _log = logging.getLogger(__name__)
 
@@ -81,7 +91,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         heaters=tuple(_heater(n, h) for n, h in heaters.items()),
         endstops=tuple(
             Endstop(s.name, machine.pin(s.pin))
-            for s in switches(machine)
+            for s in inputs(machine)
             if placed(s.pin)[0] == board
         ),
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
@@ -91,7 +101,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         survives=config.survives,
         endstops_elsewhere=tuple(
             s.name
-            for s in switches(machine)
+            for s in inputs(machine)
             if placed(s.pin)[0] != board and any(m.name in s.steppers for _, m in steppers)
         ),
         stepper_targets=tuple(i for i, _ in steppers),
@@ -252,9 +262,55 @@ def simulated_board(
             for heater in board.heaters
             for simulated in (machine.heaters[heater.name].simulated,)
         ),
+        probe=_bed_probe(machine) if PROBE in own else None,
     )
     runs = "passo" if machine.all_boards[name].firmware == "passo" else "virtual"
     return SimulatedBoard(board, plant, firmware=runs)
+
+
+def simulated_bed(machine: MachineConfig) -> Bed:
+    """The bed of the simulated printer."""
+    from passo.simulator import Bed
+
+    bed = machine.simulated.bed
+    (rise_x, rise_y), (wave_x, wave_y) = bed.tilt_mm, bed.wave_length_mm
+    return Bed(
+        machine.bed_area_mm,
+        (rise_x, rise_y),
+        bed.dome_mm,
+        bed.wave_mm,
+        (wave_x, wave_y),
+        bed.height_mm,
+    )
+
+
+def _bed_probe(machine: MachineConfig) -> BedProbe | None:
+    from passo.simulator import BedProbe
+
+    probe, simulated = machine.probe, machine.simulated
+    if probe is None:
+        return None
+    dx, dy = probe.offset_mm
+    stuck = simulated.probe.stuck
+    return BedProbe(
+        PROBE,
+        motors_of_actuators(machine),
+        machine.geometry.spec(),
+        simulated_bed(machine),
+        (dx, dy),
+        probe.trigger_height_mm,
+        simulated.probe.hysteresis_mm,
+        simulated.bed.noise_mm,
+        simulated.bed.seed,
+        None if stuck is None else stuck == "triggered",
+        tuple(_corners(area) for area in simulated.probe.dead_areas),
+        tuple(_corners(area) for area in simulated.probe.touchy_areas),
+    )
+
+
+def _corners(area: Sequence[float]) -> tuple[float, float, float, float]:
+    x0, y0, x1, y1 = area
+    return x0, y0, x1, y1
 
 
 def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:

@@ -14,8 +14,8 @@ from passo.printer.wait_requests import Reply, Wait
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from passo.motion.homing import Homer
     from passo.motion.rig import Rig
+    from passo.motion.triggered_moves import TriggeredMoves
     from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
@@ -30,9 +30,13 @@ class EndstopWatch:
     its axis is at home, is watched once it has been let go."""
 
     def __init__(
-        self, rig: Rig, state: State, homer: Homer, stop: Callable[[Sequence[str]], None]
+        self,
+        rig: Rig,
+        state: State,
+        triggered: TriggeredMoves,
+        stop: Callable[[Sequence[str]], None],
     ) -> None:
-        self._rig, self._state, self._homer = rig, state, homer
+        self._rig, self._state, self._triggered = rig, state, triggered
         self._stop = stop  # the machine, by these switches
         self._switches = switches(rig.machine)
         self._on = False
@@ -53,7 +57,7 @@ class EndstopWatch:
     def time_passed(self) -> None:
         """Looks for hits, and for switches that have been let go."""
         rig = self._rig
-        if not self._on or self._state.halted or self._homer.active or rig.queue.interrupted:
+        if not self._on or self._state.halted or self._triggered.active or rig.queue.interrupted:
             return
         if self._watched:
             self._endstops.all_hit()

@@ -1,0 +1,41 @@
+#include "sim/bed.hpp"
+
+#include "base/numbers.hpp"
+
+namespace passo::wire {
+
+double Bed::height(double x, double y) const {
+  const double u = (x - center[0]) / size[0], v = (y - center[1]) / size[1];
+  double sx, cx, sy, cy;
+  sincos(2 * kPi * (x - center[0]) / wave_length[0], sx, cx);
+  sincos(2 * kPi * (y - center[1]) / wave_length[1], sy, cy);
+  return lift + tilt[0] * u + tilt[1] * v + dome * (1 - 2 * (u * u + v * v)) + wave * sx * cy;
+}
+
+double Noise::next(double sigma) {
+  double sum = 0;  // of twelve even ones: the normal distribution to within 6 sigma
+  for (int i = 0; i < 12; ++i) {
+    state_ = state_ * 1664525u + 1013904223u;
+    sum += double(state_ >> 8) / 16777216.0;
+  }
+  return (sum - 6) * sigma;
+}
+
+bool BedProbe::triggered(const double* q) {
+  if (forced >= 0) return forced > 0;
+  double p[3];
+  if (!nozzle(q, p)) return false;
+  for (const Area& area : dead)
+    if (area.holds(p[0], p[1])) return pressed = false;
+  for (const Area& area : touchy)
+    if (area.holds(p[0], p[1])) return pressed = true;
+  const double gap = p[2] - bed.height(p[0] + offset[0], p[1] + offset[1]) - trigger - error;
+  if (!pressed) return pressed = gap <= 0;
+  if (gap > hysteresis) {
+    pressed = false;
+    error = sigma > 0 ? noise.next(sigma) : 0;
+  }
+  return pressed;
+}
+
+}  // namespace passo::wire

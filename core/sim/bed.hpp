@@ -1,0 +1,63 @@
+// The simulated bed, and a probe on the head that feels it.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "geometry/geometry.hpp"
+
+namespace passo::wire {
+
+// A bed that is not flat: its height over a place, in mm of the nozzle's coordinates.
+struct Bed {
+  double center[2], size[2];  // X and Y
+  double tilt[2] = {0, 0};    // rise over the width and over the depth; zero in the centre
+  double dome = 0;            // height of the centre above the corners
+  double wave = 0, wave_length[2] = {120, 160};
+  double lift = 0;  // of the whole bed
+
+  double height(double x, double y) const;
+};
+
+// Noise with a normal distribution, the same on every computer.
+class Noise {
+ public:
+  explicit Noise(uint32_t seed) : state_(seed * 2654435761u + 1) {}
+  double next(double sigma);
+
+ private:
+  uint32_t state_;
+};
+
+// An axis-parallel part of the bed, mm.
+struct Area {
+  double from[2], to[2];
+  bool holds(double x, double y) const {
+    return x >= from[0] && x <= to[0] && y >= from[1] && y <= to[1];
+  }
+};
+
+// A probe that triggers when the nozzle's height above the bed, at the probe's place, is at most
+// `trigger`. It opens again `hysteresis` higher. Each approach has an error of its own.
+struct BedProbe {
+  uint32_t pin;
+  std::vector<uint32_t> motors;  // one step pin for each actuator
+  std::shared_ptr<const Geometry> geometry;
+  Bed bed;
+  double offset[2], trigger;
+  bool pressed_level;
+  double hysteresis = 0, sigma = 0;
+  Noise noise{1};
+  int forced = -1;                 // a fault: 0 never triggered, 1 always
+  std::vector<Area> dead, touchy;  // faults: never or always triggered while the nozzle is there
+  bool pressed = false;
+  double error = 0;
+
+  // Where the nozzle is for these positions of the actuators; false where there is no such place.
+  bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
+  // Whether it is triggered now; to be asked as time passes.
+  bool triggered(const double* q);
+};
+
+}  // namespace passo::wire

@@ -1,0 +1,138 @@
+"""The probe, the correction of the bed, and the bed and the probe of a simulated printer."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.config.types import Model, Name, NotNegative, Pair, Pin, Position, Positive, Speed
+
+PROBE = "probe"
+"""The name of the input of the probe among the endstops."""
+
+Area = Annotated[list[Position], Field(min_length=4, max_length=4)]
+_Offset = Annotated[float, Field(ge=-20, le=20)]
+
+
+class Probe(Model):
+    """A probe that is fixed to the head: a switch, or an inductive or a capacitive sensor. It
+    measures the bed for G30, G32 and G29."""
+
+    kind: Literal["fixed"] = "fixed"
+    """How the probe gets to the bed."""
+    pin: Pin
+    """The input of the probe, on any board. `!` inverts it, `^` asks for the pull-up."""
+    offset_mm: Pair = [0.0, 0.0]
+    """X and Y from the nozzle to the probe."""
+    trigger_height_mm: _Offset
+    """The height of the nozzle above the bed at which the probe triggers."""
+    start_mm: Annotated[float, Field(gt=0, le=100)] = 10.0
+    """Z of the nozzle at the start of each descent, and between the points."""
+    low_mm: Annotated[float, Field(ge=-10, le=10)] = -2.0
+    """The lowest Z of the nozzle during a descent, whatever the probe does."""
+    fast_mm_s: Speed = 5.0
+    """The speed of the first descent to a point."""
+    slow_mm_s: Speed = 2.0
+    """The speed of the descents that are measured."""
+    retract_mm: Positive = 2.0
+    """The lift between two descents to the same point."""
+    lift_mm_s: Speed = 10.0
+    """The speed of lifts."""
+    travel_mm_s: Speed = 100.0
+    """The speed between points."""
+    samples: Annotated[int, Field(ge=1, le=50)] = 1
+    """The measured descents to each point."""
+    result: Literal["median", "mean"] = "median"
+    """What counts of several samples."""
+    tolerance_mm: Annotated[float, Field(gt=0, le=10)] = 0.05
+    """The maximum difference between the samples of one point."""
+    retries: Annotated[int, Field(ge=0, le=20)] = 2
+    """How often a point whose samples differ by more is measured again."""
+    settle_s: Annotated[float, Field(ge=0, le=10)] = 0.0
+    """The pause before each descent."""
+    open_within_mm: Annotated[float, Field(gt=0, le=20)] = 3.0
+    """The maximum further lift at which a triggered probe must open."""
+    heaters_off: list[Name] = []
+    """Heaters that are off during each descent, since they disturb the probe."""
+
+
+class ProbePoint(Model):
+    """A point of the bed, as the probe gets to it."""
+
+    x: Position
+    """X of the probe, in mm."""
+    y: Position
+    """Y of the probe, in mm."""
+    offset: _Offset = 0.0
+    """What is added to the height that is measured here, in mm."""
+    enabled: bool = True
+    """Whether G32 measures this point."""
+
+
+class Levelling(Model):
+    """How the bed is measured and corrected."""
+
+    method: Literal["none", "linear", "quadratic", "mesh"] = "none"
+    """What is made of the measured points: nothing, a plane, a second-degree surface, or a mesh."""
+    points: Annotated[list[ProbePoint], Field(max_length=100)] = []
+    """The points that G32 measures, in this order; their numbers begin at 1."""
+    area: Area | None = None
+    """The rectangle of a mesh: X and Y of its first corner, then of the opposite one, in mm."""
+    count: Annotated[
+        list[Annotated[int, Field(ge=2, le=41)]], Field(min_length=2, max_length=2)
+    ] = [
+        5,
+        5,
+    ]
+    """The points of a mesh in X and in Y."""
+    interpolation: Literal["bicubic", "bilinear"] = "bicubic"
+    """The surface between the points of a mesh."""
+    max_correction_mm: Positive = 2.0
+    """A larger correction is refused."""
+    max_slope: Positive = 0.02
+    """A steeper correction is refused; in mm of height for each mm of bed."""
+    dialect: Literal["marlin", "rrf"] = "marlin"
+    """What G30 without S does: in Marlin's dialect it reports the height, in RepRapFirmware's it
+    sets Z."""
+
+
+class SimulatedBed(Model):
+    """The shape of a simulated bed, and the noise of the probe on it."""
+
+    height_mm: Position = 0.0
+    """The height of the whole bed."""
+    tilt_mm: Pair = [0.0, 0.0]
+    """The rise over the width and over the depth of the bed; zero in its centre."""
+    dome_mm: Position = 0.0
+    """The height of the centre above the corners."""
+    wave_mm: Position = 0.0
+    """The amplitude of waves."""
+    wave_length_mm: Annotated[list[Positive], Field(min_length=2, max_length=2)] = [120.0, 160.0]
+    """The length of the waves in X and in Y."""
+    noise_mm: Annotated[float, Field(ge=0, le=10)] = 0.0
+    """The standard deviation of the height at which the probe triggers."""
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
+    """A number for the noise: the same number makes the same noise."""
+
+
+class SimulatedProbe(Model):
+    """Faults of a simulated probe."""
+
+    hysteresis_mm: NotNegative = 0.0
+    """A triggered probe opens this much above the height at which it triggers."""
+    stuck: Literal["open", "triggered"] | None = None
+    """The probe is open, or triggered, at any height."""
+    dead_areas: list[Area] = []
+    """Rectangles where the probe does not trigger: X and Y of two corners of the nozzle, in mm."""
+    touchy_areas: list[Area] = []
+    """Rectangles where the probe is triggered at any height."""
+
+
+class Simulated(Model):
+    """What surrounds the simulated boards."""
+
+    bed: SimulatedBed = Field(default_factory=SimulatedBed)
+    """The simulated bed."""
+    probe: SimulatedProbe = Field(default_factory=SimulatedProbe)
+    """Faults of the simulated probe."""

@@ -1,0 +1,286 @@
+"""Probing: the head descends until the probe stops its motors, and the bed has a height there."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from statistics import fmean, median
+from typing import TYPE_CHECKING
+
+from passo._core import Within
+from passo.config.probing import PROBE, Probe
+from passo.errors import CommandError
+from passo.geometry.base import Unreachable
+from passo.motion.axis_slots import X, Y, Z
+from passo.motion.endstops import probe_switch
+
+if TYPE_CHECKING:
+    from passo.motion.rig import Rig
+    from passo.motion.trigger_overshoot import TriggerOvershoot
+    from passo.motion.triggered_moves import Interrupts, TriggeredMoves
+
+EARLY_MM = 1.0  # a probe that triggers so near to the start was triggered by something else
+APART_MM = 1.0  # two descents to one place that differ by more are not of the same bed
+_LIFT_MM = 0.5  # a triggered probe is asked again after each lift by so much
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the probe measures, mm; `name` in sentences, `offset_mm` is added to the height."""
+
+    x: float
+    y: float
+    name: str
+    offset_mm: float = 0.0
+
+    def __str__(self) -> str:
+        """As messages show it."""
+        return f"X{self.x:g} Y{self.y:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """The height of the bed at the place of the probe, mm, and Z of the nozzle when the probe
+    triggered."""
+
+    place: Place
+    height_mm: float
+    trigger_z_mm: float
+
+
+class Prober:
+    """Measures heights of the bed with the probe of one printer. Callers hold the motion lock, and
+    the machine is idle.
+
+    The nozzle never gets below `low_mm` of the probe. After a failure the nozzle is lifted to
+    `start_mm`, the heaters have their targets, and the axes are still homed.
+    """
+
+    def __init__(self, rig: Rig, interrupts: Interrupts, triggered: TriggeredMoves) -> None:
+        self._rig, self._interrupts, self._triggered = rig, interrupts, triggered
+        self._machine = rig.machine
+
+    @property
+    def probe(self) -> Probe:
+        """The probe of the machine. Raises CommandError if it has none."""
+        if self._machine.probe is None:
+            raise CommandError.of("probe.none")
+        return self._machine.probe
+
+    def nozzle_at(self, place: Place) -> tuple[float, float]:
+        """X and Y of the nozzle with the probe at a place."""
+        dx, dy = self.probe.offset_mm
+        return place.x - dx, place.y - dy
+
+    def place_here(self) -> Place:
+        """The place of the probe now."""
+        x, y, *_ = self._rig.job.machine_position
+        dx, dy = self.probe.offset_mm
+        return Place(x + dx, y + dy, "this place")
+
+    def triggered(self) -> bool:
+        """Asks the board whether the probe is triggered. Lets time pass; raises MachineError."""
+        return self._triggered.endstops.pressed(PROBE)
+
+    def check(self, places: Sequence[Place]) -> None:
+        """Raises CommandError unless X, Y and Z are homed, and nozzle and probe get to all these
+        places."""
+        locked = [i for i in self._rig.job.locked_axes if i < 3]
+        if locked:
+            raise CommandError.of("input.not-homed", axis="XYZ"[locked[0]])
+        for place in places:
+            self._check_reach(place)
+
+    def _check_reach(self, place: Place) -> None:
+        machine, start = self._machine, self.probe.start_mm
+        x, y = self.nozzle_at(place)
+        nozzle = f"X{x:g} Y{y:g} Z{start:g}"
+
+        def refused(limit: str) -> CommandError:
+            return CommandError.of(
+                "probe.out-of-reach",
+                axis=place.name.capitalize(),
+                value=str(place),
+                position=nozzle,
+                limit=limit,
+            )
+
+        for name, mm in zip("xyz", (x, y, start), strict=True):
+            low, high = machine.axes[name].min_mm, machine.axes[name].max_mm
+            if not low <= mm <= high:
+                raise refused(f"{name.upper()} goes from {low:g} to {high:g}")
+        x0, y0, x1, y1 = machine.bed_area_mm
+        if not (x0 <= place.x <= x1 and y0 <= place.y <= y1):
+            raise refused(f"the bed goes from X{x0:g} Y{y0:g} to X{x1:g} Y{y1:g}")
+        try:
+            machine.geometry.inverse((x, y, start))
+        except Unreachable as error:
+            raise refused(str(error)) from None
+
+    @contextmanager
+    def _session(self) -> Generator[None]:
+        self._triggered.active = True
+        try:
+            with self._triggered.prepared():
+                yield
+        finally:
+            self._triggered.active = False
+
+    async def measure(self, places: Sequence[Place]) -> list[Measured]:
+        """The heights at these places, in this order; the nozzle ends above the last one. Raises
+        CommandError, Stopped after M108 or M410, and MachineError."""
+        self.check(places)
+        found: list[Measured] = []
+        with self._session():
+            try:
+                for place in places:
+                    await self._go_over(place)
+                    found.append(await self._point(place))
+                    await self._lift(self.probe.start_mm)
+            except BaseException:
+                if not self._interrupts.halted:
+                    await self._lift(self.probe.start_mm, checked=False)
+                raise
+        return found
+
+    async def samples(self, place: Place, count: int) -> list[float]:
+        """The heights of so many measured descents to one place. Raises as `measure`."""
+        self.check([place])
+        with self._session():
+            try:
+                await self._go_over(place)
+                await self._descend(place, self.probe.fast_mm_s)
+                return [await self._again(place) for _ in range(count)]
+            finally:
+                if not self._interrupts.halted:
+                    await self._lift(self.probe.start_mm, checked=False)
+
+    async def _point(self, place: Place) -> Measured:
+        """One place: a fast descent, then the measured ones. Samples that differ by too much are
+        dropped together, and measured again."""
+        probe = self.probe
+        first = await self._descend(place, probe.fast_mm_s)
+        for left in range(probe.retries, -1, -1):
+            samples: list[float] = []
+            for _ in range(probe.samples):
+                z = await self._again(place)
+                if abs(z - first) > APART_MM:
+                    limit = f"{APART_MM:g} mm"
+                    raise self._failure("probe.apart", place, f"{abs(z - first):.3f} mm", limit)
+                samples.append(z)
+            spread = max(samples) - min(samples)
+            if spread <= probe.tolerance_mm:
+                z = median(samples) if probe.result == "median" else fmean(samples)
+                height = z - probe.trigger_height_mm + place.offset_mm
+                return Measured(place, height, z)
+            if left == 0:
+                limit = f"{probe.tolerance_mm:g} mm"
+                raise self._failure("probe.unsteady", place, f"{spread:.4f} mm", limit)
+        raise AssertionError("a loop of at least one round returns or raises")
+
+    async def _again(self, place: Place) -> float:
+        """A measured descent after a lift; Z of the nozzle at the trigger."""
+        z = self._rig.job.machine_position[Z] + self.probe.retract_mm
+        await self._lift(z)
+        return await self._descend(place, self.probe.slow_mm_s)
+
+    async def _go_over(self, place: Place) -> None:
+        await self._lift(max(self.probe.start_mm, self._rig.job.machine_position[Z]))
+        x, y = self.nozzle_at(place)
+        await self._move({X: x, Y: y}, self.probe.travel_mm_s)
+        await self._move({Z: self.probe.start_mm}, self.probe.lift_mm_s)
+
+    async def _lift(self, z: float, *, checked: bool = True) -> None:
+        """Up to Z, unless the nozzle is as high; not `checked`: also after M108 and M410."""
+        if self._rig.job.machine_position[Z] < z:
+            await self._move({Z: z}, self.probe.lift_mm_s, checked=checked)
+
+    async def _move(
+        self, target: dict[int, float], speed_mm_s: float, *, checked: bool = True
+    ) -> None:
+        queue = self._rig.queue
+        queue.move(target, speed_mm_s, Within.ANYTHING)
+        queue.flush()
+        if checked:
+            await self._triggered.standstill()
+            self._interrupts.raise_if_interrupted()
+        else:
+            await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
+
+    async def _descend(self, place: Place, speed_mm_s: float) -> float:
+        """Down until the probe triggers; Z of the nozzle at that moment."""
+        rig, probe = self._rig, self.probe
+        if probe.settle_s > 0:
+            await rig.queue.sleep(probe.settle_s)
+        await self._open(place)
+        switch = probe_switch(self._machine)
+        assert switch is not None
+        finest = max(self._machine.steppers[s].steps_per_unit for s in switch.steppers)
+
+        def move() -> None:
+            rig.queue.move({Z: probe.low_mm}, speed_mm_s, Within.ANYTHING)
+
+        with self._cold():
+            overshoot = await self._triggered.run([switch], speed_mm_s * finest, move)
+        if self._interrupts.halted:
+            self._interrupts.raise_if_interrupted()
+        endstops = self._triggered.endstops
+        hit, lost = PROBE in endstops.hit, PROBE in endstops.expired
+        z = self._machine.geometry.forward(overshoot.triggered(switch))[Z] if hit else 0.0
+        self._place(overshoot)
+        self._interrupts.raise_if_interrupted()
+        if lost:
+            raise self._failure("probe.lost", place, "", "")
+        if not hit:
+            raise self._failure("probe.missed", place, self._nozzle(), f"Z {probe.low_mm:g} mm")
+        if z > probe.start_mm - EARLY_MM:
+            raise self._failure("probe.early", place, self._nozzle(), f"{EARLY_MM:g} mm")
+        return z
+
+    def _place(self, overshoot: TriggerOvershoot) -> None:
+        """The axes are where the counts of the boards say. Axes whose motors were not stopped keep
+        the position of the plan, which may be between two steps."""
+        point = self._machine.geometry.forward(overshoot.stopped())
+        switch = probe_switch(self._machine)
+        assert switch is not None
+        moved = {d.index for s in switch.steppers if (d := self._machine.driven_by(s))}
+        axes = (Z,) if len(moved) == 1 else (X, Y, Z)
+        self._rig.job.set_axes([(axis, point[axis]) for axis in axes])
+
+    async def _open(self, place: Place) -> None:
+        """Before a descent the probe is open, if need be after a further lift."""
+        lifted = 0.0
+        while self.triggered():
+            if lifted >= self.probe.open_within_mm:
+                limit = f"{lifted:g} mm"
+                raise self._failure("probe.triggered", place, self._nozzle(), limit)
+            lifted += _LIFT_MM
+            await self._lift(self._rig.job.machine_position[Z] + _LIFT_MM)
+
+    @contextmanager
+    def _cold(self) -> Generator[None]:
+        """Some heaters are off within, and have their targets after it."""
+        heaters, connection = self._rig.connection.heaters, self._rig.connection
+        targets = {name: heaters[name].target for name in self.probe.heaters_off}
+        for name in targets:
+            connection.set_target(name, 0.0)
+        try:
+            yield
+        finally:
+            if not self._interrupts.halted:
+                for name, celsius in targets.items():
+                    connection.set_target(name, celsius)
+
+    def _nozzle(self) -> str:
+        x, y, z, *_ = self._rig.job.machine_position
+        return f"X{x:.3f} Y{y:.3f} Z{z:.3f}"
+
+    def _failure(self, code: str, place: Place, position: str, limit: str) -> CommandError:
+        return CommandError.of(
+            code,
+            axis=place.name.capitalize(),
+            value=str(place),
+            position=position,
+            limit=limit,
+        )

@@ -1,0 +1,121 @@
+"""Moves that switches stop on the boards: the way to an endstop, or of a probe to the bed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+from passo.board.endstops import Endstops
+from passo.motion.trigger_overshoot import TriggerOvershoot
+
+if TYPE_CHECKING:
+    from passo.motion.endstops import Switch
+    from passo.motion.rig import Rig
+
+_REST_S = 0.001  # the board looks at a switch at least this often
+_FASTEST_REST_S = 5e-5
+_ARMED_S = 0.005  # switches count from so long before the first step
+
+
+class Interrupts(Protocol):
+    """Whether the wait under way has to end. `halted` says why the printer is halted, or is
+    empty."""
+
+    halted: str
+
+    @property
+    def interrupted(self) -> bool:
+        """After M108, M410 or a halt."""
+        ...
+
+    def raise_if_interrupted(self) -> None:
+        """Ends the caller after M108, M410 or a halt."""
+
+
+class TriggeredMoves:
+    """Carries out triggered moves of one printer, for the caller that holds the motion lock.
+
+    `active`: homing or probing is under way. `starts` are called before the switches are needed.
+    """
+
+    def __init__(self, rig: Rig, interrupts: Interrupts) -> None:
+        self._rig, self._interrupts = rig, interrupts
+        self._order = [row["name"] for row in rig.machine.core_spec()["steppers"]]
+        self.active = False
+        self.starts: list[Callable[[], None]] = []
+        self.begin()
+
+    def begin(self) -> None:
+        """The boards have been replaced."""
+        self.endstops = Endstops(self._rig.connection)
+        self.active = False
+
+    @contextmanager
+    def prepared(self) -> Generator[None]:
+        """Switches may stop motors within: no other part uses them, and no board brakes by
+        itself."""
+        for start in self.starts:
+            start()
+        self._rig.queue.use_commits(False)
+        try:
+            yield
+        finally:
+            if not self._interrupts.halted:
+                self._rig.queue.use_commits(True)
+
+    async def run(
+        self,
+        switches: Sequence[Switch],
+        steps_s: float,
+        move: Callable[[], None],
+        *,
+        joints: bool = False,
+    ) -> TriggerOvershoot:
+        """Adds moves to the plan by `move`, and carries them out until each switch has stopped its
+        motors. `steps_s`: the highest step rate; the boards look at the switches as often, between
+        1 and 20 kHz. With `joints`, positions of the plan are those of the actuators.
+
+        After that the machine is idle, also after M108, M410 or a halt, which end them early;
+        `endstops` says which switches were triggered, and `positions.lost` what the motors left
+        out. Raises MachineError.
+        """
+        rig, queue = self._rig, self._rig.queue
+        if not rig.positions.settled:
+            rig.positions.settle()
+        queue.before_moves()
+        overshoot = TriggerOvershoot(rig, self.endstops, joints=joints)
+        start = queue.base + int(rig.job.clock - _ARMED_S * queue.hz)
+        rest_s = min(_REST_S, max(1.0 / steps_s, _FASTEST_REST_S))
+        self.endstops.arm({s.name: s.steppers for s in switches}, start, rest_s)
+        move()
+        queue.flush()
+        try:
+            await queue.until(
+                lambda: self._all_hit(overshoot) or queue.standing or self._interrupts.interrupted
+            )
+            if not queue.standing:
+                queue.stop(program=False)
+                await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
+            self._all_hit(overshoot)
+        finally:
+            self.endstops.disarm()
+            moved = {stepper for switch in switches for stepper in switch.steppers}
+            rig.job.renew_steppers([self._order.index(stepper) for stepper in moved])
+        if not self._interrupts.halted:
+            rig.positions.settle()
+        return overshoot
+
+    async def standstill(self) -> None:
+        """Waits until the machine is idle, which a stop may bring about early."""
+        queue = self._rig.queue
+        await queue.until(lambda: queue.standing or self._interrupts.interrupted)
+        if not queue.standing:
+            queue.stop(program=False)
+            await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
+
+    def _all_hit(self, overshoot: TriggerOvershoot) -> bool:
+        """All switches are hit, or the boards of one have lost each other."""
+        done = self.endstops.all_hit() or bool(self.endstops.expired)
+        overshoot.look()
+        return done

@@ -1,0 +1,221 @@
+"""The probe measures the simulated bed, or says why it did not."""
+
+import re
+from array import array
+from functools import partial
+
+import pytest
+from tests.support.scenario import Scenario
+
+from passo.config.load import load_text, shipped_text
+from passo.printer.setup.boards import connect_simulated, simulated_bed
+from passo.simulator import Cable
+
+STEP = 1 / 400
+POINTS = [(15, 15), (215, 15), (110, 110), (60.5, 170.25)]
+
+
+def machine(*changes, name="i3-probe"):
+    text = shipped_text(name).replace("noise_mm = 0.002\n", "")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return load_text(text)
+
+
+def homed(*changes, **options):
+    s = Scenario(machine(*changes), **options)
+    s.host.ok("G28", 60)
+    return s
+
+
+def probed(s, x, y):
+    """The height that G30 reports."""
+    said = s.host.ok(f"G30 X{x} Y{y}", 60)
+    (line,) = [line for line in said if line.startswith("Bed X:")]
+    assert line.startswith(f"Bed X: {x:.2f} Y: {y:.2f} Z: ")
+    return float(line.split()[-1])
+
+
+def refusal(s, line="G30 X110 Y110"):
+    """What G30 answers instead of a height."""
+    said = [x for x in s.host.ok(line, 60) if x not in ("ok", "echo:busy: processing")]
+    (text,) = said
+    return text
+
+
+def lowest(s, line):
+    """The lowest Z of the nozzle, in mm, while a line is carried out, from the executed steps."""
+    now = s.printer.connection.now
+    before = s.board.position("z")
+    s.board.trace_steps("z", now, 1 << 60)
+    said = s.host.ok(line, 120)
+    directions = array("b", s.board.take_steps("z", 0, 1 << 60)[1])
+    at = low = round(before / STEP)
+    for direction in directions:
+        at += direction
+        low = min(low, at)
+    return low * STEP, said
+
+
+def test_probe_measures_the_bed_to_one_step():
+    with homed() as s:
+        bed = simulated_bed(s.machine).shape
+        for x, y in POINTS:
+            # G30 reports whole micrometres.
+            assert probed(s, x, y) == pytest.approx(bed.height(x, y), abs=STEP + 5e-4)
+        assert s.positions() == {"x": 85.5, "y": 165.25, "z": 10.0, "e": 0.0}
+        assert s.host.ok("M114")[0].startswith("X:85.500 Y:165.250 Z:10.000 ")
+
+
+def test_probe_and_motor_may_be_on_two_boards(monkeypatch):
+    cable = Cable(5e-3, 1e-3)
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
+    text = shipped_text("i3-probe").replace("noise_mm = 0.002\n", "")
+    text = text.replace('"^Z_MAX"', '"^tool:Z_MAX"')
+    tool = '\n[boards.tool]\nbase = "ramps"\ndrift_ppm = 100.0\nstart_s = 77.0\n'
+    with Scenario(load_text(text + tool)) as s:
+        s.host.ok("G28", 60)
+        bed = simulated_bed(s.machine).shape
+        for x, y in POINTS:
+            assert probed(s, x, y) == pytest.approx(bed.height(x, y), abs=STEP + 5e-4)
+        s.host.ok("G1 X50 Y50 Z5 F6000", 60)
+        s.host.ok("M400", 60)
+        assert s.positions()["z"] == pytest.approx(5, abs=STEP)
+
+
+def test_delta_probes_and_knows_its_carriages():
+    text = shipped_text("delta")
+    pin = '\n[probe]\npin = "^E0_STOP"\ntrigger_height_mm = 0.0\n'
+    pin += "[simulated.bed]\ntilt_mm = [0.3, 0.2]\n"
+    with Scenario(load_text(text + pin)) as s:
+        s.host.ok("G28", 60)
+        bed = simulated_bed(s.machine).shape
+        for x, y in [(0, 0), (40, 20), (-30, -35)]:
+            assert probed(s, x, y) == pytest.approx(bed.height(x, y), abs=1.5 / 87 + 5e-4)
+        s.host.ok("G1 X10 Y5 Z20 F6000", 60)
+        s.host.ok("M400", 60)
+        for name, at in zip("abc", s.machine.geometry.inverse((10, 5, 20)), strict=True):
+            assert s.positions()[name] == pytest.approx(at, abs=1.01 / 87)
+
+
+def test_probe_needs_all_axes_homed():
+    with Scenario(machine()) as s:
+        s.host.ok("G28 X Y", 60)
+        assert "axis Z is not homed" in refusal(s)
+        assert s.positions()["z"] == 20.0
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("G30 X249 Y15", r"nozzle is at X274 Y10 Z10, and X goes from 0 to 250"),
+        ("G30 X-1 Y15", r"the bed goes from X0 Y0 to X250 Y220"),
+    ],
+)
+def test_point_out_of_reach_moves_nothing(line, says):
+    with homed() as s:
+        before = s.positions()
+        assert re.search(says, refusal(s, line))
+        assert s.positions() == before
+
+
+def fault(s, **faults):
+    s.board.spoil_probe(**faults)
+
+
+def test_probe_stuck_open_stops_at_the_low_point():
+    with homed() as s:
+        s.host.ok("M104 S210")
+        s.board.force_switch("probe", False)
+        low, said = lowest(s, "G30 X110 Y110")
+        assert low == pytest.approx(-2.0, abs=STEP)
+        text = said[-2]
+        assert "the probe was not triggered at X110 Y110 down to Z -2 mm of the nozzle" in text
+        assert "which was at X135.000 Y105.000 Z-2.000" in text
+        assert s.positions()["z"] == 10.0
+        assert s.printer.job.locked_axes == []
+        assert s.printer.connection.heaters["hotend"].target == 210
+        s.board.force_switch("probe", None)
+        assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
+
+
+def test_probe_stuck_triggered_never_descends():
+    with homed() as s:
+        s.board.force_switch("probe", True)
+        low, said = lowest(s, "G30 X110 Y110")
+        assert low == 0.0  # of G28
+        assert "the probe is triggered at X110 Y110 with the nozzle at X135.000" in said[-2]
+        assert "also after a lift by 3 mm" in said[-2]
+        assert s.printer.job.locked_axes == []
+
+
+def test_probe_that_triggers_in_the_air_is_refused():
+    with homed() as s:
+        x, y = 135.0, 105.0
+        s.board.spoil_probe(touchy_areas=[(x - 1, y - 1, x + 1, y + 1)])
+        low, said = lowest(s, "G30 X110 Y110")
+        assert low == 0.0
+        assert "is triggered at X110 Y110" in said[-2]
+
+
+def test_probe_pressed_for_a_moment_in_a_descent_is_refused():
+    with homed() as s:
+        s.host.ok("G1 Z10 F600", 60)
+        s.host.ok("M400", 60)
+        s.host.send("G30 X110 Y110")
+        assert s.until(lambda: s.positions()["x"] == 135 and s.positions()["z"] < 9.9, 20)
+        s.board.force_switch("probe", True)
+        s.host.expect("the probe was triggered at X110 Y110 with the nozzle at .* less than 1 mm")
+        s.host.expect("^ok")
+
+
+def test_hysteresis_is_overcome_by_further_lifts():
+    faulty = "[simulated.probe]\nhysteresis_mm = 3.2\n\n[heaters.hotend]"
+    with homed(("[heaters.hotend]", faulty)) as s:
+        assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
+    faulty = faulty.replace("3.2", "9.0")
+    with homed(("[heaters.hotend]", faulty)) as s:
+        assert "also after a lift by 3 mm" in refusal(s)
+
+
+def test_noisy_samples_are_dropped_and_then_refused():
+    change = ("trigger_height_mm = 1.2", "trigger_height_mm = 1.2\nsamples = 5")
+    with homed(change) as s:
+        s.board.spoil_probe(noise_mm=0.2)
+        text = refusal(s)
+        assert re.search(r"at X110 Y110 the samples differ by 0\.\d+ mm, of at most 0\.05 mm", text)
+        assert s.printer.job.locked_axes == []
+        s.board.spoil_probe(noise_mm=0.004)
+        assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
+
+
+def test_heaters_are_off_only_during_a_descent():
+    change = ("trigger_height_mm = 1.2", 'trigger_height_mm = 1.2\nheaters_off = ["bed"]')
+    with homed(change) as s:
+        s.host.ok("M140 S60")
+        bed = s.printer.connection.heaters["bed"]
+        s.host.send("G30 X110 Y110")
+        seen = []
+        done = len(s.host.heard)
+
+        def look():
+            seen.append((s.positions()["z"], bed.target))
+            return "ok" in s.host.heard[done:]
+
+        assert s.until(look, 60)
+        assert s.positions()["z"] == 10.0
+        assert {target for z, target in seen if 0.1 < z < 3.2} == {0.0, 60.0}
+        assert 0.0 in {target for z, target in seen if 4 < z < 9}
+        assert bed.target == 60.0
+
+
+def test_stop_in_a_descent_lifts_the_nozzle_and_keeps_the_position():
+    with homed() as s:
+        s.host.send("G30 X110 Y110")
+        assert s.until(lambda: s.positions()["x"] == 135 and s.positions()["z"] < 5, 30)
+        s.host.send("M108")
+        s.host.expect("^ok", 30)
+        assert s.until(lambda: s.positions()["z"] == 10.0, 30)
+        assert s.printer.job.locked_axes == []
+        assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
