@@ -119,6 +119,23 @@ Table statistics(JobView& self) {
   return Table(d);
 }
 
+using LayerTuple = std::tuple<uint32_t, double, double, uint16_t>;
+using ToolpathTuple =
+    std::tuple<uint32_t, std::vector<double>, double, double, std::vector<LayerTuple>, nb::bytes>;
+
+std::optional<ToolpathTuple> take_toolpath(JobView& self) {
+  if (!self.toolpath) return std::nullopt;
+  self.job.motion.on_move = nullptr;
+  const Toolpath path = *std::exchange(self.toolpath, std::nullopt);
+  const Toolpath::Scale scale = path.scale();
+  std::vector<LayerTuple> layers;
+  for (const Toolpath::Layer& layer : path.layers())
+    layers.emplace_back(layer.row, layer.z_mm, layer.start_s, layer.number);
+  const std::string data = path.encoded();
+  return ToolpathTuple(uint32_t(path.rows()), {scale.origin, scale.origin + 3}, scale.unit_mm,
+                       path.end_s(), std::move(layers), nb::bytes(data.data(), data.size()));
+}
+
 nb::typed<nb::list, Table> steppers(JobView& self) {
   nb::typed<nb::list, Table> list;
   Motion& motion = self.job.motion;
@@ -710,6 +727,15 @@ void bind_job(nb::module_& m) {
           },
           "on"_a)
       .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
+      .def(
+          "keep_toolpath",
+          [](JobView& self) {
+            self.toolpath.emplace(self.job.motion.machine().clock_hz);
+            self.job.motion.on_move = [&self](const Move& move) { self.toolpath->add(move); };
+          },
+          "From now on keeps the path of all moves, instead of the moves.")
+      .def("take_toolpath", &take_toolpath,
+           "The path that was kept, as toolpath.py describes it; None of none. It is kept no more.")
       .def(
           "keep_ideal",
           [](JobView& self, bool on) {

@@ -1703,6 +1703,14 @@ class Job:
 
     def take_moves(self) -> list[Move]: ...
 
+    def keep_toolpath(self) -> None:
+        """From now on keeps the path of all moves, instead of the moves."""
+
+    def take_toolpath(self) -> tuple[int, list[float], float, float, list[tuple[int, float, float, int]], bytes] | None:
+        """
+        The path that was kept, as toolpath.py describes it; None of none. It is kept no more.
+        """
+
     def keep_ideal(self, on: bool) -> None:
         """From now on keeps the ideal time of every step, see take_ideal."""
 

@@ -301,19 +301,27 @@ class LiveBridge:
         card = await self.card()
         await asyncio.to_thread(card.rename, path, to)  # which may copy a file
 
-    async def estimate(self, path: str) -> Estimate:
+    async def estimate(
+        self, path: str, take_path: Callable[[bytes], None] | None = None
+    ) -> Estimate:
         """As `Bridge.estimate`."""
         source = await asyncio.to_thread(Unheld, await self.card(), path)
-        work = self._planner.submit(_estimate, self.machine, source, path)
+        work = self._planner.submit(_estimate, self.machine, source, path, take_path)
         try:
             return await asyncio.wrap_future(work)
         finally:
             source.close()  # which ends it, if it was cancelled
 
 
-def _estimate(machine: MachineConfig, source: Unheld, path: str) -> Estimate:
+def _estimate(
+    machine: MachineConfig,
+    source: Unheld,
+    path: str,
+    take_path: Callable[[bytes], None] | None,
+) -> Estimate:
     with BufferedReader(source, _PIECE) as buffered:
-        return estimate_open(machine, buffered, source.size, path.rpartition("/")[2])
+        name = path.rpartition("/")[2]
+        return estimate_open(machine, buffered, source.size, name, take_path=take_path)
 
 
 def _be_modest() -> None:

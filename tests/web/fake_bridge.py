@@ -176,11 +176,15 @@ class FakeBridge:
         self._answer(f"rename {path} {to}")
         (await self.card()).rename(path, to)
 
-    async def estimate(self, path: str) -> Estimate:
+    async def estimate(
+        self, path: str, take_path: Callable[[bytes], None] | None = None
+    ) -> Estimate:
         self.estimated.append(path)
         answer = self.answers.get(f"estimate {path}")
         if isinstance(answer, PassoError):
             raise answer
+        if take_path:
+            take_path(f"path of {path}".encode())
         return self.estimates.get(path, Estimate(path, self._machine.name, 60.0, moves=1))
 
     def _answer(self, asked: str) -> tuple[str, ...]:

@@ -195,8 +195,11 @@ class Bridge(Protocol):
         now."""
         ...
 
-    async def estimate(self, path: str) -> Estimate:
-        """Plans a file of the card. That takes seconds for a long one, in a thread of low priority;
-        one estimate waits for another, and a cancelled one ends. Raises PassoError for a file that
-        cannot be printed as it is."""
+    async def estimate(
+        self, path: str, take_path: Callable[[bytes], None] | None = None
+    ) -> Estimate:
+        """Plans a file of the card; `take_path` is called in the planning thread with the path that
+        was planned, see job/batch/toolpath.py. That takes seconds for a long one, in a thread of
+        low priority; one estimate waits for another, and a cancelled one ends. Raises PassoError
+        for a file that cannot be printed as it is."""
         ...

@@ -300,6 +300,14 @@ class Files:
         print it, as `passo estimate` finds out. That takes some seconds of a long file;
         until then `state` is `pending`."""
         ...
+    def toolpath(
+        self,
+        path: str,
+    ) -> bytes:
+        """The path of a file as this printer would print it, move by move, for a viewer;
+        the format is that of docs/reference/toolpath.md. Waits until the file is planned. A
+        file that cannot be printed as it is has none: `files.metadata` says why."""
+        ...
     def thumbnail(
         self,
         path: str,
@@ -767,6 +775,14 @@ class AsyncFiles:
         """What is known of a file: slicer, objects, thumbnails, and how this printer would
         print it, as `passo estimate` finds out. That takes some seconds of a long file;
         until then `state` is `pending`."""
+        ...
+    async def toolpath(
+        self,
+        path: str,
+    ) -> bytes:
+        """The path of a file as this printer would print it, move by move, for a viewer;
+        the format is that of docs/reference/toolpath.md. Waits until the file is planned. A
+        file that cannot be printed as it is has none: `files.metadata` says why."""
         ...
     async def thumbnail(
         self,

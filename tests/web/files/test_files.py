@@ -190,3 +190,32 @@ def test_a_file_that_vanishes_while_it_is_planned_is_forgotten(web, bridge, tmp_
     assert web.get(f"{API}/files/metadata?path=a.gcode").json()["state"] == "pending"
     (tmp_path / "a.gcode").unlink()
     assert web.get(f"{API}/files/metadata?path=a.gcode").status_code == 404
+
+
+def test_the_path_of_a_file_is_had_once_it_is_planned(web, bridge, tmp_path):
+    (tmp_path / "a.gcode").write_text("G28\n")
+    url = f"{API}/files/toolpath?path=a.gcode"
+    path = web.get(url)
+    assert (path.status_code, path.content) == (200, b"path of /a.gcode")
+    again = web.get(url, headers={"If-None-Match": path.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+    known(web, "a.gcode")
+    assert bridge.estimated == ["/a.gcode"]
+
+
+def test_a_refused_file_has_no_path(web, bridge, tmp_path):
+    (tmp_path / "a.gcode").write_text("G1 X900\n")
+    bridge.answers["estimate /a.gcode"] = InputError.of("input.empty", "a.gcode")
+    assert code_of(web.get(f"{API}/files/toolpath?path=a.gcode")) == "web.not-found"
+
+
+def test_a_path_that_is_lost_is_planned_again(tmp_path):
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card" / "a.gcode").write_text("G28\n")
+    for _ in range(2):
+        bridge = FakeBridge(str(tmp_path / "card"))
+        with client(site(bridge, state=tmp_path)) as web:
+            assert web.get(f"{API}/files/toolpath?path=a.gcode").status_code == 200
+        assert bridge.estimated == ["/a.gcode"]
+        for kept in (tmp_path / "toolpaths").iterdir():
+            kept.unlink()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -11,6 +12,7 @@ from passo.job.batch.board_load import BudgetUse, budget_use
 from passo.job.batch.heating import Heating
 from passo.job.batch.program import run_open_program
 from passo.job.batch.source import open_source
+from passo.job.batch.toolpath import encoded_toolpath
 from passo.printer.commands.program import Commands
 
 if TYPE_CHECKING:
@@ -73,17 +75,22 @@ def estimate_open(
     *,
     clamp: bool = False,
     ignore_tools: bool = False,
+    take_path: Callable[[bytes], None] | None = None,
 ) -> Estimate:
-    """`estimate` with a file of so many bytes that is open, at its beginning. Raises what reading
-    it raises, too."""
+    """`estimate` with a file of so many bytes that is open, at its beginning. `take_path` is called
+    with the path that was planned, see toolpath.py. Raises what reading it raises, too."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
+    if take_path:
+        job.keep_toolpath()
     heating = Heating(machine, job)
     commands = Commands(machine, job, heating, [1] * len(machine.timed_outputs))
     for _ in run_open_program(
         job, commands, source, size, name, lambda wait: heating.settle(wait, commands)
     ):
         pass
+    if take_path:
+        take_path(encoded_toolpath(job))
     plan = job.statistics()
     layers, layers_s = plan["layers"], plan["layer_s"]
     # What rose before the first mark of a layer counts as no layer once there are marks.

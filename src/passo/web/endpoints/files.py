@@ -6,7 +6,7 @@ import re
 from typing import Annotated
 
 from msgspec import Meta, Struct
-from starlette.responses import Response
+from starlette.responses import FileResponse, Response
 
 from passo.errors import InputError, PassoError, WebError
 from passo.web.call import Call
@@ -111,6 +111,28 @@ async def metadata(call: Call, query: FilePath) -> Metadata:
     as `passo estimate` finds out. That takes some seconds of a long file; until then `state` is
     `pending`."""
     return await call.site.metadata.get(confined(query.path))
+
+
+@operation(
+    "files.toolpath",
+    "GET",
+    "/files/toolpath",
+    Role.VIEWER,
+    errors=(*_CARD, "card.directory", "web.not-found"),
+    produces="application/octet-stream",
+)
+async def toolpath(call: Call, query: FilePath) -> Response:
+    """The path of a file as this printer would print it, move by move, for a viewer; the format is
+    that of docs/reference/toolpath.md. Waits until the file is planned. A file that cannot be
+    printed as it is has none: `files.metadata` says why."""
+    path = confined(query.path)
+    place = await call.site.metadata.toolpath(path)
+    if place is None:
+        raise WebError.of("web.not-found", value=f"toolpath of {path}")
+    headers = {"ETag": f'"{place.stem}"', "Cache-Control": "no-cache"}
+    if headers["ETag"] == call.request.headers.get("if-none-match"):
+        return Response(status_code=304, headers=headers)
+    return FileResponse(place, headers=headers, media_type="application/octet-stream")
 
 
 @operation(

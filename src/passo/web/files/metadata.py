@@ -19,11 +19,12 @@ from passo.web.answers import Fault, fault
 from passo.web.files.comments import Comments, read_comments
 from passo.web.files.incoming import beside
 from passo.web.files.metadata_cache import MetadataCache
+from passo.web.files.toolpaths import Toolpaths
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from passo.card import Card
+    from passo.card import Card, Entry
     from passo.job.batch.estimate import Estimate
     from passo.web.bridge import Bridge
 
@@ -77,7 +78,8 @@ class MetadataReader:
         made_for = f"{__version__} {bridge.machine.model_dump_json()}"
         digest = hashlib.blake2b(made_for.encode(), digest_size=16).hexdigest()
         self._cache = MetadataCache(folder, digest)
-        self._wanted: dict[str, None] = {}
+        self._toolpaths = Toolpaths(folder, digest)
+        self._wanted: dict[str, asyncio.Event] = {}  # set when it is known
         self._task: asyncio.Task[None] | None = None
 
     async def get(self, path: str) -> Metadata:
@@ -92,11 +94,23 @@ class MetadataReader:
         self.want(path)
         return await _begun(card, path)
 
-    def want(self, path: str) -> None:
-        """The file's plan will be asked for."""
-        self._wanted[path] = None
+    async def toolpath(self, path: str) -> Path | None:
+        """Where the path that was planned of a file is, see job/batch/toolpath.py; None of a file
+        that cannot be printed as it is. Waits until it is planned. Raises CardError."""
+        card = await self._bridge.card()
+        entry = await beside(lambda: card.find(path))
+        if (found := self._toolpaths.find(path, entry)) is not None:
+            return found
+        await self.want(path).wait()
+        entry = await beside(lambda: card.find(path))
+        return self._toolpaths.find(path, entry)
+
+    def want(self, path: str) -> asyncio.Event:
+        """The file's plan will be asked for. What it returns is set when it is known."""
+        known = self._wanted.setdefault(path, asyncio.Event())
         if self._task is None or self._task.done():
             self._task = asyncio.get_running_loop().create_task(self._work())
+        return known
 
     async def _work(self) -> None:
         while self._wanted:
@@ -108,16 +122,20 @@ class MetadataReader:
             except Exception:
                 _log.exception("%s: cannot be looked through", path)
             finally:
-                self._wanted.pop(path, None)
+                self._wanted.pop(path).set()
 
     async def _learn(self, path: str) -> None:
         card = await self._bridge.card()
         entry = await beside(lambda: card.find(path))
-        if self._cache.get(path, entry) is not None:
+        if self._complete(path, entry):
             return
         found = await _begun(card, path)
         try:
-            found.plan = _plan(await self._bridge.estimate(path))
+            found.plan = _plan(
+                await self._bridge.estimate(
+                    path, lambda data: self._toolpaths.put(path, entry, data)
+                )
+            )
             found.state = "known"
         except CardError:
             raise
@@ -128,6 +146,13 @@ class MetadataReader:
             found.state = "refused"
         if await beside(lambda: card.find(path)) == entry:
             self._cache.put(path, entry, msgspec.json.encode(found))
+
+    def _complete(self, path: str, entry: Entry) -> bool:
+        """All that can be known of this content of the file is known."""
+        if (found := self._cache.get(path, entry)) is None:
+            return False
+        known = msgspec.json.decode(found, type=Metadata)
+        return known.state == "refused" or self._toolpaths.find(path, entry) is not None
 
 
 async def comments_of(card: Card, path: str) -> Comments:

@@ -30,7 +30,7 @@ class _Kept:
 class Uploads:
     """The uploads of one printer; used in the web's event loop alone."""
 
-    def __init__(self, bridge: Bridge, arrived: Callable[[str], None]) -> None:
+    def __init__(self, bridge: Bridge, arrived: Callable[[str], object]) -> None:
         """`arrived` is called with the path of each file that is whole."""
         self._bridge, self._arrived = bridge, arrived
         self._active = 0
