@@ -23,7 +23,7 @@ BUILT = ROOT / "src/passo/web/static"
 LOCK = ROOT / "requirements/web.lock"
 NODE_VERSION = (22, 12)  # at least: Vite 8 needs it
 COMPRESSIBLE = {".css", ".html", ".js", ".json", ".svg", ".txt"}
-BUNDLED = ("svelte", "clsx", "esm-env", "uplot", "@fontsource-variable/inter")
+BUNDLED = ("svelte", "clsx", "esm-env", "three", "uplot", "@fontsource-variable/inter")
 
 
 def main(arguments: list[str]) -> int:

@@ -1,0 +1,121 @@
+/** What the colour of a move means: for each row an index of a palette of 256 colours. */
+
+import { PRINT, type Toolpath } from "./toolpath";
+
+export const MODES = ["feature", "speed", "flow", "layer-time", "speed_limit", "acceleration", "acceleration_limit"] as const;
+export type Mode = (typeof MODES)[number];
+
+export type Colour = readonly [number, number, number];
+
+/** An entry of the legend; `indices` are those of the palette that it stands for. */
+export interface Entry {
+  text: string;
+  colour: Colour;
+  index: number;
+}
+
+export interface Colouring {
+  /** An index of the palette for each row. */
+  values: Uint8Array<ArrayBuffer>;
+  palette: Colour[];
+  /** Of names: one entry each. Of numbers: none, but a range. */
+  entries: Entry[];
+  range?: { low: number; high: number; unit: string };
+}
+
+const RAMP: readonly Colour[] = [
+  [58, 110, 224],
+  [31, 178, 203],
+  [82, 207, 102],
+  [252, 196, 25],
+  [240, 62, 62],
+];
+const NAMED: readonly Colour[] = [
+  [247, 144, 61],
+  [79, 179, 255],
+  [105, 200, 104],
+  [222, 94, 120],
+  [163, 133, 240],
+  [236, 201, 75],
+  [64, 192, 178],
+  [201, 124, 201],
+  [154, 168, 180],
+  [176, 141, 97],
+  [122, 162, 84],
+  [236, 112, 84],
+];
+
+/** A colour of the ramp, from 0 to 1. */
+export function ramp(fraction: number): Colour {
+  const at = Math.min(Math.max(fraction, 0), 1) * (RAMP.length - 1);
+  const below = Math.min(Math.floor(at), RAMP.length - 2);
+  const [a, b] = [RAMP[below], RAMP[below + 1]] as [Colour, Colour];
+  const mix = (i: 0 | 1 | 2) => Math.round(a[i] + (b[i] - a[i]) * (at - below));
+  return [mix(0), mix(1), mix(2)];
+}
+
+/** `filament_mm2` is the area of the filament's section. */
+export function colouring(path: Toolpath, mode: Mode, filament_mm2: number): Colouring {
+  switch (mode) {
+    case "feature":
+      return named(path, "feature", path.header.features);
+    case "speed_limit":
+    case "acceleration_limit":
+      return named(path, mode, path.header.limits);
+    case "speed":
+      return ranged(path, column(path, "speed"), "mm/s");
+    case "flow":
+      return ranged(path, column(path, "flow", filament_mm2), "mm³/s");
+    case "acceleration":
+      return ranged(path, column(path, "acceleration"), "mm/s²");
+    case "layer-time":
+      return ranged(path, layerTimes(path), "s");
+  }
+}
+
+function column(path: Toolpath, name: string, factor = 1): (row: number) => number {
+  const values = path.column(name);
+  const unit = path.unit(name) * factor;
+  return (row) => (values[row] ?? 0) * unit;
+}
+
+function layerTimes(path: Toolpath): (row: number) => number {
+  const times = new Float32Array(path.rows);
+  path.header.layers.forEach((layer, index) => times.fill(path.seconds(index), layer.row, path.endOf(index)));
+  return (row) => times[row] ?? 0;
+}
+
+function ranged(path: Toolpath, value: (row: number) => number, unit: string): Colouring {
+  let [low, high] = [Infinity, -Infinity];
+  for (let row = 0; row < path.rows; row++) {
+    if (path.kind(row) !== PRINT) continue;
+    const here = value(row);
+    if (here < low) low = here;
+    if (here > high) high = here;
+  }
+  if (low > high) [low, high] = [0, 0];
+  const values = new Uint8Array(path.rows);
+  const scale = high > low ? 255 / (high - low) : 0;
+  for (let row = 0; row < path.rows; row++) {
+    values[row] = Math.min(Math.max((value(row) - low) * scale, 0), 255);
+  }
+  const palette = Array.from({ length: 256 }, (_, index) => ramp(index / 255));
+  return { values, palette, entries: [], range: { low, high, unit } };
+}
+
+function named(path: Toolpath, name: string, names: readonly string[]): Colouring {
+  const values = path.column(name) as Uint8Array<ArrayBuffer>;
+  const counts = new Float64Array(256);
+  for (let row = 0; row < path.rows; row++) {
+    if (path.kind(row) === PRINT) counts[values[row] ?? 0]! += 1;
+  }
+  const palette = Array.from({ length: 256 }, (): Colour => NAMED[0] as Colour);
+  const entries: Entry[] = [];
+  names.forEach((text, index) => {
+    if (!counts[index]) return;
+    const colour = NAMED[entries.length % NAMED.length] as Colour;
+    palette[index] = colour;
+    entries.push({ text, colour, index });
+  });
+  return { values, palette, entries };
+}
