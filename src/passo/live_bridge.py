@@ -9,18 +9,23 @@ import time
 from collections.abc import Callable, Coroutine, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
-from io import BufferedReader
+from io import BufferedReader, BytesIO, RawIOBase
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from passo import config
 from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
-from passo.errors import CommandError, ConfigError
+from passo.errors import CommandError, ConfigError, PassoError
 from passo.gcode.command import forced
 from passo.gcode.registry import When, row_of, table
 from passo.job.batch.estimate import Estimate, estimate_open
+from passo.job.batch.policy import Policy
+from passo.learn.explain import explain
 from passo.web.bridge import PastPrint, SettingValue, Snapshot
 
 if TYPE_CHECKING:
@@ -30,6 +35,7 @@ if TYPE_CHECKING:
     from passo.console.observer import Observer
     from passo.events import Event
     from passo.gcode.registry import Declaration
+    from passo.learn.explanation import Explanation
     from passo.printer.console_lines import ConsoleLine
     from passo.web.bridge import Hearer, Listener
 
@@ -311,6 +317,46 @@ class LiveBridge:
             return await asyncio.wrap_future(work)
         finally:
             source.close()  # which ends it, if it was cancelled
+
+    async def explain(self, path: str, line: int) -> Explanation:
+        """As `Bridge.explain`."""
+        source = await asyncio.to_thread(Unheld, await self.card(), path)
+        try:
+            return await self._explained(source, path.rpartition("/")[2], line)
+        finally:
+            source.close()
+
+    async def explain_line(self, line: str) -> Explanation:
+        """As `Bridge.explain_line`."""
+        return await self._explained(BytesIO(line.encode()), "line.gcode", 1)
+
+    async def _explained(self, source: RawIOBase | BytesIO, name: str, line: int) -> Explanation:
+        ended = threading.Event()
+        work = self._planner.submit(_explain, self.machine, source, name, line, ended)
+        try:
+            return await asyncio.wrap_future(work)
+        finally:
+            ended.set()
+
+
+def _explain(
+    machine: MachineConfig,
+    source: RawIOBase | BytesIO,
+    name: str,
+    line: int,
+    ended: threading.Event,
+) -> Explanation:
+    with TemporaryDirectory(prefix="passo-") as folder:
+        path = Path(folder, name)
+        with path.open("wb") as copied:
+            while not ended.is_set() and (piece := source.read(_PIECE)):
+                copied.write(piece)
+        try:
+            told = explain(machine, path, line, Policy(), ended=ended.is_set)
+        except PassoError as error:
+            problems = [replace(p, file=name if p.file else "") for p in error.problems]
+            raise type(error)(problems) from None
+        return replace(told, place=f"{name}:{line}")
 
 
 def _estimate(

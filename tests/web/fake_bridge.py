@@ -11,6 +11,7 @@ from passo.errors import CardError, PassoError
 from passo.events import Event
 from passo.gcode.registry import Declaration, table
 from passo.job.batch.estimate import Estimate
+from passo.learn.explanation import Explanation
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
     AxisStatus,
@@ -186,6 +187,14 @@ class FakeBridge:
         if take_path:
             take_path(f"path of {path}".encode())
         return self.estimates.get(path, Estimate(path, self._machine.name, 60.0, moves=1))
+
+    async def explain(self, path: str, line: int) -> Explanation:
+        self._answer(f"explain {path} {line}")
+        return Explanation(f"{path}:{line}", "G28", "", False, ())
+
+    async def explain_line(self, line: str) -> Explanation:
+        self._answer(f"explain {line}")
+        return Explanation("line.gcode:1", line, "", False, ())
 
     def _answer(self, asked: str) -> tuple[str, ...]:
         self.asked.append(asked)

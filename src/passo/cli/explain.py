@@ -26,7 +26,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Prints the explanation."""
     from passo import config
     from passo.learn.explain import explain
+    from passo.learn.explanation import explanation_text
 
     file, line = arguments.place
-    print(explain(config.load(arguments.machine), file, line, policy_of(arguments)))
+    told = explain(config.load(arguments.machine), file, line, policy_of(arguments))
+    print(explanation_text(told))
     return ExitStatus.DONE

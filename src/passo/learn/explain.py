@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.config.pin_names import MAIN
 from passo.errors import InputError, PassoError
 from passo.gcode.command import Command
 from passo.gcode.registry import row_of
@@ -17,11 +17,18 @@ from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
 from passo.job.batch.source import lines, open_source
 from passo.learn.corner import corner, path_unit
+from passo.learn.explanation import (
+    ExplainedCommand,
+    ExplainedMacro,
+    ExplainedMove,
+    ExplainedSteps,
+    Explanation,
+    WireCommand,
+)
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-_MAX_COMMANDS = 12
 _MAX_LINES = 40  # of macros
 _BEHIND_S = 1.0  # all commands of a move are done so long after it
 
@@ -57,49 +64,56 @@ class _Seen:
                 self.before = move
 
 
-def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, policy: Policy) -> str:
+def explain(
+    machine: MachineConfig,
+    path: str | os.PathLike[str],
+    line: int,
+    policy: Policy,
+    *,
+    ended: Callable[[], bool] = lambda: False,
+) -> Explanation:
     """Prints the file on the simulated board until one line is done, and tells what became of it.
-    What is wrong with a later line ends the print there.
+    What is wrong with a later line ends the print there; so does `ended`, as soon as it is true.
 
     Raises InputError (no such line, or the file is bad up to it) or MachineError.
     """
     text = _line(path, line)
     try:
-        job, seen = _printed(machine, path, line, policy)
+        job, seen = _printed(machine, path, line, policy, ended)
     except PassoError as error:
         bad = error.problems[0].line
         if bad is None or bad <= line:
             raise
-        job, seen = _printed(machine, path, line, policy, bad)
-    parts = [f"{path}:{line}: {text}", _commands(job.job, machine)]
-    if seen.calls:
-        parts.append(_became(seen.calls))
-    if not seen.moves and any(code == "M98" for code, _, _ in job.job.heard[2]):
-        parts.append("The lines of the sub-program move; explain one of them.")
-        return "\n\n".join(parts)
+        job, seen = _printed(machine, path, line, policy, ended, bad)
+    number, checked, heard = job.job.heard
+    told = Explanation(
+        place=f"{path}:{line}",
+        line=text,
+        number=number,
+        checksum=checked,
+        commands=tuple(_command(*one, machine) for one in heard),
+        macros=tuple(_macro(*call) for call in seen.calls),
+        planned=len(seen.moves),
+        sub_program=any(code == "M98" for code, _, _ in heard),
+    )
     if not seen.moves:
-        parts.append("This line moves nothing, so there is no plan and no step of its own.")
-        return "\n\n".join(parts)
+        return told
     hz = machine.board.clock_hz
-    names = job.job.limit_names
+    names, unit = job.job.limit_names, path_unit(machine)
     shown = seen.moves if len(seen.moves) <= 3 else [seen.moves[0], seen.moves[-1]]
-    if len(shown) < len(seen.moves):
-        parts.append(f"The line became {len(seen.moves)} planned moves; the first and the last:")
-    parts += [_move(move, hz, names, path_unit(machine)) for move in shown]
-    parts.append(f"Junction before: {corner(seen.before, seen.moves[0], machine)}.")
-    parts.append(f"Junction after: {corner(seen.moves[-1], seen.after, machine)}.")
-    begin, end = seen.moves[0].start_ticks, seen.moves[-1].end_ticks
-    runs = _runs(job, begin, end)
-    parts.append(_steps(job, runs, hz))
-    told = [run for run in runs if machine.all_boards[run.board].firmware != "passo"]
-    if told or not runs:
-        parts.append(_wire(told, {c.name: c.board.clock_hz for c in job.connection.connections}))
-    if len(told) < len(runs):
-        parts.append(
-            "What a simulated board with Passo's firmware is sent does not show:"
-            ' it does with firmware = "virtual".'
-        )
-    return "\n\n".join(parts)
+    runs = _runs(job, seen.moves[0].start_ticks, seen.moves[-1].end_ticks)
+    wire = [run for run in runs if machine.all_boards[run.board].firmware != "passo"]
+    return replace(
+        told,
+        moves=tuple(_move(move, hz, names, unit) for move in shown),
+        junction_before=corner(seen.before, seen.moves[0], machine),
+        junction_after=corner(seen.moves[-1], seen.after, machine),
+        steps=tuple(_steps(job, runs, hz)),
+        wire=tuple(WireCommand(r.board, r.stepper, r.text, r.payload.hex(" ")) for r in wire),
+        frame=_core.make_frame(wire[0].payload, 1).hex(" ") if wire else "",
+        tick_ns={c.name: 1e9 / c.board.clock_hz for c in job.connection.connections},
+        unseen=len(wire) < len(runs),
+    )
 
 
 def _printed(
@@ -107,6 +121,7 @@ def _printed(
     path: str | os.PathLike[str],
     line: int,
     policy: Policy,
+    ended: Callable[[], bool],
     end: int | None = None,
 ) -> tuple[Print, _Seen]:
     """The print of the file, or of its lines before `end`, and the moves of one line."""
@@ -116,6 +131,8 @@ def _printed(
     job.job.listen(line)
 
     def look() -> None:
+        if ended():
+            raise _EnoughError
         seen.take(job.job.take_moves(), line, jumps=job.job.calls)
         if not seen.moves:  # what the board has done by now is of other lines
             for stepper in job.connection.board.steppers:
@@ -147,66 +164,55 @@ def _line(path: str | os.PathLike[str], line: int) -> str:
     raise InputError.of("input.no-line", str(path), line, value=line, limit=number)
 
 
-def _became(calls: list[tuple[Command, str]]) -> str:
-    """What macros, and those that they call, became: the lines that are not empty."""
-    rows: list[str] = []
-    for command, text in calls:
-        rows.append(f"{command.code} {command.text}".rstrip() + " became:")
-        rows += [f"  {line.strip()}" for line in text.splitlines() if line.strip()]
-    if len(rows) > _MAX_LINES:
-        rows[_MAX_LINES:] = [f"and {len(rows) - _MAX_LINES} more lines"]
-    return "\n".join(rows)
+def _macro(command: Command, text: str) -> ExplainedMacro:
+    lines = tuple(line.strip() for line in text.splitlines() if line.strip())
+    return ExplainedMacro(f"{command.code} {command.text}".rstrip(), lines)
 
 
-def _commands(job: _core.Job, machine: MachineConfig) -> str:
-    number, checked, commands = job.heard
-    rows: list[str] = []
-    if number:
-        sum_ = "; its checksum is right" if checked else ""
-        rows.append(f"The line has the number {number}, which is skipped{sum_}.")
-    if not commands:
-        rows.append("There is no command on this line.")
-    for code, words, text in commands:
-        row = row_of("T" if re.fullmatch(r"T-?\d+", code) else code)
-        if code in machine.macros:
-            about = machine.macros[code].description
-            rows.append(f"{code}: A macro of the machine file{about and ': ' + about}.")
-        elif not code:
-            rows.append("A move in the way of the last one before, G1 if there was none.")
-        elif code == "S":
-            rows.append("S: The power of laser or spindle.")
-        else:
-            rows.append(f"{code}: {row.text if row else 'unknown here, skipped.'}")
-        if text and (row is None or row.bare is None or not words):
-            rows.append(f"  {text}")
-        else:
-            rows += [f"  {word}" for word in words]
-    return "\n".join(rows)
+def _command(
+    code: str, words: Sequence[str], text: str, machine: MachineConfig
+) -> ExplainedCommand:
+    row = row_of("T" if re.fullmatch(r"T-?\d+", code) else code)
+    if code in machine.macros:
+        about = machine.macros[code].description
+        told = f"A macro of the machine file{about and ': ' + about}."
+    elif not code:
+        told = "A move in the way of the last one before, G1 if there was none."
+    elif code == "S":
+        told = "The power of laser or spindle."
+    else:
+        told = row.text if row else "unknown here, skipped."
+    bare = text and (row is None or row.bare is None or not words)
+    return ExplainedCommand(code, told, (text,) if bare else tuple(words))
 
 
-def _move(move: _core.Move, hz: int, names: list[str], unit: str) -> str:
-    if move.kind == "dwell":
-        return f"Planned: the machine waits {move.cruise_ticks / hz:.3f} s."
-    ends = (move.start_mm, move.end_mm)
-    start, end = (", ".join(f"{a} {p[i]:.3f}" for i, a in enumerate("XYZE")) for p in ends)
+def _move(move: _core.Move, hz: int, names: list[str], unit: str) -> ExplainedMove:
     slow = move.length - move.accelerate_length - move.cruise_length
     cruises, ramps = move.cruise_length > 1e-9, move.accelerate_length + slow > 1e-9
     shape = "trapezoid" if cruises and ramps else "constant speed" if cruises else "triangle"
-    wide = f"  its steps may miss their ideal times by {move.tolerance_ticks / hz * 1e6:.1f} µs"
-    return "\n".join(
-        (
-            f"Planned: a {move.kind} move of {move.length:.3f} {unit}, from {start} to {end}",
-            f"  {shape}: starts at {move.start_speed:.2f} {unit}/s, reaches {move.cruise_speed:.2f}"
-            f" (at most {move.speed_cap:.2f}), ends at {move.end_speed:.2f}",
-            f"  speeds up over {move.accelerate_length:.3f} {unit}"
-            f" in {move.accelerate_ticks / hz * 1e3:.2f} ms"
-            f", cruises {move.cruise_length:.3f} {unit} in {move.cruise_ticks / hz * 1e3:.2f} ms"
-            f", slows down over {slow:.3f} {unit} in {move.decelerate_ticks / hz * 1e3:.2f} ms",
-            f"  from {move.start_ticks / hz:.6f} s to {move.end_ticks / hz:.6f} s of print time",
-            f"  speed is bound by: {names[move.speed_limit]}"
-            f"; acceleration {abs(move.acceleration):.0f} {unit}/s² by: {names[move.accel_limit]}",
-            *([wide + ": the board's budget of commands"] if move.tolerance_ticks > 0 else []),
-        )
+    return ExplainedMove(
+        kind=move.kind,
+        unit=unit,
+        length=move.length,
+        start_mm=tuple(move.start_mm[:4]),
+        end_mm=tuple(move.end_mm[:4]),
+        shape=shape,
+        start_speed=move.start_speed,
+        cruise_speed=move.cruise_speed,
+        speed_cap=move.speed_cap,
+        end_speed=move.end_speed,
+        accelerate_length=move.accelerate_length,
+        accelerate_s=move.accelerate_ticks / hz,
+        cruise_length=move.cruise_length,
+        cruise_s=move.cruise_ticks / hz,
+        decelerate_length=slow,
+        decelerate_s=move.decelerate_ticks / hz,
+        start_s=move.start_ticks / hz,
+        end_s=move.end_ticks / hz,
+        speed_limit=names[move.speed_limit],
+        acceleration=move.acceleration,
+        accel_limit=names[move.accel_limit],
+        tolerance_us=move.tolerance_ticks / hz * 1e6,
     )
 
 
@@ -252,35 +258,8 @@ def _runs(job: Print, begin: float, end: float) -> list[_Run]:
     return sorted(runs, key=lambda run: run.clock)
 
 
-def _steps(job: Print, runs: list[_Run], hz: int) -> str:
-    rows = ["Steps, as the board executed them (print time):"]
+def _steps(job: Print, runs: list[_Run], hz: int) -> Iterator[ExplainedSteps]:
     for stepper in job.connection.board.steppers:
         ticks = [tick for run in runs if run.stepper == stepper.name for tick in run.steps]
-        rows.append(
-            f"  {stepper.name}: {len(ticks)}, the first at {ticks[0] / hz:.6f} s,"
-            f" the last at {ticks[-1] / hz:.6f} s"
-            if ticks
-            else f"  {stepper.name}: none"
-        )
-    return "\n".join(rows)
-
-
-def _wire(runs: list[_Run], hz: dict[str, int]) -> str:
-    """`hz`: of each board's clock."""
-    if not runs:
-        return "On the wire: nothing of this line."
-    ticks = [f"{1e9 / hz[name]:.1f} ns{f' on {name}' * (name != MAIN)}" for name in hz]
-    rows = [
-        "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what",
-        f"the interval grows by after each; a tick is {', '.join(ticks)}. {len(runs)} commands:",
-    ]
-    for run in runs[:_MAX_COMMANDS]:
-        where = f"{run.board}: " * (run.board != MAIN)
-        rows.append(f"  {run.payload.hex(' '):<30} {where}{run.stepper}: {run.text}")
-    if len(runs) > _MAX_COMMANDS:
-        rows.append(f"  and {len(runs) - _MAX_COMMANDS} more")
-    first = runs[0]
-    frame = _core.make_frame(first.payload, 1)
-    rows.append("A frame with the first of them alone (length, sequence, payload, CRC, 7e):")
-    rows.append(f"  {frame.hex(' ')}")
-    return "\n".join(rows)
+        first, last = (ticks[0] / hz, ticks[-1] / hz) if ticks else (None, None)
+        yield ExplainedSteps(stepper.name, len(ticks), first, last)

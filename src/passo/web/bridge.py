@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from passo.events import Event
     from passo.gcode.registry import Declaration
     from passo.job.batch.estimate import Estimate
+    from passo.learn.explanation import Explanation
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import Status
 
@@ -202,4 +203,13 @@ class Bridge(Protocol):
         was planned, see job/batch/toolpath.py. That takes seconds for a long one, in a thread of
         low priority; one estimate waits for another, and a cancelled one ends. Raises PassoError
         for a file that cannot be printed as it is."""
+        ...
+
+    async def explain(self, path: str, line: int) -> Explanation:
+        """What a line of a file of the card becomes, as `passo explain` shows it; as `estimate`
+        otherwise. Raises InputError for a line that the file does not have."""
+        ...
+
+    async def explain_line(self, line: str) -> Explanation:
+        """As `explain`, of a line that starts with all axes at 0."""
         ...

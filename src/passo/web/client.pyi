@@ -1,6 +1,7 @@
 """The Python client, made from the table of operations: make reference."""
 
 import builtins
+import passo.learn.explanation
 import passo.printer.status
 import passo.web.answers
 import passo.web.bridge
@@ -379,6 +380,23 @@ class History:
     ) -> passo.web.endpoints.history.Temperatures:
         """Temperatures, targets and power of all heaters: one sample a second of the last
         15 minutes, one each 15 s of the day before."""
+        ...
+
+class Explain:
+    def file(
+        self,
+        path: str,
+        line: int,
+    ) -> passo.learn.explanation.Explanation:
+        """What a line of a file of the card becomes, as `passo explain` shows it: the print
+        runs on a simulated board until the line is done, which takes seconds for a late
+        line of a long file."""
+        ...
+    def line(
+        self,
+        line: str,
+    ) -> passo.learn.explanation.Explanation:
+        """What a line becomes that starts with all axes at 0. Nothing moves."""
         ...
 
 class Logs:
@@ -857,6 +875,23 @@ class AsyncHistory:
         15 minutes, one each 15 s of the day before."""
         ...
 
+class AsyncExplain:
+    async def file(
+        self,
+        path: str,
+        line: int,
+    ) -> passo.learn.explanation.Explanation:
+        """What a line of a file of the card becomes, as `passo explain` shows it: the print
+        runs on a simulated board until the line is done, which takes seconds for a late
+        line of a long file."""
+        ...
+    async def line(
+        self,
+        line: str,
+    ) -> passo.learn.explanation.Explanation:
+        """What a line becomes that starts with all axes at 0. Nothing moves."""
+        ...
+
 class AsyncLogs:
     async def list(
         self,
@@ -1010,6 +1045,8 @@ class Client:
     @property
     def history(self) -> History: ...
     @property
+    def explain(self) -> Explain: ...
+    @property
     def logs(self) -> Logs: ...
     @property
     def session(self) -> Session: ...
@@ -1053,6 +1090,8 @@ class AsyncClient:
     def folders(self) -> AsyncFolders: ...
     @property
     def history(self) -> AsyncHistory: ...
+    @property
+    def explain(self) -> AsyncExplain: ...
     @property
     def logs(self) -> AsyncLogs: ...
     @property

@@ -9,6 +9,7 @@ from passo.web.endpoints import (
     accounts,
     console,
     emergency,
+    explain,
     fans,
     faults,
     files,
@@ -34,21 +35,8 @@ def _declared(module: ModuleType) -> list[Operation]:
 
 
 _MODULES = (
-    *(
-        status,
-        faults,
-        machine,
-        machine_file,
-        emergency,
-        job,
-        console,
-        heaters,
-        fans,
-        motion,
-        tuning,
-        settings,
-    ),
-    *(files, history, logs, session, accounts, metrics),
+    *(status, faults, machine, machine_file, emergency, job, console, heaters, fans, motion),
+    *(tuning, settings, files, history, explain, logs, session, accounts, metrics),
     *(octoprint, prusalink, rrf),
 )
 OPERATIONS: tuple[Operation, ...] = tuple(

@@ -90,6 +90,83 @@ export interface EndedJob {
   job: JobStatus;
 }
 
+/** A command of the line: what it does, and its words as the lexer has read them. `code` is empty
+ * of a move without a G. */
+export interface ExplainedCommand {
+  code: string;
+  text: string;
+  words: string[];
+}
+
+/** The call of a macro, and the lines that it became. */
+export interface ExplainedMacro {
+  call: string;
+  lines: string[];
+}
+
+/** A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in units/s²,
+ * times in seconds, `start_s` and `end_s` of print time. `start_mm` and `end_mm` are places of X,
+ * Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant speed.
+ * `tolerance_us`: its steps may miss their ideal times by this, for the board's budget. */
+export interface ExplainedMove {
+  kind: string;
+  unit: string;
+  length: number;
+  start_mm: number[];
+  end_mm: number[];
+  shape: string;
+  start_speed: number;
+  cruise_speed: number;
+  speed_cap: number;
+  end_speed: number;
+  accelerate_length: number;
+  accelerate_s: number;
+  cruise_length: number;
+  cruise_s: number;
+  decelerate_length: number;
+  decelerate_s: number;
+  start_s: number;
+  end_s: number;
+  speed_limit: string;
+  acceleration: number;
+  accel_limit: string;
+  tolerance_us: number;
+}
+
+/** The steps of a motor as the board executed them; print times of the first and the last. */
+export interface ExplainedSteps {
+  motor: string;
+  count: number;
+  first_s?: number | null;
+  last_s?: number | null;
+}
+
+/** What one line became. `number` is that of a line with N, empty without; `checksum`: it has one.
+ * `planned` counts the moves of the line, of which `moves` are all, or the first and the last.
+ * `junction_before` and `junction_after` say what bounds the speed there; both are empty if the
+ * line moves nothing. `sub_program`: the lines that it calls move. `wire` has the commands of
+ * boards of which the bytes are known, `frame` is one with the first of them; `tick_ns` is the
+ * length of a tick of each board, whose main one has an empty name. `unseen`: the commands of
+ * other boards are not in `wire`. */
+export interface Explanation {
+  place: string;
+  line: string;
+  number: string;
+  checksum: boolean;
+  commands: ExplainedCommand[];
+  macros: ExplainedMacro[];
+  planned: number;
+  moves: ExplainedMove[];
+  junction_before: string;
+  junction_after: string;
+  sub_program: boolean;
+  steps: ExplainedSteps[];
+  wire: WireCommand[];
+  frame: string;
+  tick_ns?: Record<string, number> | null;
+  unseen: boolean;
+}
+
 /** The speed of a fan, as a fraction of full speed. */
 export interface FanSpeed {
   speed: number;
@@ -577,6 +654,11 @@ export interface ToolOfMachine {
   heater?: string | null;
 }
 
+/** One line of G-code. */
+export interface TypedLine {
+  line: string;
+}
+
 /** Whether a text is a machine file. `questions` are values that are allowed and cannot be right;
  * `notes` say what is worth knowing of the machine. */
 export interface Validation {
@@ -590,4 +672,12 @@ export interface Validation {
 export interface Version {
   passo: string;
   machine: string;
+}
+
+/** A command on the wire: its text, and its bytes in hexadecimal digits. */
+export interface WireCommand {
+  board: string;
+  motor: string;
+  text: string;
+  payload: string;
 }

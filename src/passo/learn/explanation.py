@@ -1,0 +1,223 @@
+"""What one line of a file becomes, as data, and as the text of `passo explain`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from passo.config.pin_names import MAIN
+
+_MAX_WIRE = 12  # commands in the text
+_MAX_LINES = 40  # of macros
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedCommand:
+    """A command of the line: what it does, and its words as the lexer has read them. `code` is
+    empty of a move without a G."""
+
+    code: str
+    text: str
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedMacro:
+    """The call of a macro, and the lines that it became."""
+
+    call: str
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedMove:
+    """A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in
+    units/s², times in seconds, `start_s` and `end_s` of print time. `start_mm` and `end_mm` are
+    places of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant
+    speed. `tolerance_us`: its steps may miss their ideal times by this, for the board's budget."""
+
+    kind: str
+    unit: str
+    length: float
+    start_mm: tuple[float, ...]
+    end_mm: tuple[float, ...]
+    shape: str
+    start_speed: float
+    cruise_speed: float
+    speed_cap: float
+    end_speed: float
+    accelerate_length: float
+    accelerate_s: float
+    cruise_length: float
+    cruise_s: float
+    decelerate_length: float
+    decelerate_s: float
+    start_s: float
+    end_s: float
+    speed_limit: str
+    acceleration: float
+    accel_limit: str
+    tolerance_us: float
+
+
+@dataclass(frozen=True, slots=True)
+class ExplainedSteps:
+    """The steps of a motor as the board executed them; print times of the first and the last."""
+
+    motor: str
+    count: int
+    first_s: float | None
+    last_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class WireCommand:
+    """A command on the wire: its text, and its bytes in hexadecimal digits."""
+
+    board: str
+    motor: str
+    text: str
+    payload: str
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What one line became. `number` is that of a line with N, empty without; `checksum`: it has
+    one.
+
+    `planned` counts the moves of the line, of which `moves` are all, or the first and the last.
+    `junction_before` and `junction_after` say what bounds the speed there; both are empty if the
+    line moves nothing. `sub_program`: the lines that it calls move. `wire` has the commands of
+    boards of which the bytes are known, `frame` is one with the first of them; `tick_ns` is the
+    length of a tick of each board, whose main one has an empty name. `unseen`: the commands of
+    other boards are not in `wire`."""
+
+    place: str
+    line: str
+    number: str
+    checksum: bool
+    commands: tuple[ExplainedCommand, ...]
+    macros: tuple[ExplainedMacro, ...] = ()
+    planned: int = 0
+    moves: tuple[ExplainedMove, ...] = ()
+    junction_before: str = ""
+    junction_after: str = ""
+    sub_program: bool = False
+    steps: tuple[ExplainedSteps, ...] = ()
+    wire: tuple[WireCommand, ...] = ()
+    frame: str = ""
+    tick_ns: dict[str, float] | None = None
+    unseen: bool = False
+
+
+def explanation_text(told: Explanation) -> str:
+    """The text of `passo explain`."""
+    parts = [f"{told.place}: {told.line}", _commands(told)]
+    if told.macros:
+        parts.append(_macros(told.macros))
+    if not told.planned:
+        parts.append(
+            "The lines of the sub-program move; explain one of them."
+            if told.sub_program
+            else "This line moves nothing, so there is no plan and no step of its own."
+        )
+        return "\n\n".join(parts)
+    if len(told.moves) < told.planned:
+        parts.append(f"The line became {told.planned} planned moves; the first and the last:")
+    parts += [_move(move) for move in told.moves]
+    parts.append(f"Junction before: {told.junction_before}.")
+    parts.append(f"Junction after: {told.junction_after}.")
+    parts.append(_steps(told.steps))
+    if told.wire or not told.unseen:
+        parts.append(_wire(told))
+    if told.unseen:
+        parts.append(
+            "What a simulated board with Passo's firmware is sent does not show:"
+            ' it does with firmware = "virtual".'
+        )
+    return "\n\n".join(parts)
+
+
+def _commands(told: Explanation) -> str:
+    rows: list[str] = []
+    if told.number:
+        sum_ = "; its checksum is right" if told.checksum else ""
+        rows.append(f"The line has the number {told.number}, which is skipped{sum_}.")
+    if not told.commands:
+        rows.append("There is no command on this line.")
+    for command in told.commands:
+        rows.append(f"{command.code}: {command.text}" if command.code else command.text)
+        rows += [f"  {word}" for word in command.words]
+    return "\n".join(rows)
+
+
+def _macros(macros: Sequence[ExplainedMacro]) -> str:
+    """What macros, and those that they call, became: the lines that are not empty."""
+    rows: list[str] = []
+    for macro in macros:
+        rows.append(f"{macro.call} became:")
+        rows += [f"  {line}" for line in macro.lines]
+    if len(rows) > _MAX_LINES:
+        rows[_MAX_LINES:] = [f"and {len(rows) - _MAX_LINES} more lines"]
+    return "\n".join(rows)
+
+
+def _move(move: ExplainedMove) -> str:
+    if move.kind == "dwell":
+        return f"Planned: the machine waits {move.cruise_s:.3f} s."
+    unit = move.unit
+    start, end = (
+        ", ".join(f"{a} {p[i]:.3f}" for i, a in enumerate("XYZE"))
+        for p in (move.start_mm, move.end_mm)
+    )
+    wide = f"  its steps may miss their ideal times by {move.tolerance_us:.1f} µs"
+    return "\n".join(
+        (
+            f"Planned: a {move.kind} move of {move.length:.3f} {unit}, from {start} to {end}",
+            f"  {move.shape}: starts at {move.start_speed:.2f} {unit}/s, reaches"
+            f" {move.cruise_speed:.2f} (at most {move.speed_cap:.2f}), ends at"
+            f" {move.end_speed:.2f}",
+            f"  speeds up over {move.accelerate_length:.3f} {unit}"
+            f" in {move.accelerate_s * 1e3:.2f} ms"
+            f", cruises {move.cruise_length:.3f} {unit} in {move.cruise_s * 1e3:.2f} ms"
+            f", slows down over {move.decelerate_length:.3f} {unit}"
+            f" in {move.decelerate_s * 1e3:.2f} ms",
+            f"  from {move.start_s:.6f} s to {move.end_s:.6f} s of print time",
+            f"  speed is bound by: {move.speed_limit}"
+            f"; acceleration {abs(move.acceleration):.0f} {unit}/s² by: {move.accel_limit}",
+            *([wide + ": the board's budget of commands"] if move.tolerance_us > 0 else []),
+        )
+    )
+
+
+def _steps(steps: Sequence[ExplainedSteps]) -> str:
+    rows = ["Steps, as the board executed them (print time):"]
+    for one in steps:
+        rows.append(
+            f"  {one.motor}: {one.count}, the first at {one.first_s:.6f} s,"
+            f" the last at {one.last_s:.6f} s"
+            if one.count
+            else f"  {one.motor}: none"
+        )
+    return "\n".join(rows)
+
+
+def _wire(told: Explanation) -> str:
+    if not told.wire:
+        return "On the wire: nothing of this line."
+    ticks = [
+        f"{ns:.1f} ns{f' on {name}' * (name != MAIN)}" for name, ns in (told.tick_ns or {}).items()
+    ]
+    rows = [
+        "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what",
+        f"the interval grows by after each; a tick is {', '.join(ticks)}. "
+        f"{len(told.wire)} commands:",
+    ]
+    for command in told.wire[:_MAX_WIRE]:
+        where = f"{command.board}: " * (command.board != MAIN)
+        rows.append(f"  {command.payload:<30} {where}{command.motor}: {command.text}")
+    if len(told.wire) > _MAX_WIRE:
+        rows.append(f"  and {len(told.wire) - _MAX_WIRE} more")
+    rows.append("A frame with the first of them alone (length, sequence, payload, CRC, 7e):")
+    rows.append(f"  {told.frame}")
+    return "\n".join(rows)

@@ -1,0 +1,46 @@
+"""What one line becomes: words, planned moves, steps, bytes on the wire."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from passo.catalogue import CATALOGUE
+from passo.learn.explanation import Explanation
+from passo.web.call import Call
+from passo.web.files.names import confined
+from passo.web.operation import operation
+from passo.web.roles import Role
+
+
+class LineOfFile(Struct, forbid_unknown_fields=True):
+    """A line of a file of the card, counted from 1."""
+
+    path: str
+    line: Annotated[int, Meta(ge=1, le=2**31 - 1)]
+
+
+class TypedLine(Struct, forbid_unknown_fields=True):
+    """One line of G-code."""
+
+    line: Annotated[str, Meta(min_length=1, max_length=1000, pattern=r"^[^\r\n]*[^\s][^\r\n]*$")]
+
+
+_ERRORS = (
+    *(code for code in CATALOGUE if code.startswith("input.")),
+    *("card.absent", "card.not-found", "card.name", "card.directory", "card.changed"),
+)
+
+
+@operation("explain.file", "GET", "/explain", Role.VIEWER, errors=_ERRORS)
+async def explain_file(call: Call, query: LineOfFile) -> Explanation:
+    """What a line of a file of the card becomes, as `passo explain` shows it: the print runs on a
+    simulated board until the line is done, which takes seconds for a late line of a long file."""
+    return await call.bridge.explain(confined(query.path), query.line)
+
+
+@operation("explain.line", "POST", "/explain", Role.VIEWER, errors=_ERRORS)
+async def explain_line(call: Call, body: TypedLine) -> Explanation:
+    """What a line becomes that starts with all axes at 0. Nothing moves."""
+    return await call.bridge.explain_line(body.line)
