@@ -59,7 +59,7 @@ Found Interpreter::next() {
 
 // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no
 // move; Found::error: the line needs the general way.
-Found Interpreter::fast_move(const char* p, const char* end, bool rapid) {
+inline Found Interpreter::fast_move(const char* p, const char* end, bool rapid) {
   if (any_due_) return Found::error;
   double value[26];
   uint32_t have = 0;
@@ -84,8 +84,8 @@ Found Interpreter::fast_move(const char* p, const char* end, bool rapid) {
 }
 
 // Resolves the target of the letters in `have`; false if nothing moves. `move_` is the result.
-bool Interpreter::straight(const double* value, uint32_t have, double feed, double duration,
-                           bool rapid) {
+inline bool Interpreter::straight(const double* value, uint32_t have, double feed, double duration,
+                                  bool rapid) {
   if (!target(value, have, relative(), 0) || retracts(have)) return false;
   move_.feed_mm_s = feed;
   move_.duration_s = duration;

@@ -197,7 +197,7 @@ void Job::begin_at_the_end() {
   for (const Row& row : constraints.extruders) slowest_mm_s_ = std::min(slowest_mm_s_, row.speed);
 }
 
-bool Job::admit(MoveRequest& m) {
+inline bool Job::admit(MoveRequest& m) {
   // Where a move before it was left out, filament alone moves nothing else, and a dwell nothing.
   if (left_out.times > 0 && m.kind == MoveKind::extrude) std::copy_n(at_, 3, m.target);
   if (left_out.times > 0 && m.kind == MoveKind::dwell) {
@@ -267,7 +267,7 @@ bool Job::slow(const MoveRequest& m) const {
   return m.duration_s > kQuickS || mm > kQuickS * m.feed_mm_s || mm > kQuickS * slowest_mm_s_;
 }
 
-bool Job::push(const MoveRequest& m) {
+inline bool Job::push(const MoveRequest& m) {
   motion.push(m);
   const Planner& planner = motion.planner();
   if (planner.too_slow() == 0) return true;
@@ -276,7 +276,7 @@ bool Job::push(const MoveRequest& m) {
   return false;
 }
 
-bool Job::too_long(const MoveRequest& m) {
+inline bool Job::too_long(const MoveRequest& m) {
   const Machine& machine = motion.machine();
   if (m.kind == MoveKind::dwell) return false;
   auto beyond = [&](double from, double to, const std::string& name) {

@@ -26,10 +26,6 @@ MoveBudget::MoveBudget(const Machine& machine)
   }
 }
 
-bool MoveBudget::bounds_anything() const {
-  return budget_.step_rate < kInfinity || budget_.command_rate < kInfinity;
-}
-
 void MoveBudget::restart(double start2) {
   reach2_ = start2;
   last_per_s_ = 0;
@@ -47,7 +43,7 @@ void MoveBudget::apply(Move& m, double start2) {
   m.ahead1 = ahead_;
 }
 
-void MoveBudget::charge(Move& m, double start2) {
+inline void MoveBudget::charge(Move& m, double start2) {
   if (m.kind == MoveKind::dwell) {
     settle(0);
     restart(0);
@@ -69,7 +65,7 @@ void MoveBudget::charge(Move& m, double start2) {
   reach2_ = std::min(m.vn2, start2 + 2 * m.a * m.d);
 }
 
-MoveBudget::Asked MoveBudget::ask(const Move& m, const Shape& s, double saving) const {
+inline MoveBudget::Asked MoveBudget::ask(const Move& m, const Shape& s, double saving) const {
   Asked sum{double(m.records)};  // one each, about as long
   for (const Need& need : needs_) {
     double least = std::min(kMaxPerTurn, need.turn / saving) + kPerSecond * s.seconds;
@@ -81,7 +77,7 @@ MoveBudget::Asked MoveBudget::ask(const Move& m, const Shape& s, double saving) 
   return sum;
 }
 
-void MoveBudget::list_needs(const Move& m) {
+inline void MoveBudget::list_needs(const Move& m) {
   needs_.clear();
   double of_path = std::sqrt(m.a / m.d);
   auto add = [&](double steps, int motors, double turn, double bends) {
@@ -96,7 +92,7 @@ void MoveBudget::list_needs(const Move& m) {
   for (const Motor& motor : motors_) add(motor.steps, 1, kPerTurn * std::sqrt(motor.turn), 0);
 }
 
-void MoveBudget::settle(double end2) {
+inline void MoveBudget::settle(double end2) {
   if (last_per_s_ == 0 || end2 == last_.end2) return;
   Shape is = last_;
   is.end2 = end2;
@@ -106,7 +102,7 @@ void MoveBudget::settle(double end2) {
   ahead_ = std::max(0.0, ahead_);
 }
 
-void MoveBudget::spend(Move& m, double start2) {
+inline void MoveBudget::spend(Move& m, double start2) {
   list_needs(m);
   Shape s(m, start2, m.vn2);
   Asked asked = ask(m, s, 1);

@@ -34,7 +34,9 @@ class MoveBudget {
 
   explicit MoveBudget(const Machine& machine);
 
-  bool bounds_anything() const;
+  bool bounds_anything() const {
+    return budget_.step_rate < kInfinity || budget_.command_rate < kInfinity;
+  }
 
   // The next move begins with speed² `start2`, not where the last one ended.
   void restart(double start2);

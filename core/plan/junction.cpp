@@ -52,7 +52,8 @@ double JunctionRule::extruder_cap(const Move& before, const Move& m, const Const
   return cap;
 }
 
-double JunctionRule::deviation(const Move& before, const Move& m, double cap, double delta) const {
+inline double JunctionRule::deviation(const Move& before, const Move& m, double cap,
+                                      double delta) const {
   double inverse = 1 / (before.d * m.d);
   double cosine = -((m.p1[0] - m.p0[0]) * (before.p1[0] - before.p0[0]) +
                     (m.p1[1] - m.p0[1]) * (before.p1[1] - before.p0[1]) +

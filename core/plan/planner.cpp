@@ -112,7 +112,7 @@ void Planner::stand(double clock) {
   clock_ = clock;
 }
 
-void Planner::fill(Move& m, const MoveRequest& r) {
+inline void Planner::fill(Move& m, const MoveRequest& r) {
   static_cast<MoveOrigin&>(m) = r;
   std::memcpy(m.p0, position_, sizeof m.p0);
   std::memcpy(m.p1, r.target, sizeof m.p1);
@@ -189,7 +189,7 @@ void Planner::settle(bool flush) {
   }
 }
 
-void Planner::trapezoid(Move& m, double end2) {
+inline void Planner::trapezoid(Move& m, double end2) {
   double start2 = speed2_, reach = 2 * m.a * m.d;
   m.start = clock_;
   end2 = std::min(end2, start2 + reach);

@@ -51,9 +51,4 @@ void PlanStatistics::pass(const Move& m, double seconds) {
   window_s_ = window_commands_ = 0;
 }
 
-double& PlanStatistics::grow(std::vector<double>& v, size_t i) {
-  if (i >= v.size()) v.resize(i + 1, 0.0);
-  return v[i];
-}
-
 }  // namespace passo

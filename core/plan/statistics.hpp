@@ -43,7 +43,10 @@ struct PlanStatistics {
   uint32_t window_line_ = 0;
 
   void pass(const Move& m, double seconds);
-  static double& grow(std::vector<double>& v, size_t i);
+  static double& grow(std::vector<double>& v, size_t i) {
+    if (i >= v.size()) v.resize(i + 1, 0.0);
+    return v[i];
+  }
 };
 
 }  // namespace passo

@@ -79,7 +79,7 @@ void Compressor::restart(int64_t last, const StepStatistics& revoked) {
   statistics_.commands -= revoked.commands;
 }
 
-void Compressor::drop_close_reversals() {
+inline void Compressor::drop_close_reversals() {
   auto& runs = steps_.runs;
   for (size_t r = std::max<size_t>(joined_, 1); r < runs.size();) {
     size_t at = runs[r].first, end = r + 1 < runs.size() ? runs[r + 1].first : steps_.ticks.size();
@@ -127,7 +127,7 @@ void Compressor::set_apart() {
     steps_.ticks[k] = least += apart;
 }
 
-size_t Compressor::compress_all(size_t known, double frontier, bool still) {
+inline size_t Compressor::compress_all(size_t known, double frontier, bool still) {
   const size_t n = steps_.ticks.size();
   // Behind a stop the next step may be due at once, and is then set apart from the last one.
   steps_.ticks.push_back(still ? steps_.ticks.back() + apart() : 1e18);
@@ -142,7 +142,7 @@ size_t Compressor::compress_all(size_t known, double frontier, bool still) {
   return done;
 }
 
-void Compressor::prepare(size_t from, size_t to) {
+inline void Compressor::prepare(size_t from, size_t to) {
   base_ = from;
   if (size_t n = to - from; lo_.size() < n + 3)
     for (auto* v : {&lo_, &hi_, &executed_}) v->resize(2 * (n + 3));
@@ -167,16 +167,16 @@ void Compressor::prepare(size_t from, size_t to) {
   for (size_t k = 0; k < to - base_ && lo_[k] <= double(behind_); ++k) lo_[k] = double(behind_) + 1;
 }
 
-double Compressor::half_turn(size_t b) const {
+inline double Compressor::half_turn(size_t b) const {
   return std::max(0.0, 0.5 * (steps_.ticks[b] - steps_.ticks[b - 1] - reversal_)) + 0.5;
 }
 
-void Compressor::narrow(size_t k, double half) {
+inline void Compressor::narrow(size_t k, double half) {
   lo_[k - base_] = std::max(lo_[k - base_], steps_.ticks[k] - half);
   hi_[k - base_] = std::min(hi_[k - base_], steps_.ticks[k] + half);
 }
 
-size_t Compressor::compress(size_t i, size_t known, bool last, double frontier, bool still) {
+inline size_t Compressor::compress(size_t i, size_t known, bool last, double frontier, bool still) {
   const double* t = steps_.ticks.data();
   const size_t size = steps_.ticks.size() - 1;
   double before = double(last_);  // a number of its own: each search waits for it
@@ -211,7 +211,7 @@ size_t Compressor::compress(size_t i, size_t known, bool last, double frontier, 
   return check(i);
 }
 
-size_t Compressor::check(size_t done) {
+inline size_t Compressor::check(size_t done) {
   Errors e = stabbing_->errors(&steps_.ticks[base_], &lo_[0], &hi_[0], &executed_[0], done - base_);
   if (e.beyond > 1e-5) throw std::logic_error("a command left the window of its steps");
   statistics_.error_max = std::max(statistics_.error_max, e.largest);
@@ -219,11 +219,11 @@ size_t Compressor::check(size_t done) {
   return done;
 }
 
-int64_t Compressor::due(double first) const {
+inline int64_t Compressor::due(double first) const {
   return std::max({last_, floor_, int64_t(std::floor(first - lead_))});
 }
 
-void Compressor::reset_clock(double first) {
+inline void Compressor::reset_clock(double first) {
   int64_t before = last_;
   last_ = due(first);
   resets_.push_back({last_, before, renew_});
@@ -231,7 +231,7 @@ void Compressor::reset_clock(double first) {
   messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
 }
 
-void Compressor::emit(int dir, size_t i, const Command& c, int64_t span) {
+inline void Compressor::emit(int dir, size_t i, const Command& c, int64_t span) {
   const int64_t clock = due(steps_.ticks[i]), end = last_ + span, count = c.count;
   if (dir != dir_) {
     messages_.push({clock, clock, 0, 0, 0, target_, MessageKind::set_dir, uint8_t(dir > 0)});
@@ -248,7 +248,7 @@ void Compressor::emit(int dir, size_t i, const Command& c, int64_t span) {
   ++statistics_.commands;
 }
 
-void Compressor::forget(size_t done) {
+inline void Compressor::forget(size_t done) {
   if (done == 1) return;
   size_t shift = done - 1;
   steps_.ticks.erase(steps_.ticks.begin(), steps_.ticks.begin() + long(shift));

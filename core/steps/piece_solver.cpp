@@ -88,11 +88,6 @@ PieceSolver::PieceSolver(const Machine& machine, const StepperSpec& spec)
     row_[spec.drive == Drive::extruder ? kE : slot_of_axis(spec.index)] = 1;
 }
 
-bool PieceSolver::raised() const {
-  return machine_.height_map && !machine_.joints && spec_.drive == Drive::actuator &&
-         (!straight_ || row_[kZ] != 0);
-}
-
 int64_t PieceSolver::solve(const Piece& p, int64_t count, int64_t target, bool ends_path,
                            Steps& out) {
   if (!moves(p)) return count;

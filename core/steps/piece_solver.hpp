@@ -14,7 +14,10 @@ class PieceSolver {
   PieceSolver(const Machine& machine, const StepperSpec& spec);
 
   // What the bed adds to Z moves this motor.
-  bool raised() const;
+  bool raised() const {
+    return machine_.height_map && !machine_.joints && spec_.drive == Drive::actuator &&
+           (!straight_ || row_[kZ] != 0);
+  }
 
   // Appends each step from `count` on. At the end of a path, also for each
   // that its rounded end, `target`, still wants. Returns the count after them.

@@ -48,7 +48,7 @@ double StepSolver::position(const double* p) const {
   return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
 }
 
-void StepSolver::solve_linear(const Move& m, Steps& out) {
+inline void StepSolver::solve_linear(const Move& m, Steps& out) {
   double from = position(m.p0), to = position(m.p1);
   int64_t target = int64_t(std::floor(to + 0.5)), n = target - count_;
   if (n == 0) return;
