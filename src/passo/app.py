@@ -17,7 +17,7 @@ from passo.console.object_commands import ObjectCommands
 from passo.console.printer_console import Listeners
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
-from passo.errors import InputError
+from passo.errors import CommandError, InputError
 from passo.job.durable_files import directory_held
 from passo.job.live.halt_reports import HaltReports
 from passo.job.live.journal_keeper import JournalKeeper
@@ -27,6 +27,7 @@ from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import Statistics
 from passo.job.live.status_reader import StatusReader
+from passo.job.saved_variables import SavedVariables
 from passo.job.settings_store import Store
 from passo.printer.commands.reports import Reports
 from passo.printer.delayed_gcode import DelayedGcode
@@ -129,10 +130,22 @@ def _furnish(
         printer.state.store_settings = settings.store
     settings.load_at_start()
     status.unsaved = settings.unsaved
+    _keep_variables(printer, folder)
     if card is not None:
         library.mount()
         _start_by_itself(printer, library, keeper)
     return Assembly(printer, runner, progress, library, status, objects, statistics, settings)
+
+
+def _keep_variables(printer: Printer, folder: Path | None) -> None:
+    """Macros have the variables of SAVE_VARIABLE that are stored in the folder."""
+    macros = printer.rig.macros
+    file = SavedVariables(None if folder is None else folder / "variables.json")
+    macros.keep = file.save
+    try:
+        macros.saved = file.load()
+    except CommandError as error:
+        printer.state.announce(_log, logging.WARNING, str(error), error.problems[0])
 
 
 def _start_by_itself(printer: Printer, library: Library, keeper: JournalKeeper | None) -> None:

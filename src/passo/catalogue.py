@@ -572,6 +572,16 @@ CATALOGUE: Mapping[str, Entry] = {
         "variable {axis}: {value!r} is not a value",
         "Write a number, a text in two kinds of quotes (\"'text'\"), a list, True or False",
     ),
+    "macro.saved-unreadable": _input(
+        "macro",
+        "the variables of SAVE_VARIABLE are damaged: no macro has them, and none is stored",
+        "Correct the file, which is JSON, or remove it, and restart the program",
+    ),
+    "macro.saved-unwritable": _input(
+        "macro",
+        "the variable was not stored: {value}",
+        "Check the directory, its permissions and the free space on the disk",
+    ),
     "macro.no-delay": _input(
         "macro", "there is no [delayed_gcode.{axis}]; known here: {value}", "Correct the name"
     ),
@@ -679,6 +689,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "job",
         "emergency stop by M112",
         "Take it out of the file, or end the program there with M2",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.restart": Entry(
+        "printer",
+        "the printer restarts, as RESTART or FIRMWARE_RESTART asks",
+        "Home it before you move it",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.stopped": Entry(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from passo.printer.status import JobStatus, PrinterState
 
@@ -70,6 +71,21 @@ class Message:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class RemoteCall:
+    """A macro calls a method that a client of Klipper's socket has registered."""
+
+    method: str
+    arguments: Mapping[str, Any]
+
+
 Event: TypeAlias = (
-    StateChanged | TemperatureChanged | LayerChanged | ProgressChanged | JobEnded | Fault | Message
+    StateChanged
+    | TemperatureChanged
+    | LayerChanged
+    | ProgressChanged
+    | JobEnded
+    | Fault
+    | Message
+    | RemoteCall
 )

@@ -64,7 +64,9 @@ def test_commands_that_wait_in_a_file_stop_the_machine():
         "M410",
         "M524",
         "CANCEL_PRINT",
+        "FIRMWARE_RESTART",
         "PAUSE",
+        "RESTART",
     ]
 
 

@@ -206,3 +206,28 @@ def test_m922_sent_before_failure_is_refused():
         s.board.force_sensor("hotend", None)
         assert "armed again" in s.host.ok("M922")[0]
         assert heater.fault is None
+
+
+@pytest.mark.parametrize("line", ["RESTART", "firmware_restart"])
+def test_restart_by_name_halts_first_and_its_ok_comes_when_ready(s, line):
+    s.host.ok("M104 S50")
+    assert s.host.ok(line, 120)[-1] == "ok"
+    assert not s.printer.halted
+    assert s.printer.connection.heaters["hotend"].target == 0
+    assert not [text for text in s.host.heard if text.startswith("Error:")]
+    assert s.host.ok("G1 X5")[0].startswith("echo:")  # not homed
+
+
+def test_restart_by_name_ends_an_emergency_stop(s):
+    s.host.send("M112", "RESTART", "G92 X0 Y0 Z0", "G1 X5 F6000", "M400")
+    for _ in range(5):
+        s.host.expect("^ok", 10)
+    assert s.host.ok("M114")[0].startswith("X:5.00")
+
+
+def test_restart_that_was_sent_before_an_emergency_stop_is_refused(s):
+    other = Host(s)
+    at_once(s, (s.host, b"G28\nRESTART\n"), (other, b"M112\n"))
+    s.passes(5)
+    assert s.printer.halted
+    assert any("RESTART is not carried out" in text for text in s.host.heard)

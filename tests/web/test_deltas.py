@@ -41,4 +41,10 @@ def test_a_status_becomes_plain_values():
     plain = tree(STATUS)
     assert plain["state"] == "I"
     assert plain["homed"] == ["x", "y", "z"]
-    assert plain["heaters"]["bed"] == {"celsius": 60.0, "target_c": 60.0, "power": 0.4, "fault": ""}
+    assert plain["heaters"]["bed"] == {
+        "celsius": 60.0,
+        "target_c": 60.0,
+        "power": 0.4,
+        "fault": "",
+        "min_extrude_c": 0.0,
+    }

@@ -13,6 +13,7 @@ from passo.gcode.registry import row_of
 # protocol; what ends a program or calls its parts; labels of objects, which are read ahead.
 _KEPT = (
     "G0 G1 G2 G3 M2 M30 M98 M99 EOF M28 M29 M108 M110 M112 M410 M486 M876 M922 M932 M933 M999"
+    " RESTART FIRMWARE_RESTART SAVE_VARIABLE"
     " EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE EXCLUDE_OBJECT_START EXCLUDE_OBJECT_END"
     " SET_GCODE_VARIABLE UPDATE_DELAYED_GCODE"
 )

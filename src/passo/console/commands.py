@@ -229,6 +229,30 @@ class ConsoleCommands:
         return None
 
     @command(
+        "RESTART",
+        Subject.STOPS,
+        When.IMMEDIATE,
+        "",
+        "Restarts the boards: all heaters and motors go off at once, a print ends.",
+        kind=Kind.SERVED,
+        bare=None,
+        in_turn=True,
+    )
+    @command(
+        "FIRMWARE_RESTART",
+        Subject.STOPS,
+        When.IMMEDIATE,
+        "",
+        "As RESTART.",
+        kind=Kind.SERVED,
+        bare=None,
+        in_turn=True,
+    )
+    def _halt_and_restart(self, _: Command, __: Reply) -> Wait | None:
+        self._printer.restart()
+        return None
+
+    @command(
         "M932",
         Subject.CONSOLES,
         When.IMMEDIATE,

@@ -12,7 +12,7 @@ from passo.gcode.registry import ANY, row_of
 from passo.printer.printer import Printer
 
 _RESUMES = ("M24", "M602")
-LIFTS = ("M922", "M999")
+LIFTS = ("M922", "M999", "RESTART", "FIRMWARE_RESTART")
 _HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE | re.ASCII)
 _HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE | re.ASCII)
 
@@ -63,7 +63,7 @@ class EmergencyParser:
         they are text of an upload that is open, or that a queued line will open; `upload` is the
         open one. In an upload with line numbers a line without one is a command. False for text.
         For each command, call `reached` if it is M28 or M29, `answered` if it `answers`, and
-        `outdated` if it is M922 or M999, when the line is taken from the queue.
+        `outdated` if it is one of LIFTS, when the line is taken from the queue.
         """
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
@@ -102,7 +102,7 @@ class EmergencyParser:
         return True
 
     def outdated(self) -> bool:
-        """A queued M999 or M922 is reached; True if a failure occurred after it was received, of
+        """A queued one of LIFTS is reached; True if a failure occurred after it was received, of
         which its sender did not know."""
         return self._failures.popleft() != self._printer.state.failures
 

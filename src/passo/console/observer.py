@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from passo.board.faults import HeaterFault
 from passo.events import (
@@ -16,6 +16,7 @@ from passo.events import (
     Message,
     Outcome,
     ProgressChanged,
+    RemoteCall,
     StateChanged,
     TemperatureChanged,
 )
@@ -62,6 +63,7 @@ class Observer:
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
         printer.watchers.append(self._time_passed)
         printer.state.listeners.append(self._on_message)
+        printer.rig.macros.call_remote = self._on_remote_call
         runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
@@ -115,6 +117,9 @@ class Observer:
     def _on_message(self, text: str) -> None:
         self._emit(Message(text))
         self._loop.call_soon(self._look)  # it may tell of a halt
+
+    def _on_remote_call(self, method: str, arguments: Mapping[str, Any]) -> None:
+        self._emit(RemoteCall(method, dict(arguments)))
 
     def _emit(self, event: Event) -> None:
         for call in self._event_listeners:

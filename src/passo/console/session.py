@@ -32,7 +32,8 @@ _PLAIN = str.maketrans(_CONTROLS)
 _UNITS = re.compile(r"(?<=\d )°(?=C(?:[/\s,;:)]|\.?$|\.\s))|(?<=\d )µ(?=[ms]\b)|(?<=/s)²")
 _UNIT = {"°": "", "µ": "u", "²": "2"}
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
-_EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
+_RESTARTS = ("M999", "RESTART", "FIRMWARE_RESTART")
+_EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", *_RESTARTS)
 # A line that begins so moves the machine; a word of an axis repeats the last move.
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
 _TOOL = re.compile(r"T\d")  # without it filament of another one would be printed
@@ -315,7 +316,7 @@ class Session:
             self.fail(f"{code} is not carried out: {since}")
             return False
         if printer.dispatch.act(command, self):
-            revives = code == "M999" and bool(printer.halted)
+            revives = code in _RESTARTS and bool(printer.halted)
             if revives:
                 self._task = self._loop.create_task(
                     self._await_restart(line, printer.supervisor.answered())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from passo.printer.status import Status
     from passo.printer.wait_requests import Reply
 
+_VARIABLE = re.compile(r"[a-z_][a-z0-9_]{0,99}", re.ASCII)
+_MAX_SAVED = 1000  # variables of SAVE_VARIABLE
 MAX_DEPTH = 16  # macros within each other
 _LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
 _LETTERED = re.compile(r"([A-Z])\s*(\"[^\"]*\"|[-+.\d]*)", re.IGNORECASE | re.ASCII)
@@ -61,6 +64,11 @@ class Macros:
         self.variables: dict[str, dict[str, Any]] = {
             name: deepcopy(macro.variables) for name, macro in machine.macros.items()
         }
+        self.saved: dict[str, Any] = {}  # those of SAVE_VARIABLE
+        # Keeps `saved` durably, or raises CommandError. A program that is only planned forgets it.
+        self.keep: Callable[[Mapping[str, Any]], None] = lambda _: None
+        # Calls a method of other programs, by name and arguments.
+        self.call_remote: Callable[[str, Mapping[str, Any]], None] = lambda _, __: None
         self._templates: dict[str, Template] = {}
         self._budgets: dict[bool, Budget] = {}
         # Called with each call and the text that it becomes.
@@ -118,25 +126,36 @@ class Macros:
     )
     def set_variable(self, command: Command, _: Reply) -> None:
         """Raises CommandError."""
-        words = command.pairs()
-        for key in ("MACRO", "VARIABLE", "VALUE"):
-            if key not in words:
-                raise CommandError.of("input.missing-word", axis=command.code, value=key)
-        name, variable, written = words["MACRO"].upper(), words["VARIABLE"], words["VALUE"]
+        words = _needed(command, "MACRO", "VARIABLE", "VALUE")
+        name, variable = words["MACRO"].upper(), words["VARIABLE"]
         if name not in self.variables:
             raise CommandError.of("macro.unknown", axis=name, value=_names(self.variables))
         if variable not in self.variables[name]:
             known = _names(self.variables[name])
             raise CommandError.of("macro.no-variable", axis=name, value=variable, limit=known)
-        try:
-            if len(written) > _LONGEST_VALUE:
-                raise ValueError
-            value = ast.literal_eval(written)
-        except (ValueError, SyntaxError, MemoryError, RecursionError):
-            raise CommandError.of("macro.value", axis=variable, value=written) from None
-        if not _plain(value):
-            raise CommandError.of("macro.value", axis=variable, value=written)
-        self.variables[name][variable] = value
+        self.variables[name][variable] = _value(variable, words["VALUE"])
+
+    @command(
+        "SAVE_VARIABLE",
+        Subject.MACROS,
+        When.PLANNED,
+        "VARIABLE VALUE",
+        "Stores a variable that all macros read as printer.save_variables.variables.NAME, also"
+        " after a restart.",
+        bare=None,
+    )
+    def save_variable(self, command: Command, _: Reply) -> None:
+        """Raises CommandError; all variables are as before then."""
+        words = _needed(command, "VARIABLE", "VALUE")
+        name = words["VARIABLE"]
+        if not _VARIABLE.fullmatch(name):
+            limit = "a name of small letters, digits and _"
+            raise CommandError.of("command.value", axis="VARIABLE", value=name, limit=limit)
+        saved = {**self.saved, name: _value(name, words["VALUE"])}
+        if len(saved) > _MAX_SAVED:
+            raise CommandError.bad_value("VARIABLE", name, f"one of at most {_MAX_SAVED:,}")
+        self.keep(saved)
+        self.saved = saved
 
     def take_variables(self, other: Macros) -> None:
         """Variables have the values that another program has given them."""
@@ -161,6 +180,7 @@ class Macros:
             "action_respond_info": respond_info,
             "action_raise_error": _raise_error,
             "action_emergency_stop": _stop,
+            "action_call_remote_method": self._call_remote_method,
         }
         template = self._templates.get(name)
         try:
@@ -176,8 +196,16 @@ class Macros:
         except _Raised as raised:
             raise CommandError.of("macro.raised", axis=name, value=str(raised)) from None
 
+    def _call_remote_method(self, method: object = "", **arguments: object) -> str:
+        if not all(_plain(value) for value in arguments.values()):
+            raise _Raised(f"{method}: arguments are texts, numbers, lists and tables")
+        self.call_remote(str(method), arguments)
+        return ""
+
     def _tree(self, status: Status) -> _Tree:
-        return _Tree(objects(self._machine, status, deepcopy(self.variables)))
+        found = objects(self._machine, status, deepcopy(self.variables))
+        saved = deepcopy(self.saved)
+        return _Tree(found | {"save_variables": lambda: {"variables": saved}})
 
 
 def _raise_error(message: object = "") -> str:
@@ -194,6 +222,29 @@ def _params(command: Command) -> dict[str, str]:
         return command.pairs()
     found = _LETTERED.finditer(command.text)
     return {match[1].upper(): match[2].strip('"') for match in found}
+
+
+def _needed(command: Command, *keys: str) -> dict[str, str]:
+    """The words of a command, which must have these. Raises CommandError."""
+    words = command.pairs()
+    for key in keys:
+        if key not in words:
+            raise CommandError.of("input.missing-word", axis=command.code, value=key)
+    return words
+
+
+def _value(variable: str, written: str) -> Any:
+    """The value that a command gives a variable, as JSON can hold it: a list for a tuple. Raises
+    CommandError."""
+    try:
+        if len(written) > _LONGEST_VALUE:
+            raise ValueError
+        value = ast.literal_eval(written)
+        if not _plain(value):
+            raise ValueError
+        return json.loads(json.dumps(value, allow_nan=False))
+    except (ValueError, SyntaxError, MemoryError, RecursionError):
+        raise CommandError.of("macro.value", axis=variable, value=written) from None
 
 
 def _names(known: Mapping[str, object]) -> str:

@@ -350,6 +350,11 @@ class Printer:
         if self.halted:
             self.supervisor.request_restart()
 
+    def restart(self) -> None:
+        """RESTART: everything off at once, then as M999."""
+        self.halt(MachineError.of("machine.restart"))
+        self.request_restart()
+
     @in_program("M112")
     def _halt_by_line(self, _: Command, __: Reply) -> Wait | None:
         """M112 where no console has seen it come: in a file, or behind another command."""

@@ -204,7 +204,8 @@ class Status:
     printed; `ended` is the last print, until another file is selected; `started`: the boards have
     started at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c`
     the hotend of `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the
-    settings that M500 would change on its medium, as commands with their values, by headings.
+    settings that M500 would change on its medium, as commands with their values, by headings;
+    `saved_variables` are those of SAVE_VARIABLE.
     """
 
     state: PrinterState
@@ -232,6 +233,7 @@ class Status:
     macros: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
     min_extrude_c: float = 0.0
     unsaved: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
+    saved_variables: dict[str, Any] = field(default_factory=dict[str, Any])
 
 
 def planned_status(

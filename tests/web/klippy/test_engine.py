@@ -8,7 +8,7 @@ from tests.web.fake_bridge import STATUS
 from tests.web.klippy.client import Served
 
 from passo.errors import CommandError, MachineError
-from passo.events import Message
+from passo.events import Message, RemoteCall
 from passo.printer.status import EndedJob, FaultStatus, JobStatus, PrinterState
 
 HALTED = replace(
@@ -235,5 +235,22 @@ def test_restart_of_a_script_that_fails_before_it_is_left_out():
         served.bridge.answers["G28"] = MachineError.of("machine.emergency-stop")
         answer = await served.client().ask("gcode/script", script="G28\nRESTART")
         assert (answer["error"], served.restarts) == ("WebRequestError", [])
+
+    run(test)
+
+
+def test_methods_that_macros_call_are_called_at_the_client_that_has_them():
+    async def test(served):
+        client, other = served.client(), served.client()
+        template = {"method": "timelapse_newframe"}
+        await client.ask(
+            "register_remote_method", remote_method="frame", response_template=template
+        )
+        await other.ask("gcode/subscribe_output", response_template={"method": "output"})
+        served.bridge.tell(RemoteCall("frame", {"hidden": True}))
+        assert client.pushed == [{**template, "params": {"hidden": True}}]
+        assert other.pushed == []
+        served.bridge.tell(RemoteCall("unknown", {}))
+        assert "has registered the method unknown" in other.pushed[0]["params"]["response"]
 
     run(test)

@@ -600,7 +600,8 @@ export interface SpeedFactor {
  * is the last print, until another file is selected; `started`: the boards have started at least
  * once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the hotend of
  * `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the settings that
- * M500 would change on its medium, as commands with their values, by headings. */
+ * M500 would change on its medium, as commands with their values, by headings; `saved_variables`
+ * are those of SAVE_VARIABLE. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -627,6 +628,7 @@ export interface Status {
   macros: Record<string, Record<string, unknown>>;
   min_extrude_c: number;
   unsaved: Record<string, Record<string, string>>;
+  saved_variables: Record<string, unknown>;
 }
 
 /** The status, and a number that counts up with each change of it. */

@@ -71,6 +71,8 @@ class HaltReports:
         printer.closers.append(self._close)
 
     def _halted(self, cause: PassoError) -> None:
+        if cause.problems[0].code == "machine.restart":
+            return  # nothing has failed
         try:
             halt = _Halt(self._printer, self._loop.time(), self._job(), self._history, cause)
         except Exception:  # the halt itself goes on

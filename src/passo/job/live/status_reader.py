@@ -86,6 +86,7 @@ class StatusReader:
             macros=deepcopy(printer.rig.macros.variables),
             min_extrude_c=printer.heat.cold.min_c(job.tool),
             unsaved=self.unsaved(),
+            saved_variables=printer.rig.macros.saved,
         )
 
     def _job_changed(self, was: JobState, state: JobState) -> None:

@@ -45,6 +45,7 @@ def objects(machine: MachineConfig, status: Status, variables: Variables) -> Obj
         "display_status": lambda: display_status(status),
         "idle_timeout": lambda: idle_timeout(machine, status),
         "exclude_object": lambda: exclude_object(status),
+        "save_variables": lambda: {"variables": dict(status.saved_variables)},
     }
     for name, part in machine.heaters.items():
         make = extruder if part.kind == "hotend" else heater

@@ -169,7 +169,8 @@ class Supervisor:
         """Waits for M999."""
         rig, state = self._rig, self._state
         self._make_safe()
-        if state.start_failure is None:  # else each console is told when it opens
+        if state.start_failure is None and not self._restart_asked.is_set():
+            # Else each console is told when it opens, or there is nothing to do.
             state.tell(f"Error:Printer halted: {state.why_halted}")
         rig.queue.end_waits()
         await self._until_restart_asked()

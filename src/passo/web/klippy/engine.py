@@ -10,12 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from passo.events import Message
+from passo.events import Message, RemoteCall
 from passo.printer.klipper.machine import webhooks
 from passo.version import __version__
 from passo.web.klippy.arguments import Arguments, RequestError
 from passo.web.klippy.connection import Connection
 from passo.web.klippy.objects import PrinterObjects
+from passo.web.klippy.output import failed
 from passo.web.klippy.scripts import Scripts
 from passo.web.klippy.subscriptions import Subscription, picked
 
@@ -92,6 +93,8 @@ class Engine:
         """As `Listener.on_event`."""
         if isinstance(event, Message):
             self._scripts.hear(event.text)
+        elif isinstance(event, RemoteCall):
+            self._call_remote(event)
 
     def tell_changes(self, snapshot: Snapshot | None = None) -> None:
         """Sends to each client what has changed of the objects that it wants to know of, in this
@@ -99,6 +102,17 @@ class Engine:
         lookup, event_s = self._objects.lookup(snapshot), self._now_s()
         for client in list(self.connections):
             client.tell_changes(lookup, event_s)
+
+    def _call_remote(self, call: RemoteCall) -> None:
+        """Calls the method of each client that has registered it."""
+        method, having = (
+            call.method,
+            [c for c in self.connections if call.method in c.remote_methods],
+        )
+        for client in having:
+            client.tell(client.remote_methods[method], call.arguments)
+        if not having:
+            self._broadcast(failed(f"No client has registered the method {method} of a macro"))
 
     def _broadcast(self, line: str) -> None:
         for client in list(self.connections):

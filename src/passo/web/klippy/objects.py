@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from passo.gcode.registry import Kind, When
 from passo.printer.klipper.machine import webhooks
 from passo.printer.klipper.objects import Object, objects
-from passo.web.klippy.scripts import RESTARTS
 
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge, Snapshot
@@ -62,7 +61,6 @@ class PrinterObjects:
             for row in rows
             if row.kind is not Kind.NOT_BUILT and (ready or row.when in _HALTED)
         }
-        commands |= {name: {"help": "Restarts the boards, as M999."} for name in RESTARTS}
         own = {name: {"help": macro.description} for name, macro in macros.items()}
         return {"commands": commands | (own if ready else {})}
 
