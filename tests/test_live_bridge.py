@@ -88,6 +88,18 @@ def test_the_first_line_that_fails_ends_a_script(tmp_path):
     bridged(test, tmp_path)
 
 
+def test_script_that_fails_restores_the_state_that_it_has_saved(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        await bridge.run("G28\nG90\nG1 X50 F3000\nG20")
+        jog = "SAVE_GCODE_STATE NAME=_ui_movement\nG91\nG1 X+999\nRESTORE_GCODE_STATE NAME="
+        with pytest.raises(CommandError, match="beyond the limit"):
+            await bridge.run(f"{jog}_ui_movement\nG1 X1")
+        await bridge.run("G1 X2 F100")  # absolute, in inches
+        assert bridge._printer.job.machine_position[0] == pytest.approx(50.8)
+
+    bridged(test, tmp_path)
+
+
 def test_a_print_is_started_paused_resumed_and_cancelled(tmp_path):
     async def test(bridge: LiveBridge, heard):
         await bridge.start_print("/part.gcode")

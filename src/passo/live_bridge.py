@@ -122,9 +122,22 @@ class LiveBridge:
         answers: list[str] = []
         async with self._turn:
             self._scripts.sender = sender
-            for line in lines:
-                answers += (await self._scripts.send(line, heard)).lines
+            for number, line in enumerate(lines, 1):
+                try:
+                    answers += (await self._scripts.send(line, heard)).lines
+                except PassoError:
+                    await self._restore_states(lines[number:])
+                    raise
         return tuple(answers)
+
+    async def _restore_states(self, lines: Sequence[str]) -> None:
+        """The rest of a script that has failed: modes are again as they were before it."""
+        for line in lines:
+            words = line.upper().split()
+            moves = any(word.startswith("MOVE=") for word in words)
+            if words[:1] == ["RESTORE_GCODE_STATE"] and not moves:
+                with suppress(PassoError):  # the state was not saved
+                    await self._scripts.send(line)
 
     def _line(self, line: ConsoleLine) -> None:
         for loop, call in list(self._line_listeners):

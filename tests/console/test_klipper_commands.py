@@ -25,6 +25,16 @@ def test_jog_of_a_page_leaves_modes_and_feedrate_as_they_were():
         assert position(s).startswith("X:60.000 Y:60.000 Z:10.000")
 
 
+def test_jog_of_a_page_is_in_mm_while_the_program_counts_inches():
+    with Scenario("i3") as s:
+        send(s, "G28", "G90", "G1 X50 Y50 Z10 F3000", "G20")
+        send(s, "SAVE_GCODE_STATE NAME=_ui_movement", "G91", "G1 X+10 F6000")
+        s.host.ok("RESTORE_GCODE_STATE NAME=_ui_movement")
+        assert s.printer.job.machine_position[0] == pytest.approx(60)
+        send(s, "SAVE_GCODE_STATE NAME=mine", "G1 X1 F100")
+        assert s.printer.job.machine_position[0] == pytest.approx(25.4)
+
+
 def test_restored_state_counts_filament_and_factors_from_where_it_was():
     with Scenario("i3") as s:
         send(s, "G28", "M302 S0", "M82", "G1 E5 F300", "M220 S80", "SAVE_GCODE_STATE")

@@ -24,6 +24,10 @@ def web(bridge):
     return local_client(bridge)
 
 
+def _jog(move):
+    return f"SAVE_GCODE_STATE NAME=_ui_jog\n{move}\nRESTORE_GCODE_STATE NAME=_ui_jog"
+
+
 @pytest.mark.parametrize(
     ("method", "path", "body", "script"),
     [
@@ -31,9 +35,14 @@ def web(bridge):
             "POST",
             "motion/jog",
             {"distances_mm": {"x": 10, "z": -0.5}, "speed_mm_s": 50},
-            "G1 X10 Z-0.5 RXZ F3000",
+            _jog("G1 X10 Z-0.5 RXZ F3000"),
         ),
-        ("POST", "motion/jog", {"distances_mm": {"e": 5}, "speed_mm_s": 5}, "G1 E5 RE F300"),
+        (
+            "POST",
+            "motion/jog",
+            {"distances_mm": {"e": 5}, "speed_mm_s": 5},
+            _jog("G1 E5 RE F300"),
+        ),
         ("POST", "motion/home", {}, "G28"),
         ("POST", "motion/home", {"axes": ["x", "y"]}, "G28 X Y"),
         ("POST", "motion/motors-off", None, "M18"),

@@ -153,7 +153,8 @@ class Macros:
             raise CommandError.of("command.value", axis="VARIABLE", value=name, limit=limit)
         saved = {**self.saved, name: _value(name, words["VALUE"])}
         if len(saved) > _MAX_SAVED:
-            raise CommandError.bad_value("VARIABLE", name, f"one of at most {_MAX_SAVED:,}")
+            limit = f"one of the {_MAX_SAVED:,} that are stored already"
+            raise CommandError.of("command.value", axis="VARIABLE", value=name, limit=limit)
         self.keep(saved)
         self.saved = saved
 

@@ -214,8 +214,9 @@ class Motion:
         distances_mm: dict[str, float],
         speed_mm_s: float,
     ) -> None:
-        """Moves axes by a distance, at once or after the moves that are planned. Positions
-        stay absolute. It is answered when the move is planned."""
+        """Moves axes by a distance, at once or after the moves that are planned. How lines
+        are read stays as it was, and mm are mm after G20, too. It is answered when the move
+        is planned."""
         ...
     def home(
         self,
@@ -707,8 +708,9 @@ class AsyncMotion:
         distances_mm: dict[str, float],
         speed_mm_s: float,
     ) -> None:
-        """Moves axes by a distance, at once or after the moves that are planned. Positions
-        stay absolute. It is answered when the move is planned."""
+        """Moves axes by a distance, at once or after the moves that are planned. How lines
+        are read stays as it was, and mm are mm after G20, too. It is answered when the move
+        is planned."""
         ...
     async def home(
         self,

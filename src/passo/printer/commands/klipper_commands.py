@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from passo.printer.wait_requests import Reply
 
 _Words = Mapping[str, str]
+_OF_PAGES = "_ui_"  # names of states that pages save before moves by hand, which are in mm
 _DEFAULT = "default"  # name of a saved state that has none
 _SETS = {"hotend": "M104 T{}", "bed": "M140 P{}", "chamber": "M141 P{}"}
 _FULL_FAN = 255
@@ -56,19 +57,23 @@ class KlipperCommands:
         Subject.MACROS,
         When.PLANNED,
         "NAME",
-        "Saves modes, units, feedrate, factors and position, for RESTORE_GCODE_STATE.",
+        "Saves modes, units, feedrate, factors and position, for RESTORE_GCODE_STATE. After a NAME"
+        " that begins with _ui_, as pages have it, lines count in mm (G21).",
         bare=None,
     )
     def _save(self, command: Command, _: Reply) -> None:
         job = self._job
         at = job.program_position
-        self._saved[command.pairs().get("NAME", _DEFAULT)] = _Saved(
+        name = command.pairs().get("NAME", _DEFAULT)
+        self._saved[name] = _Saved(
             modes=tuple(mode for mode in job.modes.split("\n") if not mode.startswith("T")),
             speed_factor=job.speed_factor,
             flows=tuple(job.flows),
             program_mm=(at[0], at[1], at[2]),
             filament_mm=at[-1],
         )
+        if name.startswith(_OF_PAGES):
+            self._become(["G21"])
 
     @command(
         "RESTORE_GCODE_STATE",

@@ -29,6 +29,7 @@ class AxesToHome(Struct, forbid_unknown_fields=True):
     axes: list[str] = []
 
 
+_STATE = "_ui_jog"
 _ERRORS = ("web.not-found", "command.halted", "command.failed", "input.not-homed", "input.cold")
 
 
@@ -40,13 +41,14 @@ _ERRORS = ("web.not-found", "command.halted", "command.failed", "input.not-homed
     errors=(*_ERRORS, "input.out-of-range", "command.aside"),
 )
 async def jog(call: Call, body: Jog) -> None:
-    """Moves axes by a distance, at once or after the moves that are planned. Positions stay
-    absolute. It is answered when the move is planned."""
+    """Moves axes by a distance, at once or after the moves that are planned. How lines are read
+    stays as it was, and mm are mm after G20, too. It is answered when the move is planned."""
     for name in body.distances_mm:
         _require_axis(call, name, extruder=True)
     words = [f"{name.upper()}{numeral(mm)}" for name, mm in body.distances_mm.items()]
     letters = "".join(body.distances_mm).upper()
-    await call.run(f"G1 {' '.join(words)} R{letters} F{numeral(body.speed_mm_s * 60)}")
+    move = f"G1 {' '.join(words)} R{letters} F{numeral(body.speed_mm_s * 60)}"
+    await call.run(f"SAVE_GCODE_STATE NAME={_STATE}\n{move}\nRESTORE_GCODE_STATE NAME={_STATE}")
 
 
 @operation("motion.home", "POST", "/motion/home", Role.OPERATOR, errors=_ERRORS)
