@@ -3,6 +3,9 @@
 import { call, Refusal } from "../api/client";
 import type { FaultStatus, Identity } from "../api/schema";
 
+export const ROLES = ["viewer", "operator", "admin"] as const;
+export type RoleName = (typeof ROLES)[number];
+
 class Session {
   /** Undefined until the server has answered. */
   identity = $state.raw<Identity>();
@@ -20,6 +23,11 @@ class Session {
   /** An account is logged in, which can log out. */
   get named(): boolean {
     return this.open && this.identity?.set_up === true;
+  }
+
+  /** The account may do what this role may. */
+  may(role: RoleName): boolean {
+    return ROLES.findIndex((one) => one === this.identity?.role) >= ROLES.indexOf(role);
   }
 
   async load(): Promise<void> {

@@ -2,7 +2,7 @@
 
 const KEY = "passo-theme";
 export type Theme = "system" | "light" | "dark";
-const ORDER: readonly Theme[] = ["system", "light", "dark"];
+export const THEMES: readonly Theme[] = ["system", "light", "dark"];
 
 class ThemeChoice {
   chosen = $state<Theme>("system");
@@ -10,7 +10,7 @@ class ThemeChoice {
 
   constructor() {
     const kept = localStorage.getItem(KEY);
-    this.chosen = ORDER.find((theme) => theme === kept) ?? "system";
+    this.chosen = THEMES.find((theme) => theme === kept) ?? "system";
     const query = matchMedia("(prefers-color-scheme: dark)");
     this.#system = query.matches;
     query.addEventListener("change", (event) => {
@@ -23,8 +23,12 @@ class ThemeChoice {
   }
 
   toggle(): void {
-    this.chosen = this.dark ? "light" : "dark";
-    localStorage.setItem(KEY, this.chosen);
+    this.choose(this.dark ? "light" : "dark");
+  }
+
+  choose(chosen: Theme): void {
+    this.chosen = chosen;
+    localStorage.setItem(KEY, chosen);
   }
 }
 

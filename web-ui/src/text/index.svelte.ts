@@ -9,6 +9,10 @@ type Values = Record<string, string | number>;
 const KEPT = "passo-language";
 const CATALOGUES: Record<string, Record<Key, string>> = { en, it };
 export type Language = "en" | "it";
+export const LANGUAGES: readonly { code: Language; name: string }[] = [
+  { code: "en", name: "English" },
+  { code: "it", name: "Italiano" },
+];
 
 class LanguageChoice {
   chosen = $state<Language>("en");
@@ -20,8 +24,12 @@ class LanguageChoice {
   }
 
   toggle(): void {
-    this.chosen = this.chosen === "en" ? "it" : "en";
-    localStorage.setItem(KEPT, this.chosen);
+    this.choose(this.chosen === "en" ? "it" : "en");
+  }
+
+  choose(chosen: Language): void {
+    this.chosen = chosen;
+    localStorage.setItem(KEPT, chosen);
   }
 }
 

@@ -1,0 +1,67 @@
+/** Accounts, API keys, log-ins and logs, as the account may see them. */
+
+import { call, Refusal, segment } from "../api/client";
+import type { AccountRecord, KeyRecord, LogInRecord, LogRecord, MadeKey, SettingValue, Version } from "../api/schema";
+import { attempt, notices } from "./actions.svelte";
+import { session, type RoleName } from "./session.svelte";
+
+class Administration {
+  accounts = $state.raw<AccountRecord[]>([]);
+  keys = $state.raw<KeyRecord[]>([]);
+  logIns = $state.raw<LogInRecord[]>([]);
+  logs = $state.raw<LogRecord[]>([]);
+  settings = $state.raw<SettingValue[]>([]);
+  version = $state.raw<Version>();
+  /** A key that was made just now; it is shown this once. */
+  made = $state.raw<MadeKey>();
+  /** What waits for the password. */
+  waiting = $state.raw<() => Promise<void>>();
+
+  async load(): Promise<void> {
+    const [admin, operator] = [session.may("admin"), session.may("operator")];
+    [this.version, this.settings, this.logIns, this.logs, this.accounts, this.keys] = await Promise.all([
+      call<Version>("GET", "version"),
+      call<SettingValue[]>("GET", "settings"),
+      call<LogInRecord[]>("GET", "sessions"),
+      operator ? call<LogRecord[]>("GET", "logs") : [],
+      admin ? call<AccountRecord[]>("GET", "accounts") : [],
+      admin ? call<KeyRecord[]>("GET", "keys") : [],
+    ]);
+  }
+
+  addAccount = (name: string, password: string, role: RoleName) =>
+    this.#do(() => call("POST", "accounts", { name, password, role }));
+  changeRole = (name: string, role: RoleName) => this.#do(() => call("PATCH", `accounts/${segment(name)}`, { role }));
+  removeAccount = (name: string) => this.#do(() => call("DELETE", `accounts/${segment(name)}`));
+  addKey = (name: string, role: RoleName) =>
+    this.#do(async () => {
+      this.made = await call<MadeKey>("POST", "keys", { name, role });
+    });
+  revokeKey = (id: string) => this.#do(() => call("DELETE", `keys/${segment(id)}`));
+  revokeLogIn = (id: string) => this.#do(() => call("DELETE", `sessions/${segment(id)}`));
+  changePassword = (old: string, password: string) =>
+    this.#do(() => call("PUT", "session/password", { old, new: password }));
+  store = () => this.#do(() => call("POST", "settings/store"));
+  resetSettings = () => this.#do(() => call("POST", "settings/reset"));
+
+  /** Enters the password again, and does what waits for it. */
+  async confirm(password: string): Promise<void> {
+    const action = this.waiting;
+    if (!(await attempt(call("POST", "session/password", { password })))) return;
+    this.waiting = undefined;
+    await action?.();
+  }
+
+  async #do(action: () => Promise<unknown>): Promise<void> {
+    try {
+      await action();
+      await this.load();
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      if (error.fault.code === "web.password") this.waiting = () => this.#do(action);
+      else notices.add(error.fault);
+    }
+  }
+}
+
+export const administration = new Administration();
