@@ -55,6 +55,12 @@ class MachineEditor {
     return this.literals.get(key) !== this.#original.get(key);
   }
 
+  /** A key is a part of the value of another one. */
+  holds(key: string): boolean {
+    const parts = key.split(".");
+    return parts.some((_, count) => count > 0 && this.literals.has(parts.slice(0, count).join(".")));
+  }
+
   /** The value of a key: that of the text, else the one that the server knows. */
   value(key: KeyValue): unknown {
     const literal = this.literals.get(key.key);

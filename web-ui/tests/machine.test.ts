@@ -1,0 +1,89 @@
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
+import { expectAccessible, expectFits, launch, picture, visit } from "./browser";
+import { Served } from "./served";
+
+const served = new Served();
+let browser: Browser;
+let page: Page;
+let faults: string[];
+
+beforeAll(async () => {
+  [browser] = await Promise.all([launch(), served.start()]);
+});
+
+afterAll(async () => {
+  await browser.close();
+  await served.remove();
+});
+
+beforeEach(async () => {
+  ({ page, faults } = await visit(browser, served.url));
+});
+
+afterEach(async () => {
+  expect(faults).toEqual([]);
+  await page.context().close();
+});
+
+test("a key is changed, checked beside its field, reviewed, and acts at once", async () => {
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByRole("button", { name: "axes.x" }).click();
+  const speed = page.getByRole("textbox", { name: "speed_mm_s" });
+  expect(await speed.inputValue()).toBe("300");
+  await speed.fill("-5");
+  await speed.press("Enter");
+  await page.getByText("Errors: 1").waitFor();
+  await page.getByText(/axes\.x\.speed_mm_s is -5/).waitFor();
+  await expectAccessible(page);
+  await picture(page, "machine-error-1280-light");
+  await speed.fill("250");
+  await speed.press("Enter");
+  await page.getByText("Changed keys: 1").waitFor();
+  await page.getByRole("button", { name: "Review" }).click();
+  await page.getByRole("dialog").getByText("acts at once").waitFor();
+  await expectAccessible(page);
+  await picture(page, "machine-review-1280-light");
+  await page.getByRole("button", { name: "Write the machine file" }).click();
+  await page.getByText("In force now: axes.x.speed_mm_s.").waitFor();
+  for (const [width, colorScheme] of [[360, "light"], [1280, "dark"]] as const) {
+    await page.setViewportSize({ width, height: 800 });
+    await page.emulateMedia({ colorScheme });
+    await expectFits(page);
+    await expectAccessible(page);
+    await picture(page, `machine-${width}-${colorScheme}`);
+  }
+});
+
+test("the text is edited, undone, and a machine of the library copied", async () => {
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByText("Text", { exact: true }).click();
+  const text = page.getByLabel("Machine file, TOML");
+  const before = await text.inputValue();
+  await text.fill(`${before}\n[nonsense]\n`);
+  await page.getByText(/nonsense/).last().waitFor();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Undo" }).click();
+  expect(await text.inputValue()).toBe(before);
+  await page.getByText("Library", { exact: true }).click();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Copy delta into the editor" }).click();
+  expect(await text.inputValue()).toMatch(/kind = "delta"/);
+  await page.getByRole("button", { name: "Discard" }).click();
+});
+
+test("settings show the appearance, the values of commands and the logs", async () => {
+  await page.getByRole("link", { name: "Settings" }).click();
+  await page.getByText("Dark", { exact: true }).click();
+  await expect.poll(() => page.locator("html").getAttribute("data-theme")).toBe("dark");
+  await page.getByRole("button", { name: "Show all" }).click();
+  await page.getByRole("cell", { name: "M92 X" }).waitFor();
+  for (const width of [360, 1280]) {
+    await page.setViewportSize({ width, height: 800 });
+    await expectFits(page);
+    await expectAccessible(page);
+    await picture(page, `settings-${width}-dark`);
+  }
+  await page.getByText("Italiano").click();
+  await page.getByRole("heading", { name: "Aspetto" }).waitFor();
+});
