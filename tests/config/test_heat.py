@@ -130,14 +130,21 @@ def test_a_fan_that_is_not_there(i3_text):
         config.load_text(i3_text.replace('fan = "part"', 'fan = "prat"'))
 
 
+def test_max_c_lies_within_what_the_sensor_measures(i3_text):
+    line = "sensor = { kind = 'table', points = [[20.0, 0.9], [150.0, 0.2]] }\n"
+    with pytest.raises(ConfigError) as raised:
+        loaded(i3_text, line)
+    assert "heaters.hotend.max_c is 285.0: expected at most 150 °C" in str(raised.value)
+
+
 def test_a_table_from_a_file(i3_text, tmp_path):
-    (tmp_path / "ntc.csv").write_text("# °C, share\n25, 0.9\n\n100.5, 0.5  # hot\n")
+    (tmp_path / "ntc.csv").write_text("# °C, share\n25, 0.9\n\n300.5, 0.5  # hot\n")
     text = i3_text.replace(HEAD, HEAD + "sensor = { kind = 'table', file = 'ntc.csv' }\n", 1)
     machine = tmp_path / "my.toml"
     machine.write_text(text)
     sensor = config.load(machine).heaters["hotend"].sensor
     assert isinstance(sensor, SensorTable)
-    assert sensor.points == [[25.0, 0.9], [100.5, 0.5]]
+    assert sensor.points == [[25.0, 0.9], [300.5, 0.5]]
     (tmp_path / "ntc.csv").write_text("25, 0.9\n100\n")
     with pytest.raises(ConfigError, match="line 2 is no"):
         config.load(machine)

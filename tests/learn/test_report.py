@@ -66,7 +66,7 @@ def test_every_picture_has_a_title_units_and_round_labels(page):
     assert shown.titles() == [
         "Toolpath: layer 1 of 2, Z 0.2 mm",
         "Result",
-        "Time by limit of the speed",
+        "What limits the speed: seconds by limit",
         "Speed along the path",
         "Acceleration along the path; braking is negative",
         "Temperature and target of each heater",

@@ -94,12 +94,16 @@ def check_pulses(data: Raw) -> Iterator[Finding]:
 def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
     """Each heater's sensor, with its resistors, reads something where the heater may be."""
     for name, heater in machine.heaters.items():
-        if not reads_within(sensor_table(heater.sensor), heater.min_c, heater.max_c):
+        rows = sensor_table(heater.sensor)
+        if not reads_within(rows, heater.min_c, heater.max_c):
             limit = (
                 f"values with which it tells temperatures from {heater.min_c:g} to"
                 f" {heater.max_c:g} °C apart"
             )
             yield Finding("config.value", ("heaters", name, "sensor"), heater.sensor.kind, limit)
+        elif heater.max_c > rows[-1][0]:
+            limit = f"at most {rows[-1][0]:g} °C, where what the sensor can measure ends"
+            yield Finding("config.value", ("heaters", name, "max_c"), heater.max_c, limit)
 
 
 def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:

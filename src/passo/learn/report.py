@@ -105,7 +105,7 @@ def _page(
     if failed is None:
         side.append(table("Result", _summary(result)))
     if limits := _shares(plan["limit_s"]):
-        side.append(bars("Time by limit of the speed", limits))
+        side.append(bars("What limits the speed: seconds by limit", limits))
     sections.append(beside(path.html() if drawn else "", side))
     if charts:
         sections.append(zoom_bar())
