@@ -2,6 +2,7 @@
 # make serve  the page in the browser, with a simulated printer
 # make test   every test             make check  linters, types, layers, formatting
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
+# make soak   memory over a day, in scaled time
 # make corpus DIR=...                print a folder of real files
 # make web    builds the page             make wheel  a wheel with the page, in dist/
 # make sizes  docs/reference/firmware.md: how large the firmware is
@@ -27,7 +28,7 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo serve web wheel test check bench fuzz corpus sizes reference stub format clean
+.PHONY: demo serve web wheel test check bench soak fuzz corpus sizes reference stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -81,6 +82,9 @@ bench: .venv/.built .venv/.dev
 	$(BIN)/python bench/console.py
 	$(BIN)/python bench/web.py
 	$(BIN)/python bench/heat.py
+
+soak: .venv/.built
+	$(BIN)/python bench/soak.py
 
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }

@@ -21,6 +21,7 @@ from passo.printer.commands import (
     heater_tuning,
     klipper_commands,
     limits,
+    motor_moves,
     motors,
     outputs,
     power_supply,
@@ -39,15 +40,8 @@ from passo.printer.watch import endstops
 MODULES = (
     *(aprinter_options, card_commands, commands, job_commands, json_status, object_commands),
     *(recovery_commands, settings_commands, ignored_commands, interpreter_commands, statistics),
-    *(beeper, drivers, heater_control, heater_tuning, limits, motors, outputs, power_supply),
-    *(
-        klipper_commands,
-        probing,
-        program_flow,
-        reports,
-        set_points,
-        simulated_faults,
-        speed_and_flow,
-    ),
-    *(steps_and_offsets, temperature, user_prompts, endstops, delayed_gcode, macros),
+    *(beeper, drivers, heater_control, heater_tuning, limits, motor_moves, motors, outputs),
+    *(power_supply, klipper_commands, probing, program_flow, reports, set_points),
+    *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
+    *(endstops, delayed_gcode, macros),
 )

@@ -39,6 +39,7 @@ _declare(
     Kind.NOT_BUILT,
     None,
     ("G12", "Passo has no nozzle wiper."),
+    ("SET_PIN", "Passo has no free outputs; SET_FAN_SPEED sets fans, M3 the laser."),
     ("SET_PRESSURE_ADVANCE", "Passo has no pressure advance yet."),
     ("G27 M125", "M25 and M601 park the head."),
     ("G29 G31 G32 M420 M421 M561", "Passo has no bed levelling yet."),

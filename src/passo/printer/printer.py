@@ -19,6 +19,7 @@ from passo.printer.commands.beeper import Beeper
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.heater_control import ControlCommands
 from passo.printer.commands.heater_tuning import TuneCommands
+from passo.printer.commands.motor_moves import MotorMoves
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
 from passo.printer.commands.probing import ProbeCommands
@@ -107,6 +108,7 @@ class Printer:
         self.dispatch.add(self.faults, self.power_supply, self.motors, tunes, self.driver_commands)
         if machine.probe is not None:
             self.dispatch.add(ProbeCommands(rig, self.prober))
+        self.dispatch.add(MotorMoves(rig, state))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)
         idle = IdleWatch(

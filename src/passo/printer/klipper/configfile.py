@@ -39,6 +39,7 @@ def configfile(
         **_macros(machine),
         **_NEEDED,
         "exclude_object": {},
+        "force_move": {"enable_force_move": True},
         **({"virtual_sdcard": {"path": folder}} if folder else {}),
     }
     return {
