@@ -809,6 +809,9 @@ CATALOGUE: Mapping[str, Entry] = {
     "firmware.none": _firmware(
         "there is no firmware of Passo for {axis}: {value}", "See `passo firmware list`"
     ),
+    "firmware.busy": _firmware(
+        "firmware is being built already", "Wait until it is done, or cancel it"
+    ),
     "firmware.image": _firmware(
         "{value} is no image for {axis}: expected {limit}",
         "Build one (`passo firmware build`), or name the right file",

@@ -53,9 +53,9 @@ def target(name: str) -> Target:
     """
     path, colon, board = name.partition(".toml:")
     if colon:
-        return _of_machine(f"{path}.toml", board)
+        return machine_target(config.load(f"{path}.toml"), board)
     if name.endswith(".toml") or os.sep in name:
-        return _of_machine(name, MAIN)
+        return machine_target(config.load(name), MAIN)
     return board_target(name)
 
 
@@ -71,8 +71,9 @@ def board_target(name: str) -> Target:
     return Target(name, board, tuple(motors))
 
 
-def _of_machine(path: str, board_name: str) -> Target:
-    machine = config.load(path)
+def machine_target(machine: config.MachineConfig, board_name: str) -> Target:
+    """A board of a machine. Raises FirmwareError if there is none, or if it runs Klipper's
+    firmware."""
     board = machine.all_boards.get(board_name)
     if board is None:
         raise FirmwareError([Problem("firmware.board", values={"value": board_name})])

@@ -45,6 +45,8 @@ _STATUS = {
     "command.no-mains": 409,
     "command.halted": 503,
     "config.unknown-machine": 404,
+    "firmware.busy": 409,
+    "firmware.board": 404,
     "machine.no-file": 409,
     "machine.file-changed": 409,
     "machine.no-restart": 409,

@@ -14,6 +14,7 @@ from passo.web.answers import JSON
 from passo.web.feed import serve_feed
 from passo.web.files.metadata import MetadataReader
 from passo.web.files.uploads import Uploads
+from passo.web.firmware.builds import Builds
 from passo.web.guard import Guard
 from passo.web.messages import Messages
 from passo.web.operations import OPERATIONS
@@ -47,7 +48,7 @@ def web_app(
     temperatures, and its logs; what is known of its files is kept in the folder `state`."""
     access, metadata = Access(accounts, binding), MetadataReader(bridge, state)
     uploads = Uploads(bridge, metadata.want)
-    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs)
+    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, Builds())
     messages = Messages()
     described = openapi.encoded(OPERATIONS)
 

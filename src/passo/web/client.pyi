@@ -8,6 +8,7 @@ import passo.web.bridge
 import passo.web.endpoints.accounts
 import passo.web.endpoints.console
 import passo.web.endpoints.files
+import passo.web.endpoints.firmware
 import passo.web.endpoints.history
 import passo.web.endpoints.logs
 import passo.web.endpoints.machine
@@ -15,6 +16,7 @@ import passo.web.endpoints.machine_file
 import passo.web.endpoints.session
 import passo.web.endpoints.status
 import passo.web.files.metadata
+import passo.web.firmware.builds
 import passo.web.machine.keys
 import typing
 
@@ -108,6 +110,38 @@ class Machine:
         name: str,
     ) -> passo.web.endpoints.machine_file.ShippedFile:
         """The file of a machine that comes with Passo."""
+        ...
+
+class Firmware:
+    def boards(
+        self,
+    ) -> passo.web.endpoints.firmware.Boards:
+        """The boards of the machine and all that come with Passo, and what each needs."""
+        ...
+    def build(
+        self,
+        board: str | None = ...,
+        text: str | None = ...,
+    ) -> passo.web.firmware.builds.Build:
+        """Starts to build images, in a process of its own. The feed sends each line of its
+        log; `firmware.last` has all. One build at a time."""
+        ...
+    def last(
+        self,
+    ) -> passo.web.firmware.builds.Build:
+        """The build that is under way, or the last one, with its log and the sizes of its
+        images."""
+        ...
+    def cancel(
+        self,
+    ) -> None:
+        """Ends the build that is under way."""
+        ...
+    def download(
+        self,
+    ) -> bytes:
+        """The images of the last build with their descriptions (JSON) and its log, as one
+        zip."""
         ...
 
 class Emergency:
@@ -604,6 +638,38 @@ class AsyncMachine:
         """The file of a machine that comes with Passo."""
         ...
 
+class AsyncFirmware:
+    async def boards(
+        self,
+    ) -> passo.web.endpoints.firmware.Boards:
+        """The boards of the machine and all that come with Passo, and what each needs."""
+        ...
+    async def build(
+        self,
+        board: str | None = ...,
+        text: str | None = ...,
+    ) -> passo.web.firmware.builds.Build:
+        """Starts to build images, in a process of its own. The feed sends each line of its
+        log; `firmware.last` has all. One build at a time."""
+        ...
+    async def last(
+        self,
+    ) -> passo.web.firmware.builds.Build:
+        """The build that is under way, or the last one, with its log and the sizes of its
+        images."""
+        ...
+    async def cancel(
+        self,
+    ) -> None:
+        """Ends the build that is under way."""
+        ...
+    async def download(
+        self,
+    ) -> bytes:
+        """The images of the last build with their descriptions (JSON) and its log, as one
+        zip."""
+        ...
+
 class AsyncEmergency:
     async def stop(
         self,
@@ -1025,6 +1091,8 @@ class Client:
     @property
     def machine(self) -> Machine: ...
     @property
+    def firmware(self) -> Firmware: ...
+    @property
     def emergency(self) -> Emergency: ...
     @property
     def job(self) -> Job: ...
@@ -1070,6 +1138,8 @@ class AsyncClient:
     def faults(self) -> AsyncFaults: ...
     @property
     def machine(self) -> AsyncMachine: ...
+    @property
+    def firmware(self) -> AsyncFirmware: ...
     @property
     def emergency(self) -> AsyncEmergency: ...
     @property

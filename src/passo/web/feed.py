@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import deque
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import msgspec
@@ -46,9 +47,19 @@ class Script(Struct, tag_field="type", tag="script", forbid_unknown_fields=True)
 
 
 class Listen(Struct, tag_field="type", tag="listen", forbid_unknown_fields=True):
-    """Whether the client wants the lines of all consoles."""
+    """Whether the client wants the lines of all consoles, and those of builds of firmware."""
 
     console: bool
+    builds: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class BuildLine:
+    """A line of a build of firmware, empty at its end, and the state of the build then."""
+
+    number: int
+    state: str
+    line: str
 
 
 async def serve_feed(site: Site, messages: Messages, websocket: WebSocket) -> None:
@@ -71,7 +82,7 @@ class Feed:
         self._site, self._messages = site, messages
         self._websocket, self._caller = websocket, caller
         self._snapshot: Snapshot | None = None  # newer than the one that was sent
-        self._waiting: deque[Event | ConsoleLine] = deque()
+        self._waiting: deque[Event | ConsoleLine | BuildLine] = deque()
         self._answers: deque[Tree] = deque()
         self._lost = 0
         self._sent = site.bridge.latest()
@@ -88,7 +99,7 @@ class Feed:
         """As `Listener.on_event`."""
         self._queue(event)
 
-    def _queue(self, one: Event | ConsoleLine) -> None:
+    def _queue(self, one: Event | ConsoleLine | BuildLine) -> None:
         if len(self._waiting) == _MAX_WAITING:
             self._waiting.popleft()
             self._lost += 1
@@ -107,6 +118,7 @@ class Feed:
         finally:
             end()
             self._end_lines()
+            self._listen_to_builds(wanted=False)
 
     # -- from the client --------------------------------------------------------------------------
 
@@ -127,8 +139,19 @@ class Feed:
             self._end_lines()
             listen = self._site.bridge.on_console_line
             self._end_lines = listen(self._queue) if message.console else lambda: None
+            self._listen_to_builds(wanted=message.builds)
         else:
             group.start_soon(self._run, message)
+
+    def _listen_to_builds(self, *, wanted: bool) -> None:
+        listeners = self._site.builds.listeners
+        if self._build in listeners:
+            listeners.remove(self._build)
+        if wanted:
+            listeners.append(self._build)
+
+    def _build(self, number: int, state: str, line: str) -> None:
+        self._queue(BuildLine(number, state, line))
 
     async def _run(self, message: Script) -> None:
         self._scripts += 1
@@ -178,7 +201,9 @@ class Feed:
                 await self._send(changed)
         while self._waiting:
             one = self._waiting.popleft()
-            if isinstance(one, tuple):
+            if isinstance(one, BuildLine):
+                await self._send(text("build", number=one.number, state=one.state, line=one.line))
+            elif isinstance(one, tuple):
                 await self._send(text("line", line=one._asdict()))
             else:
                 await self._send(self._messages.event(one))

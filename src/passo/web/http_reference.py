@@ -49,6 +49,7 @@ Requests and answers are JSON. An error is
 | `event` | when something happens | `event`: `kind` and fields, as in [`passo.events`](python.md) |
 | `line` | for each line of a console, if asked | `line`: `console`, `sender`, `received`, `text` |
 | `answer` | when a script is done | `id`, `lines`, `error`: null, or as above |
+| `build` | for each line of a build of firmware, if asked | `number`, `state`, `line` |
 | `lost` | to a client that reads too slowly | `events`: how many events and lines were dropped |
 
 A client may send
@@ -57,6 +58,7 @@ A client may send
 |---|---|
 | `{{"type": "script", "id": 1, "script": "G28"}}` | runs lines of G-code (role operator) |
 | `{{"type": "listen", "console": true}}` | the lines of all consoles follow, or not any more |
+| the same with `"builds": true` | and those of builds of firmware |
 
 It closes with 1008 when the log-in ends, and with 1013 if the client does not read for 5 s.
 """

@@ -13,6 +13,7 @@ from passo.web.endpoints import (
     fans,
     faults,
     files,
+    firmware,
     heaters,
     history,
     job,
@@ -35,8 +36,8 @@ def _declared(module: ModuleType) -> list[Operation]:
 
 
 _MODULES = (
-    *(status, faults, machine, machine_file, emergency, job, console, heaters, fans, motion),
-    *(tuning, settings, files, history, explain, logs, session, accounts, metrics),
+    *(status, faults, machine, machine_file, firmware, emergency, job, console, heaters, fans),
+    *(motion, tuning, settings, files, history, explain, logs, session, accounts, metrics),
     *(octoprint, prusalink, rrf),
 )
 OPERATIONS: tuple[Operation, ...] = tuple(

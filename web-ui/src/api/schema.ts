@@ -58,6 +58,20 @@ export interface Babystep {
   distance_mm: number;
 }
 
+/** A board: what it is, how it is flashed (`flash` is the program, null if none), and what is to
+ * be done by hand before and after. `state` is `ready`, or says what is missing. */
+export interface BoardOfList {
+  name: string;
+  description: string;
+  mcu: string;
+  console: string;
+  flash?: string | null;
+  before: string[];
+  after: string[];
+  notes: string[];
+  state: string;
+}
+
 /** A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count what
  * went over its link since the start; `simulated`: it is software. */
 export interface BoardStatus {
@@ -67,6 +81,31 @@ export interface BoardStatus {
   simulated: boolean;
   bytes_sent: number;
   bytes_resent: number;
+}
+
+/** `machine` are the boards of the machine by their names, the main one without a name; `shipped`
+ * are all that Passo knows. */
+export interface Boards {
+  machine: Record<string, BoardOfList>;
+  shipped: BoardOfList[];
+}
+
+/** The last build. `of` is what was built: a machine or a board; `log` are its lines so far;
+ * `seconds` how long it takes, or took. */
+export interface Build {
+  number: number;
+  of: string;
+  state: "cancelled" | "done" | "failed" | "running";
+  log: string[];
+  images: Image[];
+  seconds: number;
+}
+
+/** What is built: the image of the shipped board `board`; or the images for all boards of the
+ * machine file `text`; of the printer's own, if both are null. */
+export interface BuildOrder {
+  board?: string | null;
+  text?: string | null;
 }
 
 /** A command that the printer knows: its parameters, and what it does. */
@@ -270,6 +309,18 @@ export interface Identity {
   set_up: boolean;
   code_needed: boolean;
   fresh: boolean;
+}
+
+/** An image that was built: its file in the zip; sizes in bytes, with those of the chip. */
+export interface Image {
+  file: string;
+  board: string;
+  mcu: string;
+  flash_bytes: number;
+  flash_size: number;
+  ram_bytes: number;
+  ram_size: number;
+  sha256: string;
 }
 
 /** The file that is printed. `fraction` is the part of its time that is done, or of its bytes

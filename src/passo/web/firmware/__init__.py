@@ -1,0 +1,1 @@
+"""Images of firmware that clients order."""
