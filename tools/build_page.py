@@ -2,7 +2,7 @@
 build. Takes the system's Node if that is new enough, else the one of requirements/web.lock.
 
 Usage: build_page.py [--check | --test PROJECT]; with --check its types are checked; with --test
-tests run, `unit` or `browser`.
+tests run, `unit` or `browser`; PROJECT `pictures` makes those of docs/images.
 """
 
 from __future__ import annotations

@@ -5,6 +5,16 @@ export default defineConfig({
   test: {
     projects: [
       {
+        // The pictures of the README: tools/build_page.py --test pictures
+        test: {
+          name: "pictures",
+          include: ["tests/pictures.ts"],
+          environment: "node",
+          testTimeout: 120_000,
+          hookTimeout: 40_000,
+        },
+      },
+      {
         plugins: [svelte()],
         test: { name: "unit", include: ["src/**/*.test.ts"], environment: "node" },
       },

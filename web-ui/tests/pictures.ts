@@ -1,0 +1,37 @@
+/** The pictures of docs/images that show the page: the example while it is printed. */
+
+import { join } from "node:path";
+import type { Browser } from "playwright-core";
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { launch, visit, type Theme } from "./browser";
+import { Served } from "./served";
+
+const IMAGES = "../docs/images";
+const SIZE = { width: 1280, height: 800 };
+const served = new Served();
+let browser: Browser;
+
+beforeAll(async () => {
+  [browser] = await Promise.all([launch(), served.start()]);
+});
+
+afterAll(async () => {
+  await browser.close();
+  await served.remove();
+});
+
+const open = async (theme: Theme) => (await visit(browser, served.url, { ...SIZE, theme })).page;
+
+test("the dashboard and the viewer, while the example is printed", async () => {
+  const page = await open("light");
+  await page.getByRole("link", { name: "Files" }).click();
+  await page.getByRole("button", { name: "demo.gcode" }).click();
+  await page.getByRole("button", { name: "Print", exact: true }).click();
+  await page.getByRole("region", { name: "Print" }).locator(".chip", { hasText: "Printing" }).waitFor();
+  const viewer = await open("dark");
+  await viewer.getByRole("link", { name: "Viewer" }).click();
+  const layer = () => viewer.getByRole("slider", { name: "Layer" }).inputValue().then(Number);
+  await expect.poll(layer, { timeout: 100_000 }).toBeGreaterThan(7);
+  await page.screenshot({ path: join(IMAGES, "page-dashboard.png") });
+  await viewer.screenshot({ path: join(IMAGES, "page-viewer.png") });
+});
