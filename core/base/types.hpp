@@ -11,6 +11,7 @@ namespace passo {
 inline constexpr int kAxes = 8;
 inline constexpr int kX = 0, kY = 1, kZ = 2, kE = 3, kExtra = 4;
 
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kMaxMoveS = 1e6;  // s, dwells too
 
 enum class MoveKind : uint8_t {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <tuple>
 
+#include "bind/bind_height_map.hpp"
 #include "bind/bind_job.hpp"
 
 namespace nb = nanobind;
@@ -53,6 +54,28 @@ void bind_job_settings(nb::class_<JobView>& job) {
            self.job.motion.set_steps_per_unit(stepper, value);
          },
          "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
+      .def(
+          "set_height_map",
+          [](JobView& self, const std::pair<double, double>& first,
+             const std::pair<double, double>& spacing, const Rows& heights, const FadeSpec& fade) {
+            auto map = height_map_of(first, spacing, heights, fade);
+            self.job.set_height_map(std::move(map));
+          },
+          "first"_a, "spacing"_a, "heights"_a, "fade"_a = nb::none(), kHeightMapText)
+      .def(
+          "plan_z",
+          [](JobView& self, double x, double y, double height) {
+            return self.job.motion.machine().plan_z(x, y, height);
+          },
+          "x"_a, "y"_a, "height"_a,
+          "Z of the plan, in mm, where what the bed adds there lifts the nozzle to this height.")
+      .def(
+          "nozzle_height",
+          [](JobView& self, double x, double y, double z) {
+            const double p[] = {x, y, z};
+            return self.job.motion.machine().raised(p);
+          },
+          "x"_a, "y"_a, "z"_a, "Z of the plan and what the bed adds to it there, in mm.")
       .def(
           "set_tool_offset",
           [](JobView& self, size_t tool, int axis, double mm) {

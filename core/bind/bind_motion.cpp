@@ -4,6 +4,7 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -12,6 +13,7 @@
 #include <memory>
 #include <tuple>
 
+#include "bind/bind_height_map.hpp"
 #include "bind/bind_machine.hpp"
 #include "motion/motion.hpp"
 
@@ -49,7 +51,6 @@ Piece piece_of(const Machine& machine, double seconds,
   for (int j = 0; j < kAxes; ++j) p.end[j] = p.position(j, seconds);
   return p;
 }
-using Rows = std::vector<std::vector<double>>;
 
 void add_pieces(RecordedMotion& self, const std::vector<std::tuple<double, Rows>>& pieces,
                 const std::optional<std::vector<double>>& end, int extruder) {
@@ -68,26 +69,6 @@ void add_pieces(RecordedMotion& self, const std::vector<std::tuple<double, Rows>
     list.back().end[kE] = end->back();
   }
   self.motion.add_pieces(std::move(list));
-}
-
-void set_height_map(RecordedMotion& self, const std::tuple<double, double>& first,
-                    const std::tuple<double, double>& spacing, const Rows& heights) {
-  if (heights.empty()) return self.motion.set_height_map(nullptr);
-  std::vector<double> all;
-  for (const auto& row : heights) {
-    if (row.size() != heights[0].size()) throw nb::value_error("rows of heights differ in length");
-    for (double z : row)
-      if (!(std::fabs(z) < 1e3)) throw nb::value_error("a height is beyond 1000 mm");
-    all.insert(all.end(), row.begin(), row.end());
-  }
-  if (heights.size() < 2 || heights[0].size() < 2)
-    throw nb::value_error("heights need two rows of two at least");
-  auto [x, y] = first;
-  auto [dx, dy] = spacing;
-  if (!(std::fabs(x) < 1e6 && std::fabs(y) < 1e6 && dx > 0 && dy > 0))
-    throw nb::value_error("heights need a place, and a spacing above 0");
-  self.motion.set_height_map(std::make_shared<HeightMap>(x, y, dx, dy, int(heights[0].size()),
-                                                         int(heights.size()), std::move(all)));
 }
 
 void push(RecordedMotion& self, const std::vector<double>& target, double feed,
@@ -138,10 +119,12 @@ void bind_motion(nb::module_& m) {
            "Adds a move to the absolute target: one number an axis, then E, which was scaled with "
            "`flow` (0: by none, and never). Raises ValueError.")
       .def(
-          "set_height_map", &set_height_map, "first"_a, "spacing"_a, "heights"_a,
-          "What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at "
-          "the Y of `first`; bilinear in between, level beyond. No rows: the bed is flat. No motor "
-          "moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.")
+          "set_height_map",
+          [](RecordedMotion& self, const std::pair<double, double>& first,
+             const std::pair<double, double>& spacing, const Rows& heights, const FadeSpec& fade) {
+            self.motion.set_height_map(height_map_of(first, spacing, heights, fade));
+          },
+          "first"_a, "spacing"_a, "heights"_a, "fade"_a = nb::none(), kHeightMapText)
       .def(
           "add_pieces", &add_pieces, "pieces"_a, "end"_a = nb::none(), "extruder"_a = 0,
           "Motion that is planned already, behind what was pushed so far: of each piece its "

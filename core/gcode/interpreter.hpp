@@ -116,6 +116,8 @@ class Interpreter {
   double logical(int j) const { return j == kE ? logical_e_ : meant(j) - gap(j) - origin_[j]; }
   // Axis slot j is at `position` now, and that is its home if `homed`; the program's zero stays.
   void set_axis(int j, double position, bool homed);
+  // The plan of an axis ends here now; its offsets stay. Only while no line is half read.
+  void set_place(int j, double position) { position_[j] = position; }
   // The axes in `letters` (empty: all) are at home now, and their offsets end.
   void home(const std::string& letters);
   // Machine position of each slot at home, as it was when the axis was homed last.

@@ -12,6 +12,20 @@ double HeightMap::find_twist() const {
   return most;
 }
 
+double HeightMap::find_range() const {
+  double most = 0;
+  for (double c : heights_) most = std::max(most, std::fabs(c - fade_.target));
+  return most;
+}
+
+double HeightMap::plan_z(double x, double y, double height) const {
+  double c = cell(x, y).at(x, y);
+  if (!(height - c > fade_.start)) return height - c;
+  if (height - fade_.target >= fade_.end) return height - fade_.target;
+  double by_z = (c - fade_.target) / (fade_.end - fade_.start);
+  return (height - fade_.target - fade_.end * by_z) / (1 - by_z);
+}
+
 double HeightMap::find_steepest() const {
   double most = 0;
   for (int j = 0; j < count_[1]; ++j)

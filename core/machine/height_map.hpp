@@ -1,19 +1,40 @@
 // What the bed adds to Z: heights on an even grid, bilinear in between; beyond the grid its edge
-// goes on level.
+// goes on level. With a fade it is less, the higher the nozzle is.
 #pragma once
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "base/types.hpp"
+
 namespace passo {
+
+// The heights c act in full up to Z `start`. From there to Z `end` what is added goes evenly to
+// `target`, mm, which is the same at each X and Y: target + factor (c - target).
+struct Fade {
+  double start = kInfinity, end = kInfinity, target = 0;
+
+  // whole + by_z z, at each Z of one of three stretches: up to `start`, to `end`, and above.
+  struct Factor {
+    double whole = 1, by_z = 0;
+    double at(double z) const { return whole + by_z * z; }
+  };
+  Factor around(double z) const {
+    if (!(z > start)) return {1, 0};
+    if (z >= end) return {0, 0};
+    return {end / (end - start), -1 / (end - start)};
+  }
+};
 
 class HeightMap {
  public:
-  // Height number j * nx + i stands at (x + i dx, y + j dy), in mm; nx and ny are 2 at least.
-  HeightMap(double x, double y, double dx, double dy, int nx, int ny, std::vector<double> heights)
-      : first_{x, y}, spacing_{dx, dy}, count_{nx, ny}, heights_(std::move(heights)),
-        steepest_(find_steepest()), twist_(find_twist()) {}
+  // Height number j * nx + i stands at (x + i dx, y + j dy), in mm; nx and ny are 2 at least. A
+  // fade is longer than any height differs from its target: then Z of the nozzle rises with Z.
+  HeightMap(double x, double y, double dx, double dy, int nx, int ny, std::vector<double> heights,
+            const Fade& fade = {})
+      : first_{x, y}, spacing_{dx, dy}, count_{nx, ny}, heights_(std::move(heights)), fade_(fade),
+        steepest_(find_steepest()), twist_(find_twist()), range_(find_range()) {}
 
   // One cell: height = at_corner + by_x u + by_y v + by_both u v, u = x - corner[0], v = y -
   // corner[1].
@@ -27,7 +48,26 @@ class HeightMap {
     double slope_y(double x) const { return by_y + by_both * (x - corner[0]); }
   };
 
-  double at(double x, double y) const { return cell(x, y).at(x, y); }
+  // What is added to Z near one place: one cell, one stretch of the fade.
+  struct Lift {
+    Cell cell;
+    double target;
+    Fade::Factor factor;
+    double at(double x, double y, double z) const {
+      return target + factor.at(z) * (cell.at(x, y) - target);
+    }
+    double slope_x(double y, double z) const { return factor.at(z) * cell.slope_x(y); }
+    double slope_y(double x, double z) const { return factor.at(z) * cell.slope_y(x); }
+    double slope_z(double x, double y) const { return factor.by_z * (cell.at(x, y) - target); }
+  };
+
+  Lift lift(double x, double y, double z) const {
+    return {cell(x, y), fade_.target, fade_.around(z)};
+  }
+  // What is added to Z.
+  double at(double x, double y, double z) const { return lift(x, y, z).at(x, y, z); }
+  // The Z to which so much is added that the nozzle is at `height`.
+  double plan_z(double x, double y, double height) const;
 
   Cell cell(double x, double y) const {
     int i = index(0, x), j = index(1, y);
@@ -50,23 +90,28 @@ class HeightMap {
   double steepest() const { return steepest_; }
   // Change of the slope in X for a mm of Y, at most: 1/mm.
   double twist() const { return twist_; }
+  // No height differs more from the fade's target, mm.
+  double range() const { return range_; }
+  const Fade& fade() const { return fade_; }
 
- private:
-  double first_[2], spacing_[2];  // mm, X and Y
-  int count_[2];
-  std::vector<double> heights_;
-  double steepest_, twist_;
-
-  double height(int i, int j) const { return heights_[size_t(j) * size_t(count_[0]) + size_t(i)]; }
-  // Which stretch between lines; -1 before the first, count - 1 behind the last.
+  // Which stretch between lines; -1 before the first, lines - 1 behind the last.
   int index(int axis, double x) const {
     double i = std::floor((x - first_[axis]) / spacing_[axis]);
     return int(std::min(std::max(i, -1.0), double(count_[axis] - 1)));
   }
 
-  double find_twist() const;
+ private:
+  double first_[2], spacing_[2];  // mm, X and Y
+  int count_[2];
+  std::vector<double> heights_;
+  Fade fade_;
+  double steepest_, twist_, range_;
 
+  double height(int i, int j) const { return heights_[size_t(j) * size_t(count_[0]) + size_t(i)]; }
+
+  double find_twist() const;
   double find_steepest() const;
+  double find_range() const;
 };
 
 }  // namespace passo

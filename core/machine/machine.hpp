@@ -2,7 +2,6 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -14,8 +13,6 @@
 #include "machine/height_map.hpp"
 
 namespace passo {
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 enum class JunctionLaw : uint8_t { deviation, cornering_distance, jerk };
 
@@ -115,7 +112,12 @@ struct Machine {
 
   // The nozzle's height for the geometry: Z of the program and what the bed adds.
   double raised(const double* p) const {
-    return height_map ? p[2] + height_map->at(p[0], p[1]) : p[2];
+    return height_map ? p[2] + height_map->at(p[0], p[1], p[2]) : p[2];
+  }
+
+  // Z of the program where the nozzle is at this height.
+  double plan_z(double x, double y, double height) const {
+    return height_map ? height_map->plan_z(x, y, height) : height;
   }
 
   // Ticks by which a step may miss its ideal time where the board's budget asks for it.

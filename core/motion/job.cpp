@@ -180,6 +180,12 @@ void Job::settle_position() {
   motion.set_position(interpreter.position(), interpreter.extruder());
 }
 
+void Job::set_height_map(std::shared_ptr<const HeightMap> map) {
+  motion.flush();
+  motion.set_height_map(std::move(map));
+  interpreter.set_place(kZ, motion.planner().position()[kZ]);
+}
+
 void Job::use_stopped() {
   const auto tool = motion.stopped_tool();
   if (!tool) return;

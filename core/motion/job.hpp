@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -56,6 +57,9 @@ class Job {
   }
   // M218, for lines that are read from now on, and for the suspended program.
   void set_tool_offset(size_t tool, int axis, double mm);
+
+  // See Motion::set_height_map. The program's Z changes with that of the plan; its offsets stay.
+  void set_height_map(std::shared_ptr<const HeightMap> map);
 
   // A straight move in machine coordinates, outside of any program. If it is too long, too slow or
   // not `within`, returns false, changes nothing and sets error().

@@ -101,7 +101,7 @@ void Motion::set_height_map(std::shared_ptr<const HeightMap> map) {
   std::copy_n(planner_.position(), kAxes, position);
   double height = machine_.raised(position);
   machine_.height_map = std::move(map);
-  position[kZ] = height - (machine_.raised(position) - position[kZ]);
+  position[kZ] = machine_.plan_z(position[kX], position[kY], height);
   planner_.set_position(position, machine_.extruders.size());
 }
 

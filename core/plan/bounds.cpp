@@ -172,9 +172,18 @@ Bounds::Turn Bounds::turn_of(const Move& m) {
 
 Bounds::Bed Bounds::bed_below(const Move& m) const {
   if (!machine_.height_map || machine_.joints) return {};
+  const HeightMap& map = *machine_.height_map;
+  const Fade& fade = map.fade();
   double x = (m.p1[0] - m.p0[0]) / m.d, y = (m.p1[1] - m.p0[1]) / m.d;
-  return {machine_.height_map->steepest() * std::sqrt(x * x + y * y),
-          2 * machine_.height_map->twist() * std::fabs(x * y)};
+  double low = std::min(m.p0[kZ], m.p1[kZ]), high = std::max(m.p0[kZ], m.p1[kZ]);
+  double factor = fade.around(low).at(low), tilt = map.steepest() * std::sqrt(x * x + y * y);
+  Bed bed{factor * tilt, factor * (2 * map.twist() * std::fabs(x * y))};
+  if (low < fade.end && high > fade.start) {
+    double by_path = (m.p1[kZ] - m.p0[kZ]) / m.d / (fade.end - fade.start);  // of the factor
+    bed.slope += std::fabs(by_path) * map.range();
+    bed.bend += 2 * std::fabs(by_path) * tilt;
+  }
+  return bed;
 }
 
 void Bounds::slopes_above(const Bed& bed, int i, const Path& way, double s, double& q1,

@@ -33,21 +33,22 @@ struct PieceSolver::Straight {
   double value(double t) const { return Piece::at(k, t); }
   double slope(double t) const { return Piece::slope_at(k, t); }
 };
-// The same by the geometry's inverse, above one cell of the bed; a flat one is all zeros.
+// The same by the geometry's inverse, above one cell of the bed; none: the bed is flat.
 struct PieceSolver::Curved {
   const PieceSolver& s;
   const Piece& p;
-  HeightMap::Cell bed;
+  HeightMap::Lift bed;
   double value(double t) const {
     double at[3] = {p.position(kX, t), p.position(kY, t), p.position(kZ, t)};
-    at[kZ] += bed.at(at[kX], at[kY]);
+    at[kZ] += bed.at(at[kX], at[kY], at[kZ]);
     return s.machine_.geometry->inverse(s.spec_.index, at) * s.spec_.steps_per_unit;
   }
   // By path position along the tangent, which passes one unit in a second.
   double slope(double t) const {
-    double x = p.position(kX, t), y = p.position(kY, t), z = p.position(kZ, t) + bed.at(x, y);
-    double vx = p.speed(kX, t), vy = p.speed(kY, t);
-    double vz = p.speed(kZ, t) + bed.slope_x(y) * vx + bed.slope_y(x) * vy;
+    double x = p.position(kX, t), y = p.position(kY, t), plan_z = p.position(kZ, t);
+    double vx = p.speed(kX, t), vy = p.speed(kY, t), vz = p.speed(kZ, t);
+    double z = plan_z + bed.at(x, y, plan_z);
+    vz += bed.slope_x(y, plan_z) * vx + bed.slope_y(x, plan_z) * vy + bed.slope_z(x, y) * vz;
     Path tangent{{x, y, z}, {x + vx, y + vy, z + vz}, 1};
     double first, second;
     s.machine_.geometry->slopes(s.spec_.index, tangent, 0, first, second);
@@ -101,9 +102,11 @@ int64_t PieceSolver::solve(const Piece& p, int64_t count, int64_t target, bool e
     find_lines(p);
     for (size_t i = 1; i < lines_.size(); ++i) {
       double middle = 0.5 * (lines_[i - 1] + lines_[i]);
-      Curved curve{*this, p, cell_at(p, middle)};
-      // A straight motor above one cell follows t to the fourth power, if the piece is a move's.
-      int n = straight_ && p.degree() <= 2 ? 1 : parts(p);
+      Curved curve{*this, p, lift_at(p, middle)};
+      // A straight motor above one cell follows t to the fourth power, if the piece is a move's; in
+      // a fade to the third, if its speed is even, and to the sixth, if not.
+      bool fades = curve.bed.factor.by_z != 0 && p.speed(kZ, middle) != 0;
+      int n = straight_ && p.degree() <= (fades ? 1 : 2) ? 1 : parts(p);
       count = solve_along(curve, p, &lines_[i - 1], n, count, out);
     }
   }
@@ -121,7 +124,7 @@ void PieceSolver::check(const Piece& p) const {
     if (straight_ && !raised()) {
       q = Straight(*this, p).value(t), rate = Straight(*this, p).slope(t);
     } else {
-      Curved curve{*this, p, raised() ? cell_at(p, t) : HeightMap::Cell{}};
+      Curved curve{*this, p, raised() ? lift_at(p, t) : HeightMap::Lift{}};
       q = curve.value(t), rate = curve.slope(t);
     }
     q /= spec_.steps_per_unit;
@@ -141,23 +144,32 @@ int PieceSolver::parts(const Piece& p) {
   return int(std::ceil(std::clamp(p.length_mm() / kSampleMm, 1.0, 4096.0)));
 }
 
-HeightMap::Cell PieceSolver::cell_at(const Piece& p, double t) const {
-  return machine_.height_map->cell(p.position(kX, t), p.position(kY, t));
+HeightMap::Lift PieceSolver::lift_at(const Piece& p, double t) const {
+  return machine_.height_map->lift(p.position(kX, t), p.position(kY, t), p.position(kZ, t));
 }
 
 void PieceSolver::find_lines(const Piece& p) {
   const HeightMap& map = *machine_.height_map;
   lines_.assign(1, 0.0);
-  for (int j : {kX, kY}) {
+  for (int j : {kX, kY, kZ}) {
+    if (j == kZ && !(map.fade().start < kInfinity)) break;
     AxisPath axis{p.c[j]};
     turns_.clear();
     Turns<AxisPath>(axis, kExact, turns_).find(0, p.seconds);
     double a = 0;
     for (double b : turns_) {
       double from = axis.value(a), to = axis.value(b), dir = to > from ? 1 : -1;
-      for (int i = 0; i < map.lines(j); ++i)
-        if ((map.line(j, i) - from) * (map.line(j, i) - to) < 0)
-          lines_.push_back(crossing(axis, map.line(j, i), dir, a, b));
+      auto cross = [&](double line) {
+        if ((line - from) * (line - to) < 0) lines_.push_back(crossing(axis, line, dir, a, b));
+      };
+      if (j == kZ) {
+        cross(map.fade().start);
+        cross(map.fade().end);
+      } else {
+        int first = std::max(map.index(j, std::min(from, to)), 0);
+        int last = std::min(map.index(j, std::max(from, to)) + 1, map.lines(j) - 1);
+        for (int i = first; i <= last; ++i) cross(map.line(j, i));
+      }
       a = b;
     }
   }

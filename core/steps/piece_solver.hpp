@@ -44,9 +44,10 @@ class PieceSolver {
   // Position in steps over the seconds of a piece, in closed form or by the geometry's inverse.
   struct Straight;
   struct Curved;
-  HeightMap::Cell cell_at(const Piece& p, double t) const;
+  HeightMap::Lift lift_at(const Piece& p, double t) const;
 
-  // lines_: 0, the times at which the way crosses a line of the height map, and the piece's end.
+  // lines_: 0, the times at which the way crosses a line of the height map or an end of
+  // its fade, and the piece's end.
   void find_lines(const Piece& p);
 
   // From span[0] to span[1] seconds, first looked at in so many parts.

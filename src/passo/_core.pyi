@@ -1155,9 +1155,9 @@ class Motion:
         Adds a move to the absolute target: one number an axis, then E, which was scaled with `flow` (0: by none, and never). Raises ValueError.
         """
 
-    def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]]) -> None:
+    def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]], fade: tuple[float, float, float] | None = None) -> None:
         """
-        What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
+        What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. With a `fade` of start, end and target, mm: in full up to the start in Z, then evenly less, until the target alone is added from the end on. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
         """
 
     def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None, extruder: int = 0) -> None:
@@ -1733,6 +1733,19 @@ class Job:
 
     def set_steps_per_unit(self, stepper: int, value: float) -> None:
         """Another scale of a motor, while the machine stands."""
+
+    def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]], fade: tuple[float, float, float] | None = None) -> None:
+        """
+        What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. With a `fade` of start, end and target, mm: in full up to the start in Z, then evenly less, until the target alone is added from the end on. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
+        """
+
+    def plan_z(self, x: float, y: float, height: float) -> float:
+        """
+        Z of the plan, in mm, where what the bed adds there lifts the nozzle to this height.
+        """
+
+    def nozzle_height(self, x: float, y: float, z: float) -> float:
+        """Z of the plan and what the bed adds to it there, in mm."""
 
     def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
 

@@ -33,14 +33,23 @@ def height(x, y):
     return a * (1 - u) * (1 - v) + b * u * (1 - v) + c * (1 - u) * v + d * u * v
 
 
-def raised(model, spec, stepper, rows):
+def lift(x, y, z, fade):
+    """What is added to Z; less from the start of a fade on, and its target alone from its end."""
+    c = height(x, y)
+    if fade is None:
+        return c
+    start, end, target = map(Decimal, fade)
+    return target + min(max((end - z) / (end - start), Decimal(0)), Decimal(1)) * (c - target)
+
+
+def raised(model, spec, stepper, rows, fade=None):
     """The true position of a motor above the bed."""
     x, y, z = (pieces.polynomial(row) for row in rows[:3])
     kind = spec["geometry"]["kind"]
 
     def at(t):
         px, py = x(t), y(t)
-        return px, py, z(t) + height(px, py)
+        return px, py, z(t) + lift(px, py, z(t), fade)
 
     if kind == "delta":
         tower, rod = [Decimal(c) for c in model.towers[stepper]], Decimal(model.rods[stepper])
@@ -66,7 +75,7 @@ def raised(model, spec, stepper, rows):
 MACHINES = ["cartesian", "corexz", "delta", "rotary_delta", "scara"]
 
 
-def above(name):
+def above(name, fade=None):
     """A machine with the heights under the middle of what it reaches."""
     model, spec, middle = machine(name)
     if name == "scara":  # the heights are around the origin: so shall its middle be
@@ -74,18 +83,22 @@ def above(name):
         spec["geometry"], middle[1] = model.spec(), 0.0
     motion = Motion(spec)
     motion.set_position([*middle, 0.0])
-    motion.set_height_map(FIRST, SPACING, HEIGHTS)
-    return model, spec, middle, motion
+    if fade is not None:
+        fade = (middle[2] + fade[0], middle[2] + fade[1], fade[2])
+    motion.set_height_map(FIRST, SPACING, HEIGHTS, fade)
+    return model, spec, middle, motion, fade
 
 
-def expected(model, spec, stepper, moves):
+def expected(model, spec, stepper, moves, fade):
     """(tick, direction) of each step of a motor, and the nearest that any came to a threshold."""
     steps, margin = [], 1.0
     for move in moves:
         start = move.start_ticks
         for seconds, rows in pieces_of(move):
             position = (
-                pieces.polynomial(rows[3]) if stepper == 3 else raised(model, spec, stepper, rows)
+                pieces.polynomial(rows[3])
+                if stepper == 3
+                else raised(model, spec, stepper, rows, fade)
             )
             found, near = pieces.step_times(
                 position, seconds, spec["steppers"][stepper]["steps_per_unit"]
@@ -98,17 +111,27 @@ def expected(model, spec, stepper, moves):
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_each_step_follows_the_bed(name):
-    model, spec, middle, motion = above(name)
+    assert_each_step(name, None, (0, 0.1))
+
+
+@pytest.mark.parametrize("name", ["cartesian", "corexz", "delta"])
+def test_each_step_follows_a_bed_that_fades(name):
+    """A layer within the fade, then up through its end."""
+    assert_each_step(name, (0.1, 0.9, 0.05), (0.5, 0.5, 1.2))
+
+
+def assert_each_step(name, fade, rises):
+    model, spec, middle, motion, fade = above(name, fade)
     random = Random(name + "+")
     counts = motion.counts()
     z = middle[2]
-    for i in range(2):
-        target = [random.uniform(-18, 18), random.uniform(-13, 13), z + 0.1 * i]
+    for i, rise in enumerate(rises):
+        target = [random.uniform(-18, 18), random.uniform(-13, 13), z + rise]
         motion.push([*target, 0.2 * i], 120.0, "print")
     motion.flush()
     moves, messages = motion.take_moves(), motion.take_messages()
     for i in range(3):
-        steps, margin = expected(model, spec, i, moves)
+        steps, margin = expected(model, spec, i, moves, fade)
         here, ticks = counts[i], []
         for move in moves:
             found, here = motion.ideal_ticks(move, i, here)
@@ -119,7 +142,7 @@ def test_each_step_follows_the_bed(name):
                 assert tick == pytest.approx(wanted, abs=2e-2)
             if motion.dropped_pairs(i) == 0:
                 oracle.assert_within_bound(oracle.executed_ticks(messages, i), steps)
-        end = raised(model, spec, i, [[c] for c in moves[-1].end_mm])(Decimal(0))
+        end = raised(model, spec, i, [[c] for c in moves[-1].end_mm], fade)(Decimal(0))
         per_unit = spec["steppers"][i]["steps_per_unit"]
         assert motion.counts()[i] == here == floor(float(end) * per_unit + 0.5)
 
@@ -202,6 +225,30 @@ def test_a_flat_bed_again():
     assert motion.take_messages() == plain.take_messages()
 
 
+@pytest.mark.parametrize(("rise", "z"), [(0.05, -0.35), (1.8, 1.5), (6.0, 5.8)])
+def test_map_with_fade_moves_no_motor(rise, z):
+    """At (10, 0) the bed is at 0.4; the fade goes from 1 to 2, where 0.2 is added everywhere:
+    within it the nozzle is at 0.2 + z + 0.2 (2 - z) = 0.6 + 0.8 z, above it at 0.2 + z."""
+    motion = Motion(cartesian())
+    motion.set_position([10.0, 0.0, rise, 0.0])
+    motion.set_height_map((0.0, 0.0), (10.0, 10.0), [[0.0, 0.4], [0.0, 0.4]], (1.0, 2.0, 0.2))
+    before = motion.counts()
+    assert before[2] == floor(rise * 400 + 0.5)
+    motion.push([10.0, 5.0, z, 0.0], 100.0)
+    motion.flush()
+    assert motion.take_moves()[-1].start_mm[2] == pytest.approx(z, abs=1e-12)
+
+
+def test_fade_limits_the_speed_of_z():
+    """Z rises by 0.9 of the program's Z where the fade adds -0.1 a mm at most, or by 1.1."""
+    motion = Motion(cartesian())
+    heights = [[-0.1, 0.1], [-0.1, 0.1]]
+    motion.set_height_map((0.0, 0.0), (10.0, 10.0), heights, (0.0, 1.0, 0.0))
+    motion.push([0.0, 0.0, 1.0, 0.0], 300.0)
+    motion.flush()
+    assert motion.take_moves()[-1].speed_cap == pytest.approx(12.0 / 1.1)
+
+
 BAD = {
     "one row": ([[0.0, 1.0]], (1.0, 1.0), "two rows of two"),
     "uneven rows": ([[0.0, 1.0], [0.0]], (1.0, 1.0), "differ in length"),
@@ -219,6 +266,13 @@ def test_heights_that_make_no_grid_are_refused(name):
     motion.push([1.0, 0.0, 0.0, 0.0], 10.0)
     motion.flush()
     assert motion.counts() == [80, 0, 0, 0]
+
+
+def test_a_fade_shorter_than_the_heights_is_refused():
+    motion = Motion(cartesian())
+    with pytest.raises(ValueError, match="a fade must be longer than the heights differ"):
+        motion.set_height_map(FIRST, SPACING, HEIGHTS, (1.0, 1.41, 0.0))
+    motion.set_height_map(FIRST, SPACING, HEIGHTS, (1.0, 1.4101, 0.0))
 
 
 @pytest.mark.parametrize("x", [-30.0, -15.5, 40.0])

@@ -115,12 +115,13 @@ class Positions:
         return real
 
     def _places(self, real: dict[tuple[str, int], float]) -> list[float | None]:
-        """The axes, in machine mm; None where that is not known."""
+        """The axes, in machine mm, Z above the corrected bed; None where that is not known."""
         machine = self._machine
         places: list[float | None] = [None] * len(machine.axes)
         try:
             a, b, c = (real[("actuator", i)] for i in range(3))
-            places[:3] = machine.geometry.forward((a, b, c))
+            x, y, height = machine.geometry.forward((a, b, c))
+            places[:3] = x, y, self._job.plan_z(x, y, height)
         except (Unreachable, KeyError):
             pass
         for i in range(3, len(places)):

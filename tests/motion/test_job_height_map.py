@@ -1,0 +1,61 @@
+"""The heights of the bed under a program: what it says is Z stays above the bed."""
+
+from __future__ import annotations
+
+from math import floor
+
+import pytest
+
+from passo import config
+from passo._core import Job, JobStatus
+
+PLANE = ((0.0, 0.0), (100.0, 100.0), [[0.0, 1.0], [0.0, 1.0]])  # 0.01 mm for each mm of X
+
+
+def run(job, text):
+    job.feed(text.encode())
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+
+
+def z_of_motor(job):
+    (row,) = (r for r in job.steppers() if r["name"] == "z")
+    return row["count"], row["steps_per_unit"]
+
+
+@pytest.fixture
+def job():
+    job = Job(config.load("i3").core_spec(), True, False, False)
+    job.set_axes([(0, 0.0), (1, 0.0), (2, 5.0)], True)
+    return job
+
+
+def test_a_program_follows_the_bed(job):
+    run(job, "G1 X50 Y50 Z5 F6000\n")
+    count, per_mm = z_of_motor(job)
+    assert count == floor(5 * per_mm + 0.5)
+    job.set_height_map(*PLANE)
+    assert z_of_motor(job)[0] == count
+    assert job.program_position[2] == pytest.approx(4.5)
+    run(job, "G1 X80\n")  # Z stays at 4.5 above the bed
+    assert z_of_motor(job)[0] == floor((4.5 + 0.8) * per_mm + 0.5)
+    run(job, "G1 Z0.2\n")
+    assert z_of_motor(job)[0] == floor((0.2 + 0.8) * per_mm + 0.5)
+    job.set_height_map(*PLANE[:2], [])
+    assert job.program_position[2] == pytest.approx(1.0)
+
+
+def test_offsets_of_a_program_outlast_a_new_map(job):
+    run(job, "G1 X50 Y50 Z5 F6000\nG92 Z1\n")
+    job.set_height_map(*PLANE)
+    assert job.program_position[2] == pytest.approx(0.5)
+    run(job, "G1 Z1\n")
+    _, per_mm = z_of_motor(job)
+    assert z_of_motor(job)[0] == floor((5 + 0.5) * per_mm + 0.5)
+
+
+def test_height_of_the_nozzle_and_z_of_the_plan_are_inverse(job):
+    job.set_height_map(*PLANE, (1.0, 3.0, 0.25))
+    for z, height in ((0.5, 1.3), (1.0, 1.8), (2.0, 2.525), (3.0, 3.25), (9.0, 9.25)):
+        assert job.nozzle_height(80.0, 30.0, z) == pytest.approx(height, abs=1e-12)
+        assert job.plan_z(80.0, 30.0, height) == pytest.approx(z, abs=1e-12)
