@@ -1022,4 +1022,38 @@ CATALOGUE: Mapping[str, Entry] = {
         " must be longer than that",
         "Give a greater end of the fade, or correct the bed by its screws",
     ),
+    "levelling.motor-adjustment": _levelling(
+        "motor {axis} would move {value:.3f} mm against another: at most {limit:g} mm are allowed",
+        "Level the gantry by hand, check the pivots, or raise max_adjust_mm",
+    ),
+    "levelling.motor-order": _levelling(
+        "the points differ by {value:.3f} mm, after {limit:.3f} mm in the round before: the"
+        " adjustment makes the tilt worse, and the Z motors {order} may be in another order",
+        "Compare the order of motors and pivots; move one motor and see which corner rises",
+    ),
+    "levelling.skew": _levelling(
+        "no parallelogram has the lengths {value} of AC, BD and AD",
+        "Measure both diagonals and the side AD of the printed square again",
+    ),
+    "levelling.delta-rods": _levelling(
+        "rods cannot be found from heights alone: measured distances are needed",
+        "Calibrate 6 factors, or give distances of a print",
+    ),
+    "levelling.delta-points": _levelling(
+        "the {value} measurements determine {rank} of {limit} parameters",
+        "Probe more points, in the middle and around the bed",
+    ),
+    "levelling.delta-nowhere": _levelling(
+        "the calibration leads to a delta that cannot reach the probed points: {value}",
+        "Correct radius, rods and endstops of the machine file, then calibrate again",
+    ),
+    "levelling.delta-worse": _levelling(
+        "the points deviate after the calibration by rms {value:.4f} mm, before it {limit:.4f} mm",
+        "The old parameters stay. Check the probe, then calibrate again",
+    ),
+    "levelling.delta-change": _levelling(
+        "{axis} would change from {before:.4f} to {value:.4f}: at most {limit:g} {unit} are"
+        " allowed",
+        "The old parameters stay. Correct the machine file, or check the probe",
+    ),
 }

@@ -96,7 +96,7 @@ def check_points(places: Sequence[tuple[float, float]], method: Method) -> None:
             raise CommandError.of(
                 "levelling.close-points", value=apart, limit=MIN_DISTANCE_MM, first=i, second=j
             )
-    width = _width(places)
+    width = line_through(places)[1]
     if width < MIN_DISTANCE_MM:
         raise CommandError.of(
             "levelling.line", value=len(places), deviation=width, limit=MIN_DISTANCE_MM
@@ -125,11 +125,12 @@ def _reach(places: Sequence[tuple[float, ...]]) -> float:
     return max(hypot(p[0] - mx, p[1] - my) for p in places)
 
 
-def _width(places: Sequence[tuple[float, ...]]) -> float:
-    """What the places deviate at most from the line that fits them best, mm."""
+def line_through(places: Sequence[tuple[float, ...]]) -> tuple[float, float]:
+    """The direction of the line that fits X and Y of the places best, in radians from X, and what
+    they deviate from it at most, mm."""
     mx, my = _middle(places)
     sxx = sum((p[0] - mx) ** 2 for p in places)
     syy = sum((p[1] - my) ** 2 for p in places)
     sxy = sum((p[0] - mx) * (p[1] - my) for p in places)
     angle = 0.5 * atan2(2 * sxy, sxx - syy)
-    return max(abs((p[1] - my) * cos(angle) - (p[0] - mx) * sin(angle)) for p in places)
+    return angle, max(abs((p[1] - my) * cos(angle) - (p[0] - mx) * sin(angle)) for p in places)

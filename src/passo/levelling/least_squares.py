@@ -40,16 +40,6 @@ def solve(rows: Sequence[Sequence[float]], values: Sequence[float]) -> list[floa
     return [x / length for x, length in zip(solution, lengths, strict=True)]
 
 
-def solve_smallest(rows: Sequence[Sequence[float]], values: Sequence[float]) -> list[float]:
-    """The shortest x with row · x = value for each of fewer rows than unknowns: x = rowsᵀ y, where
-    y solves rows rowsᵀ y = values. Raises RankError if rows depend on each other."""
-    square = [[sum(a * b for a, b in zip(r, s, strict=True)) for s in rows] for r in rows]
-    weights = solve(square, values)
-    return [
-        sum(w * row[k] for w, row in zip(weights, rows, strict=True)) for k in range(len(rows[0]))
-    ]
-
-
 def _reduce(matrix: list[list[float]], right: list[float]) -> tuple[list[int], list[float]]:
     """Makes R of the matrix, in place above its diagonal, and reflects the right side too. Returns
     the order of the columns and the diagonal."""

@@ -1,0 +1,43 @@
+"""Skew of the axes, from the diagonals of a printed square."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, atan, degrees, pi, sqrt, tan
+
+from passo.errors import CommandError
+
+
+def skew_factor(ac: float, bd: float, ad: float) -> float:
+    """The tangent of what the angle between two axes differs from a right one, from the diagonals
+    AC and BD of a parallelogram and its side AD, mm. Raises CommandError if no parallelogram has
+    these lengths."""
+    square = 2 * ac**2 + 2 * bd**2 - 4 * ad**2
+    side = sqrt(square) / 2 if square > 0 and ad > 0 else 0.0
+    cosine = (ac**2 - side**2 - ad**2) / (2 * side * ad) if side else 2.0
+    if not -1 < cosine < 1:
+        raise CommandError.of("levelling.skew", value=f"{ac:g}, {bd:g}, {ad:g} mm")
+    return tan(pi / 2 - acos(cosine))
+
+
+@dataclass(frozen=True, slots=True)
+class Skew:
+    """Factors of the planes XY, XZ and YZ."""
+
+    xy: float = 0.0
+    xz: float = 0.0
+    yz: float = 0.0
+
+    def machine(self, x: float, y: float, z: float) -> tuple[float, float, float]:
+        """Where the machine's axes must be for the nozzle to be at X, Y, Z, mm."""
+        return x - y * self.xy - z * (self.xz - self.xy * self.yz), y - z * self.yz, z
+
+    def program(self, x: float, y: float, z: float) -> tuple[float, float, float]:
+        """The inverse of `machine`."""
+        y += z * self.yz
+        return x + y * self.xy + z * (self.xz - self.xy * self.yz), y, z
+
+
+def skew_degrees(factor: float) -> float:
+    """What the angle between the axes differs from a right one."""
+    return degrees(atan(factor))
