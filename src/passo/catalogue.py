@@ -1056,4 +1056,12 @@ CATALOGUE: Mapping[str, Entry] = {
         " allowed",
         "The old parameters stay. Correct the machine file, or check the probe",
     ),
+    "levelling.mesh-name": _levelling(
+        "{value!r} cannot be the name of a mesh",
+        "Use at most 40 letters, digits, dots, dashes and underscores; first a letter or digit",
+    ),
+    "levelling.mesh-file": _levelling(
+        "holds {value!r} in a mesh: expected {limit}",
+        "Probe the bed again, or restore the file",
+    ),
 }

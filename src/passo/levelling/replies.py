@@ -1,9 +1,9 @@
 """Replies with heights of the bed, in the forms that hosts and screens parse.
 
 OctoPrint's Bed Visualizer takes each line of numbers with a decimal point as a row, in the order
-printed, front row first, until a line with "ok". Screens of BIGTREETECH know a table by its heading,
-and skip a fixed number of lines and columns. So each table has a number in each cell, and no other
-line between its heading and its end.
+printed, front row first, until a line with "ok". Screens of BIGTREETECH know a table by its
+heading, and skip a fixed number of lines and columns. So each table has a number in each cell, and
+no other line between its heading and its end.
 """
 
 from __future__ import annotations
