@@ -281,6 +281,20 @@ void bind_job(nb::module_& m) {
       "on a "
       "machine that has an E.");
   m.def(
+      "split_text",
+      [](const std::string& text) {
+        std::vector<std::tuple<std::string, std::optional<double>, std::optional<std::string>>> all;
+        for (TextWord& word : split_text(text))
+          all.emplace_back(std::move(word.letter), word.number, std::move(word.text));
+        return all;
+      },
+      "text"_a,
+      "The words of a command's text, in order: the letter in upper case, or another character "
+      "that "
+      "begins no word; its number, not a number for `nan`, or None; the number as it is written, "
+      "or "
+      "what stands in quotes. Comments in parentheses are left out.");
+  m.def(
       "find_stray",
       [](std::string text, bool any) {
         const Stray stray = find_stray(text, any);

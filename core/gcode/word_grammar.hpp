@@ -39,7 +39,7 @@ inline std::pair<int, int> code_of(const Word& w) {
 inline bool wordless(const Word& w) {
   if (text_command(w)) return true;
   const auto [n, minor] = code_of(w);
-  if (w.letter == 'G') return minor == 0 && (n == 12 || n == 27 || (n >= 29 && n <= 32));
+  if (w.letter == 'G') return minor == 0 && (n == 12 || n == 27 || n == 29 || n == 31 || n == 32);
   return n == 29 || n == 33 || n == 34 || n == 48 || (n >= 75 && n <= 77) || n == 99 || n == 110 ||
          n == 111 || n == 125 || n == 142 || n == 150 || (n >= 163 && n <= 166) || n == 192 ||
          n == 202 || n == 222 || n == 240 || n == 250 || n == 280 || n == 281 || n == 351 ||

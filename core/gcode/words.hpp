@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "gcode/lexer.hpp"
+#include "gcode/utf8.hpp"
 
 namespace passo {
 
@@ -109,6 +113,65 @@ inline void split_words(std::string_view text, std::vector<Word>& words) {
     word.end = size_t(p - begin);
     words.push_back(word);
   }
+}
+
+// A word of a command that the host carries out. `letter`: upper case, or another character that
+// begins no word.
+struct TextWord {
+  std::string letter;
+  std::optional<double> number;     // not a number: `nan`
+  std::optional<std::string> text;  // of the number as it is written, or within quotes
+};
+
+// The words of a command's text, where a word may also have a text in quotes, or `nan`. Comments in
+// parentheses are left out.
+inline std::vector<TextWord> split_text(std::string_view text) {
+  std::vector<TextWord> words;
+  const auto space = [&](size_t i) { return i < text.size() && std::isspace(uint8_t(text[i])); };
+  const auto nan = [&](size_t i) {
+    return i + 3 <= text.size() && std::tolower(uint8_t(text[i])) == 'n' &&
+           std::tolower(uint8_t(text[i + 1])) == 'a' && std::tolower(uint8_t(text[i + 2])) == 'n' &&
+           (i + 3 == text.size() || (!std::isalnum(uint8_t(text[i + 3])) && text[i + 3] != '_'));
+  };
+  for (size_t i = 0; i < text.size();) {
+    if (space(i)) {
+      ++i;
+      continue;
+    }
+    if (text[i] == '(') {
+      for (size_t depth = 0; i < text.size();) {
+        const char c = text[i++];
+        depth += size_t(c == '(') - size_t(c == ')');
+        if (depth == 0) break;
+      }
+      continue;
+    }
+    TextWord word;
+    const size_t bytes = text[i] == '"' ? 0 : character_at(text, i).second;
+    word.letter = bytes == 0 ? "\"" : readable(text.substr(i, bytes));
+    i += bytes;
+    const bool begins = bytes == 1 && std::isalpha(uint8_t(text[i - 1]));
+    if (begins) word.letter[0] = char(std::toupper(uint8_t(word.letter[0])));
+    size_t at = i;
+    while (begins && space(at)) ++at;
+    const char *p = text.data() + at, *end = text.data() + text.size();
+    double number = 0;
+    if (at < text.size() && (begins || bytes == 0) && text[at] == '"') {
+      const size_t close = std::min(text.find('"', at + 1), text.size());
+      if (close < text.size()) word.text = readable(text.substr(at + 1, close - at - 1));
+      i = close + 1;
+    } else if (begins && read_number(p, end, number)) {
+      word.number = number;
+      i = size_t(p - text.data());
+      word.text = std::string(text.substr(at, i - at));
+    } else if (begins && nan(at)) {
+      word.number = std::numeric_limits<double>::quiet_NaN();
+      word.text = std::string(text.substr(at, 3));
+      i = at + 3;
+    }
+    words.push_back(std::move(word));
+  }
+  return words;
 }
 
 }  // namespace passo

@@ -1377,6 +1377,11 @@ def without_exponents(text: str) -> str:
     A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
     """
 
+def split_text(text: str) -> list[tuple[str, float | None, str | None]]:
+    """
+    The words of a command's text, in order: the letter in upper case, or another character that begins no word; its number, not a number for `nan`, or None; the number as it is written, or what stands in quotes. Comments in parentheses are left out.
+    """
+
 def find_stray(text: str, any: bool) -> tuple[str, int]:
     """
     The first character of a command's text that is not G-code: what stands around it, and its code (0: there is none; below 0: a byte that is not UTF-8). Not `any`: only one that changes what the text means.

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from functools import reduce
+from math import isnan
 from operator import xor
 
 import pytest
 
-from passo._core import Fault, Job, JobStatus, without_exponents
+from passo._core import Fault, Job, JobStatus, split_text, without_exponents
 from passo.errors import WordError
 from passo.gcode.command import Command
 from passo.gcode.registry import ANY, Kind, table
@@ -391,3 +392,22 @@ def test_values_beyond_their_range(line, word, value, least, most):
     assert out.errors == [(3, Fault.RANGE, word, value, most)]
     assert out.points == [(least, 0, 0)]
     assert len(out.moves) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("S200 F", [("S", 200, "200"), ("F", None, None)]),
+        ('P "a S5" x-.5', [("P", None, "a S5"), ("X", -0.5, "-.5")]),
+        ("S1 (P2 (T3) F) R+4.", [("S", 1, "1"), ("R", 4, "+4.")]),
+        ('S,é"', [("S", None, None), (",", None, None), ("é", None, None), ('"', None, None)]),
+    ],
+)
+def test_texts_of_handlers_are_divided_into_words(text, words):
+    assert split_text(text) == words
+
+
+def test_nan_is_a_number_of_its_letter():
+    ((letter, number, text), (other, _, _)) = split_text("Snan T")
+    assert (letter, text, other) == ("S", "nan", "T")
+    assert number is not None and isnan(number)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections import deque
 from dataclasses import dataclass
 
 from passo.console.upload import Upload
-from passo.gcode.command import Command, worded
+from passo.gcode.command import Command, words_of
 from passo.gcode.registry import ANY, row_of
 from passo.printer.printer import Printer
 
 _RESUMES = ("M24", "M602")
 LIFTS = ("M922", "M999", "RESTART", "FIRMWARE_RESTART")
-_HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE | re.ASCII)
-_HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE | re.ASCII)
 
 
 def halts(command: Command) -> bool:
@@ -23,12 +20,11 @@ def halts(command: Command) -> bool:
         return True
     if command.name or "112" not in command.text:
         return False
-    text = worded(command.text)
-    if command.letter != "M":  # a move, or an axis of a line that repeats the last one
-        return _HALT.search(text) is not None
-    row = row_of(command.code)
-    labels = row is None or row.bare in (None, ANY)
-    return not labels and _HALT_APART.search(text) is not None
+    if command.letter == "M":  # else a move, or an axis of a line that repeats the last one
+        row = row_of(command.code)
+        if row is None or row.bare in (None, ANY):  # the text may hold labels
+            return False
+    return ("M", 112.0) in words_of(command.text)
 
 
 def answers(command: Command) -> bool:

@@ -36,7 +36,7 @@ class RecoveryCommands:
         if found is None:
             raise CommandError.of("job.nothing-interrupted")
         program, moment = found
-        if "C" in command.text.upper():
+        if "C" in command.letters():
             self._keeper.forget()
             return None
         if program.machine != self._printer.machine.uuid:

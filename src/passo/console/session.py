@@ -38,6 +38,7 @@ _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", *_RESTARTS)
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
 _TOOL = re.compile(r"T\d")  # without it filament of another one would be printed
 _EXPONENT = re.compile(r"[\d.][Ee][-+\d]")
+# Only the code that a line begins with: what follows may be a text, and the lexer divides words.
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL | re.ASCII)
 
 

@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import re
 from decimal import Decimal
+from math import isnan
 from typing import NamedTuple
 
+from passo import _core
 from passo.errors import WordError
 from passo.gcode.registry import ANY, row_of
 from passo.gcode.stray import stray_of
 
-_WORD = re.compile(
-    r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE | re.ASCII
-)
+# KEY=VALUE is not G-code, so the lexer has no words of it.
 _PAIR = re.compile(
     r"([^\s=]+)(?:\s*=\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=]+\s*=)\S+)?)?", re.DOTALL
 )
 _QUOTED = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
-# Of a whole line of a console, which must hold nothing that has to wait for its turn.
-_FORCED = re.compile(
-    r"(?=.*F)(?:\s*(?:[STPR]\s*[-+]?(?:\d+\.?\d*|\.\d+)|S\s*nan\b|F(?!\s*[-+.\d])))*\s*",
-    re.IGNORECASE,
-)
 LARGEST = 1e9  # as in the words of moves
 
 
@@ -53,15 +48,19 @@ class Command(NamedTuple):
         if row.bare != ANY and (stray := stray_of(self.text, any_character=False)) is not None:
             raise WordError([stray])
         seen = set[str]()
-        for match in _WORD.finditer(self.text):
-            letter, number, text, nan = match[1].upper(), *match.groups()[1:]
+        for letter, number, text in _core.split_text(self.text):
+            if not (_is_letter(letter) or letter == '"'):
+                continue
             if letter in seen and row.bare != ANY and letter not in row.repeats:
                 raise WordError.of("input.repeated", value=letter)
             seen.add(letter)
-            if number is not None:
-                if abs(float(number)) > LARGEST:
-                    raise WordError.of("input.number", value=letter + written(float(number)))
-            elif not (text or (row.nan and letter == "S" if nan else letter in row.bare)):
+            nan = number is not None and isnan(number)
+            if number is not None and not nan:
+                if abs(number) > LARGEST:
+                    raise WordError.of("input.number", value=letter + written(number))
+            elif nan or text is None or letter == '"':
+                if row.nan and letter == "S" if nan else row.bare == ANY or letter in row.bare:
+                    continue
                 if (stray := stray_of(self.text, any_character=True)) is not None:
                     raise WordError([stray])
                 raise WordError.of("input.number", value=letter)
@@ -69,6 +68,10 @@ class Command(NamedTuple):
     def words(self) -> dict[str, float]:
         """Letters with their numbers; letters alone are left out."""
         return dict(words_of(self.text))
+
+    def letters(self) -> list[str]:
+        """The letters of all words, in order, with numbers or without."""
+        return letters_of(self.text)
 
     def pairs(self) -> dict[str, str]:
         """KEY=VALUE parameters of an extended command: see `pairs_of`."""
@@ -101,38 +104,51 @@ def numeral(value: float) -> str:
     return f"{Decimal(f'{value:.10g}'):f}"
 
 
-_NO_WORDS = re.compile(r'"[^"]*("|\Z)|\([^)]*(\)|\Z)')
-_COMMAND = re.compile(r"[GMT]\s*\d", re.IGNORECASE | re.ASCII)
-
-
-def worded(text: str) -> str:
-    """A command's text without what is quoted or in parentheses."""
-    return _NO_WORDS.sub(lambda m: "" if m[1] or m[2] else m[0], text)
-
-
 def alone(command: Command) -> bool:
     """No other command stands behind it in its line."""
     row = row_of(command.code)
     if command.name or row is None or row.bare in (None, ANY):
         return True
     own = {letter for letter in "GMT" if f" {letter}" in f" {row.parameters}"}
-    return not any(m[0][0].upper() not in own for m in _COMMAND.finditer(worded(command.text)))
+    return not any(
+        number is not None and number >= 0 and letter in "GMT" and letter not in own
+        for letter, number, _ in _core.split_text(command.text)
+    )
 
 
 def forced(command: Command) -> bool:
     """A console's line that sets a heater or a fan at once (F), whichever source moves the
     machine."""
     row = row_of(command.code)
-    return row is not None and row.forced and _FORCED.fullmatch(command.text) is not None
+    if row is None or not row.forced:
+        return False
+    words = _core.split_text(command.text)
+    return any(word[0] == "F" for word in words) and all(_sets_at_once(*word) for word in words)
+
+
+def _sets_at_once(letter: str, number: float | None, text: str | None) -> bool:
+    """A word of `forced` lines, none of which has to wait for its turn."""
+    if number is None:
+        return letter == "F" and text is None
+    return letter == "S" or (letter in "TPR" and not isnan(number))
 
 
 def words_of(text: str) -> list[tuple[str, float]]:
     """All words of a line with a number of at most 1e9, in order: (letter, number)."""
     return [
-        (m[1].upper(), number)
-        for m in _WORD.finditer(text)
-        if m[2] is not None and abs(number := float(m[2])) <= LARGEST
+        (letter, number)
+        for letter, number, _ in _core.split_text(text)
+        if number is not None and abs(number) <= LARGEST
     ]
+
+
+def letters_of(text: str) -> list[str]:
+    """The letters of all words of a text, in order, with numbers or without."""
+    return [letter for letter, _, _ in _core.split_text(text) if _is_letter(letter)]
+
+
+def _is_letter(character: str) -> bool:
+    return "A" <= character <= "Z"
 
 
 def unescaped(text: str) -> str:

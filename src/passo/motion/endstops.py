@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
 from passo.config.probing import PROBE
+from passo.gcode.command import letters_of
 from passo.geometry.base import Point
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ def axes_lost(machine: MachineConfig, steppers: Collection[str]) -> set[str]:
 
 def named_motors(machine: MachineConfig, text: str) -> list[str]:
     """The motors of the letters in M18 or M84: axes, actuators, E; all without letters."""
-    letters = re.findall(r"[A-Z]", text.upper().partition("S")[0])
+    letters = list(takewhile(lambda letter: letter != "S", letters_of(text)))
     if not letters:
         return list(machine.steppers)
     axes = axis_order(machine.axes)

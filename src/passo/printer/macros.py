@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any, cast
 
+from passo import _core
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Subject, When, command
 from passo.printer.klipper.objects import Object, Objects, objects
 
 if TYPE_CHECKING:
-    from passo import _core
     from passo.config.machine import MachineConfig
     from passo.gcode.template import Budget, Template
     from passo.printer.status import Status
@@ -25,7 +25,6 @@ _VARIABLE = re.compile(r"[a-z_][a-z0-9_]{0,99}", re.ASCII)
 _MAX_SAVED = 1000  # variables of SAVE_VARIABLE
 MAX_DEPTH = 16  # macros within each other
 _LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
-_LETTERED = re.compile(r"([A-Z])\s*(\"[^\"]*\"|[-+.\d]*)", re.IGNORECASE | re.ASCII)
 
 Respond = Callable[[str], object]
 
@@ -221,8 +220,8 @@ def _params(command: Command) -> dict[str, str]:
     """KEY=VALUE of a command with a name; of one with a letter and a number its words by letter."""
     if command.name:
         return command.pairs()
-    found = _LETTERED.finditer(command.text)
-    return {match[1].upper(): match[2].strip('"') for match in found}
+    words = _core.split_text(command.text)
+    return {letter: text or "" for letter, _, text in words if "A" <= letter <= "Z"}
 
 
 def _needed(command: Command, *keys: str) -> dict[str, str]:

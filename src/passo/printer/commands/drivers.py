@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import floor
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from passo.printer.commands.motors import Motors
     from passo.printer.watch.driver_status import DriverWatch
 
-_LETTER = re.compile(r"([A-Z])\s*[-+\d.]*")
 _MOTORS = "XYZABCUVWE"  # letters of axes, actuators and extruders
 
 
@@ -106,7 +104,7 @@ class DriverCommands:
             return None
         if words["S"] not in (0, 1):
             raise CommandError.bad_value("S", words["S"], "0 (spreadCycle) or 1 (stealthChop)")
-        letters = [x for x in _LETTER.findall(command.text.upper()) if x not in "SIT"]
+        letters = [letter for letter in command.letters() if letter not in "SIT"]
         motors = list(self._watch.states)
         if letters:
             which = words.get("I"), words.get("T")
@@ -213,7 +211,7 @@ class DriverCommands:
         bare=AXES,
     )
     def _forget_prewarnings(self, command: Command, reply: Reply) -> Wait | None:
-        letters = re.sub(r"[^A-Z]", "", command.text.upper())
+        letters = command.letters()
         if not letters:
             self._watch.prewarned.clear()
         for letter in letters:

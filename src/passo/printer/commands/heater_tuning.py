@@ -70,7 +70,7 @@ class TuneCommands:
             reply.fail(str(error))
             return None
         self._controls.take_back(name)  # from a tune that a halt has cut off
-        asked = words.get("U", 1.0 if "U" in command.text.upper() else 0.0) != 0
+        asked = words.get("U", 1.0 if "U" in command.letters() else 0.0) != 0
         apply = asked and fits
         for line in tune.begin(" Apply result" if apply else ""):
             reply.say(line)

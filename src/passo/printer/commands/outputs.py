@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -17,8 +16,7 @@ if TYPE_CHECKING:
     from passo.printer.commands.plan import Plan
     from passo.printer.wait_requests import Reply
 
-_SETTINGS = re.compile(r"[UIHLXT]", re.IGNORECASE | re.ASCII)  # of M106
-_AT_ONCE = re.compile(r"(?<![A-Z])F", re.IGNORECASE | re.ASCII)
+_SETTINGS = set("UIHLXT")  # of M106
 _FULL_FAN = 255  # S of M106
 
 
@@ -134,7 +132,7 @@ class Outputs:
     def _fan_on(self, command: Command, reply: Reply) -> None:
         words = command.words()
         share, given = None, words.get("S", _FULL_FAN)
-        if "S" in words or not ("F" in words or _SETTINGS.search(command.text)):
+        if "S" in words or not ("F" in words or _SETTINGS & set(command.letters())):
             share = min(max(given / _FULL_FAN, 0.0), 1.0)
         self._set_fan(command, share)
         if "F" in words:
@@ -161,7 +159,7 @@ class Outputs:
         the rest pass."""
         words, fans = command.words(), self._machine.fans
         number = words.get("P")
-        at_once = "F" not in words and _AT_ONCE.search(command.text) is not None
+        at_once = "F" not in words and "F" in command.letters()
         numbers = [fans[name].number for name in self.commanded_fans]
         if number is not None and number not in numbers:
             limit = ", ".join(map(str, numbers)) or "no fan"

@@ -57,7 +57,7 @@ class PowerSupply:
         bare="S",
     )
     def _switch_on(self, command: Command, reply: Reply) -> Wait | None:
-        if "S" in command.text.upper():
+        if "S" in command.letters():
             reply.say(f"PS:{int(self.on)}")
             return None
         return None if self.on else WaitForProcedure(self._rise)

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.printer.commands.outputs import Outputs
 
-_BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
+# How the interpreter writes the words of its own events. The form marks them: the lexer takes the
+# last blank off a program's line, so no words of a program have it.
+_BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")
 _BABYSTEP_MM = 2.0  # at most, with one command
 
 

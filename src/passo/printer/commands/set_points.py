@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Protocol
 
+from passo import _core
 from passo.config.heater_numbers import heater_of
 from passo.errors import CommandError
 from passo.gcode.command import Command
@@ -13,11 +13,8 @@ from passo.printer.commands.material_presets import Presets
 from passo.printer.wait_requests import Reply, Wait, WaitForTemperatures
 
 if TYPE_CHECKING:
-    from passo import _core
     from passo.config.machine import MachineConfig
 
-_LETTERED = re.compile(r"([TPBC])\s*(-?\d+)?", re.IGNORECASE | re.ASCII)
-_AT_ONCE = re.compile(r"(?<![A-Z])F", re.IGNORECASE | re.ASCII)
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -127,7 +124,7 @@ class SetPoints:
         words = command.words()
         if self._exists(kind, words):
             name = self.heater(kind, _number(words))
-            at_once = _AT_ONCE.search(command.text) is not None
+            at_once = "F" in command.letters()
             self._heat_to(name, self._celsius(words, kind), at_once=at_once)
 
     # -- wait -------------------------------------------------------------------------------------
@@ -192,8 +189,9 @@ class SetPoints:
     )
     def _reach_all(self, command: Command, _: Reply) -> Wait | None:
         names = [
-            self.heater(_KINDS[letter.upper()], int(number or 0))
-            for letter, number in _LETTERED.findall(command.text)
+            self.heater(_KINDS[letter], int(number or 0))
+            for letter, number, _ in _core.split_text(command.text)
+            if letter in _KINDS
         ]
         return WaitForTemperatures(tuple(names or self._machine.heaters), cooling=True)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
@@ -46,7 +45,7 @@ class SpeedAndFlow:
         self._set_speed(command, reply, live=False)
 
     def _set_speed(self, command: Command, reply: Reply, *, live: bool) -> None:
-        words, letters = command.words(), set(re.findall("[BR]", command.text.upper()))
+        words, letters = command.words(), command.letters()
         factor, note = self.kept if "R" in letters else None, ""
         if "S" in words:
             percent, (low, high) = words["S"], _SPEED

@@ -13,7 +13,8 @@ from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForUser
 
-# Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3".
+# Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3". The rest
+# is a message, which the lexer does not divide.
 _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
 
 
