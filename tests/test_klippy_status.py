@@ -144,3 +144,21 @@ def test_unsaved_settings_are_pending_until_they_are_stored(tmp_path):
         assert await pending("M500") == {}
 
     on_printer(test, tmp_path)
+
+
+def test_load_of_a_board_is_what_its_firmware_reports(tmp_path):
+    async def test(bridge: LiveBridge):
+        (mcu,) = shown(bridge, "mcu")
+        assert (mcu["last_stats"]["mcu_awake"], mcu["last_stats"]["mcu_task_avg"]) == (0.0, 0.0)
+        (connection,) = bridge._printer.connection.connections
+        # 1000 passes of 400 ticks on average, at 16 MHz, with a deviation of 80.
+        connection._responses.append(("stats", {"count": 1000, "sum": 400_000, "sumsq": 650_000}))
+        await asyncio.sleep(0.5)
+        await bridge.run("M105")
+        stats = shown(bridge, "mcu")[0]["last_stats"]
+        assert stats["mcu_awake"] == pytest.approx(0.025)
+        assert stats["mcu_task_avg"] == pytest.approx(25e-6)
+        assert stats["mcu_task_stddev"] == pytest.approx(5e-6)
+        assert stats["bytes_write"] > 0
+
+    on_printer(test, tmp_path)

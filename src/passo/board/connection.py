@@ -27,12 +27,14 @@ from passo.board.faults import (
     HeaterFault,
     shutdown_error,
 )
+from passo.board.main_loop import MainLoop
 from passo.board.ports import LinkLostError, Port
 from passo.board.recorded_frames import KEPT_BYTES, KEPT_PARTS, KEPT_S, RecordedFrames
 from passo.board.words import check_words
 from passo.clock import time_scale
 from passo.errors import MachineError
 
+_SQUARES = 256  # ticks² of a unit in reports of load, where the board does not specify it
 Values: TypeAlias = dict[str, int | bytes]
 
 _CHUNK, _SHORT_CHUNK = 40, 8
@@ -83,6 +85,7 @@ class Connection:
         self.oids = Oids.of(board)
         self._timeline: _core.Timeline | None = None
         self._responses: list[tuple[str, Values]] = []
+        self._main_loop: MainLoop | None = None
         self._late: dict[tuple[str, int | None], int] = {}  # until when old answers may come
 
     @property
@@ -288,6 +291,13 @@ class Connection:
         taken = [r for r in self._responses if not names or r[0] in names]
         self._responses = [r for r in self._responses if names and r[0] not in names]
         return taken
+
+    def main_loop(self) -> MainLoop | None:
+        """The load of the board by its last report; None before the first. Asks no board."""
+        for _, report in self.take_responses("stats"):
+            unit = int(self.dictionary.constants.get("STATS_SUMSQ_BASE", _SQUARES))
+            self._main_loop = MainLoop.of(report, unit, float(self.board.clock_hz))
+        return self._main_loop
 
     def start_job(
         self,

@@ -153,7 +153,9 @@ class MotionStatus:
 @dataclass(frozen=True, slots=True)
 class BoardStatus:
     """A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count
-    what went over its link since the start; `simulated`: it is software."""
+    what went over its link since the start; `simulated`: it is software. `awake_s` is how much of
+    the last 5 s its firmware had work; `task_s` and `task_deviation_s` are mean and standard
+    deviation of one pass of its work. None until it reports them, and of a simulated chip."""
 
     firmware: str
     mcu: str
@@ -161,6 +163,9 @@ class BoardStatus:
     simulated: bool
     bytes_sent: int
     bytes_resent: int
+    awake_s: float | None = None
+    task_s: float | None = None
+    task_deviation_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,7 +73,9 @@ export interface BoardOfList {
 }
 
 /** A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count what
- * went over its link since the start; `simulated`: it is software. */
+ * went over its link since the start; `simulated`: it is software. `awake_s` is how much of the
+ * last 5 s its firmware had work; `task_s` and `task_deviation_s` are mean and standard deviation
+ * of one pass of its work. None until it reports them, and of a simulated chip. */
 export interface BoardStatus {
   firmware: string;
   mcu: string;
@@ -81,6 +83,9 @@ export interface BoardStatus {
   simulated: boolean;
   bytes_sent: number;
   bytes_resent: number;
+  awake_s?: number | null;
+  task_s?: number | null;
+  task_deviation_s?: number | null;
 }
 
 /** `machine` are the boards of the machine by their names, the main one without a name; `shipped`

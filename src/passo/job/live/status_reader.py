@@ -26,6 +26,7 @@ from passo.printer.status import (
 )
 
 if TYPE_CHECKING:
+    from passo.board.connection import Connection
     from passo.job.live.library import Library
     from passo.job.live.objects import PrintObjects
     from passo.job.live.progress import Progress
@@ -147,16 +148,10 @@ class StatusReader:
         return found
 
     def _boards(self) -> dict[str, BoardStatus]:
+        live, connections = self._printer.connection.live, self._printer.connection.connections
         return {
-            connection.name or "main": BoardStatus(
-                firmware=connection.dictionary.version,
-                mcu=str(connection.dictionary.constants.get("MCU", "")),
-                clock_hz=float(connection.board.clock_hz),
-                simulated=not self._printer.connection.live,
-                bytes_sent=connection.link.wire_bytes,
-                bytes_resent=connection.link.retransmitted_bytes,
-            )
-            for connection in self._printer.connection.connections
+            connection.name or "main": _board_status(connection, simulated=not live)
+            for connection in connections
         }
 
     def _job(self) -> JobStatus | None:
@@ -188,6 +183,21 @@ class StatusReader:
 def _faults(problems: Sequence[Problem]) -> tuple[FaultStatus, ...]:
     return tuple(
         FaultStatus(p.code, p.entry.part, p.sentence, p.hint or p.entry.action) for p in problems
+    )
+
+
+def _board_status(connection: Connection, *, simulated: bool) -> BoardStatus:
+    load = connection.main_loop()
+    return BoardStatus(
+        firmware=connection.dictionary.version,
+        mcu=str(connection.dictionary.constants.get("MCU", "")),
+        clock_hz=float(connection.board.clock_hz),
+        simulated=simulated,
+        bytes_sent=connection.link.wire_bytes,
+        bytes_resent=connection.link.retransmitted_bytes,
+        awake_s=None if load is None else load.awake_s,
+        task_s=None if load is None else load.mean_s,
+        task_deviation_s=None if load is None else load.deviation_s,
     )
 
 

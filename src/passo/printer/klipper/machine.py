@@ -25,16 +25,16 @@ def webhooks(status: Status) -> Object:
 
 
 def mcu(status: Status, name: str) -> Object:
-    """A board. Passo measures no load of it: its idle figures are 0."""
+    """A board. Its load is 0 until it has reported it, and on a simulated chip."""
     board = status.boards[name]
     return {
         "mcu_version": board.firmware,
         "mcu_build_versions": "",
         "mcu_constants": {"MCU": board.mcu, "CLOCK_FREQ": board.clock_hz},
         "last_stats": {
-            "mcu_awake": 0.0,
-            "mcu_task_avg": 0.0,
-            "mcu_task_stddev": 0.0,
+            "mcu_awake": board.awake_s or 0.0,
+            "mcu_task_avg": board.task_s or 0.0,
+            "mcu_task_stddev": board.task_deviation_s or 0.0,
             "bytes_write": board.bytes_sent,
             "bytes_retransmit": board.bytes_resent,
             "freq": board.clock_hz,
