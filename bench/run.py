@@ -33,6 +33,23 @@ result = Print(load(sys.argv[2]), Policy()).run(sys.argv[1])
 print(json.dumps(result.as_dict()))
 """
 
+# The same above waves of 0.1 mm that a mesh of 10 x 10 points has found.
+MESH = PIPELINE.replace(
+    "result =",
+    """
+from math import cos, pi, sin
+from passo.levelling.areas import Grid
+from passo.levelling.correction import Correction, apply
+machine = load(sys.argv[2])
+axes = machine.axes
+area = axes["x"].min_mm, axes["y"].min_mm, axes["x"].max_mm, axes["y"].max_mm
+def wave(x, y):
+    return 0.1 * sin(2 * pi * x / 120) * cos(2 * pi * y / 160)
+above = Print(machine, Policy())
+apply(Correction(mesh=Grid(area, (10, 10)).mesh(wave)), area, above.job)
+result =""",
+).replace("Print(load(sys.argv[2]), Policy()).run", "above.run")
+
 
 def user_s(words: list[str]) -> tuple[float, str]:
     """User CPU seconds of a command, and what it printed."""
@@ -107,6 +124,18 @@ def densities(path: Path, folder: str) -> None:
         print(f"steps a command, {name}: {density:.2f} in {r['move_time_s']:.0f} s")
 
 
+def mesh(path: Path, machine: str, runs: int) -> None:
+    """Prints what a bicubic mesh costs: medians of runs in turn."""
+    words = [str(path), machine]
+    flat: list[float] = []
+    above: list[float] = []
+    for _ in range(runs):
+        flat.append(user_s([sys.executable, "-c", PIPELINE, *words])[0])
+        above.append(user_s([sys.executable, "-c", MESH, *words])[0])
+    a, b = statistics.median(flat), statistics.median(above)
+    print(f"print above a mesh of 10 x 10 points: {b:.2f} s, {b / a:.2f} of {a:.2f} s without")
+
+
 def memory(folder: str, machine: str) -> None:
     """Prints the peak memory of the example, once, ten and forty times in one file."""
     path = Path(folder) / "copies.gcode"
@@ -171,6 +200,7 @@ def main() -> None:
         start = statistics.median(user_s([*passo, "--help"])[0] for _ in range(arguments.runs))
         print(f"passo estimate: {estimate:.2f} s, {moves / estimate / 1e6:.2f} M moves/s")
         print(f"passo --help: {start:.2f} s")
+        mesh(path, machine, arguments.runs)
         densities(path, folder)
         memory(folder, machine)
 
