@@ -72,6 +72,25 @@ test("the text is edited, undone, and a machine of the library copied", async ()
   await page.getByRole("button", { name: "Discard" }).click();
 });
 
+test("the firmware of a RAMPS is built, with its sizes, and downloaded", async () => {
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByText("Firmware", { exact: true }).click();
+  await page.getByRole("button", { name: "Build the image" }).click();
+  await page.getByText("Done", { exact: true }).waitFor({ timeout: 35_000 });
+  expect(await page.getByRole("meter").count()).toBe(2);
+  const [zip] = await Promise.all([
+    page.waitForEvent("download"),
+    page.getByRole("link", { name: "Download as zip" }).click(),
+  ]);
+  expect(zip.suggestedFilename()).toBe("firmware-i3.zip");
+  await expectAccessible(page);
+  for (const width of [360, 1280]) {
+    await page.setViewportSize({ width, height: 800 });
+    await expectFits(page);
+    await picture(page, `firmware-${width}-light`);
+  }
+});
+
 test("settings show the appearance, the values of commands and the logs", async () => {
   await page.getByRole("link", { name: "Settings" }).click();
   await page.getByText("Dark", { exact: true }).click();
