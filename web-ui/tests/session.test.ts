@@ -25,8 +25,28 @@ test("the first account is made, and the page asks for it from then on", async (
   await page.getByLabel("Password").fill("a long password");
   await page.getByLabel("Password").press("Enter");
   await page.getByRole("heading", { name: "Temperatures" }).waitFor();
+
+  // A viewer looks on: what steers is not there.
+  await page.getByRole("link", { name: "Settings" }).click();
+  const accounts = page.getByRole("region", { name: "Accounts" });
+  await accounts.getByLabel("Name").fill("bob");
+  await accounts.getByLabel("Password").fill("another long password");
+  await accounts.getByLabel("Role", { exact: true }).selectOption("viewer");
+  await accounts.getByRole("button", { name: "Add" }).click();
+  await page.getByLabel("Role of bob").waitFor();
+  await expectAccessible(page);
+  await picture(page, "accounts-1280-light");
   await page.getByRole("button", { name: "Log out ada" }).click();
-  await page.getByRole("heading", { name: "Log in" }).waitFor();
+  await page.getByLabel("Name").fill("bob");
+  await page.getByLabel("Password").fill("another long password");
+  await page.getByLabel("Password").press("Enter");
+  await page.getByRole("navigation").getByRole("link", { name: "Dashboard" }).click();
+  await page.getByText("Your account may look on, not move the axes.").waitFor();
+  for (const name of ["STOP", "Extrude", "Send"]) {
+    expect(await page.getByRole("button", { name, exact: true }).count()).toBe(0);
+  }
+  await expectAccessible(page);
+  await picture(page, "viewer-role-1280-light");
 
   await browser.close();
   await served.remove();

@@ -4,6 +4,7 @@ import { openFeed } from "../api/feed";
 import { merge } from "../api/merge";
 import type { FeedLine, FeedMessage, PrinterEvent } from "../api/messages";
 import type { Status } from "../api/schema";
+import { session } from "./session.svelte";
 
 type EventListener = (event: PrinterEvent) => void;
 type LineListener = (line: FeedLine) => void;
@@ -67,8 +68,9 @@ class Printer {
   }
 
   /** Why the machine must not be moved by hand now; undefined if it may. */
-  get lock(): "offline" | "halted" | "printing" | undefined {
+  get lock(): "offline" | "viewer" | "halted" | "printing" | undefined {
     if (!this.status || !this.connected) return "offline";
+    if (!session.may("operator")) return "viewer";
     if (this.halted) return "halted";
     return this.status.state === "P" ? "printing" : undefined;
   }
