@@ -60,7 +60,7 @@ test("a print is followed", async () => {
   await page.getByRole("button", { name: "Print", exact: true }).click();
   await page.getByRole("region", { name: "Print" }).locator(".chip", { hasText: "Printing" }).waitFor();
   await page.getByRole("link", { name: "Viewer" }).click();
-  await page.getByText("Follow the print").waitFor();
+  await page.getByText("Follow the print").waitFor({ timeout: 30_000 }); // once the path is planned
   const layer = () => slider("Layer").inputValue().then(Number);
   await expect.poll(layer, { timeout: 15_000 }).toBeGreaterThan(0);
   expect(await layer()).toBeLessThan(14);
