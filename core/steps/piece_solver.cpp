@@ -89,6 +89,22 @@ PieceSolver::PieceSolver(const Machine& machine, const StepperSpec& spec)
     row_[spec.drive == Drive::extruder ? kE : slot_of_axis(spec.index)] = 1;
 }
 
+bool PieceSolver::rests(const double* from, const double* to, int64_t count) const {
+  if (!straight_ || from[kZ] != to[kZ]) return false;
+  const HeightMap& map = *machine_.height_map;
+  for (int j : {kX, kY})
+    if (map.index(j, from[j]) != map.index(j, to[j])) return false;
+  const double z = from[kZ];
+  const HeightMap::Lift lift = map.lift(from[kX], from[kY], z);
+  // A bilinear function is least and greatest at corners of a rectangle.
+  for (double x : {from[kX], to[kX]})
+    for (double y : {from[kY], to[kY]}) {
+      double q = row_[kX] * x + row_[kY] * y + row_[kZ] * (z + lift.at(x, y, z));
+      if (int64_t(std::floor(q * spec_.steps_per_unit + 0.5)) != count) return false;
+    }
+  return true;
+}
+
 int64_t PieceSolver::solve(const Piece& p, int64_t count, int64_t target, bool ends_path,
                            Steps& out) {
   if (!moves(p)) return count;

@@ -19,6 +19,10 @@ class PieceSolver {
            (!straight_ || row_[kZ] != 0);
   }
 
+  // A straight motor makes no step from `count` on along a line at one Z above one cell: a cheap
+  // test that most moves of a layer pass. False also where it does not know.
+  bool rests(const double* from, const double* to, int64_t count) const;
+
   // Appends each step from `count` on. At the end of a path, also for each
   // that its rounded end, `target`, still wants. Returns the count after them.
   int64_t solve(const Piece& p, int64_t count, int64_t target, bool ends_path, Steps& out);

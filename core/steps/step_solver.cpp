@@ -65,6 +65,7 @@ inline void StepSolver::solve_linear(const Move& m, Steps& out) {
 
 void StepSolver::solve_raised(const Move& m, Steps& out) {
   int64_t target = count_at(m.p1);
+  if (target == count_ && pieces_.rests(m.p0, m.p1, count_)) return;
   double d_dec = m.d - m.d_acc - m.d_cru, begin[] = {0, m.d_acc, m.d_acc + m.d_cru};
   double ticks[] = {m.t_acc, m.t_cru, m.t_dec}, way[] = {m.d_acc, m.d_cru, d_dec};
   double speed[] = {m.v0, m.vc, m.vc}, accel[] = {m.a, 0, -m.b}, start = m.start;
