@@ -971,6 +971,23 @@ CATALOGUE: Mapping[str, Entry] = {
         "Remove the cause, then start again or send M999",
         ExitStatus.MACHINE_FAULT,
     ),
+    "levelling.no-points": _levelling(
+        "the machine file has no enabled points to measure", "Add points to [levelling]"
+    ),
+    "levelling.no-area": _levelling(
+        "the machine file has no area to measure", "Add area to [levelling], or another method"
+    ),
+    "levelling.none": _levelling(
+        "the bed was not measured, and no correction is stored", "Measure it (G29 or G32)"
+    ),
+    "levelling.too-much": _levelling(
+        "the bed would be corrected by {value} mm, of at most {limit} mm (max_correction_mm)",
+        "Adjust the bed or its endstop, and measure it again",
+    ),
+    "levelling.too-steep": _levelling(
+        "the correction would rise by {value} mm each mm, of at most {limit} (max_slope)",
+        "Adjust the bed, and measure it again",
+    ),
     "levelling.few-points": _levelling(
         "{value} points are too few for the {method} correction: at least {limit} are needed",
         "Enable or add points of [levelling]",

@@ -20,6 +20,7 @@ from passo.printer.commands import (
     heater_control,
     heater_tuning,
     klipper_commands,
+    levelling,
     limits,
     motor_moves,
     motors,
@@ -41,7 +42,7 @@ MODULES = (
     *(aprinter_options, card_commands, commands, job_commands, json_status, object_commands),
     *(recovery_commands, settings_commands, ignored_commands, interpreter_commands, statistics),
     *(beeper, drivers, heater_control, heater_tuning, limits, motor_moves, motors, outputs),
-    *(power_supply, klipper_commands, probing, program_flow, reports, set_points),
+    *(power_supply, klipper_commands, levelling, probing, program_flow, reports, set_points),
     *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
     *(endstops, delayed_gcode, macros),
 )

@@ -25,7 +25,7 @@ NOTES = {
     "M907 X500": "M907 does nothing here. M906 and the machine file set motor currents.",
     "M862.3 P MK3S": "M862.3 does nothing here. The command checks that the printer is a Prusa.",
     "G27": "G27 does nothing here. M25 and M601 park the head.",
-    "M420 S1": "M420 does nothing here. Passo has no bed levelling yet.",
+    "M420 S1": "M420 does nothing here. This machine has no probe.",
     "M800": "M800 does nothing here. M1000 resumes a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START labels objects of a file on the card",
     "M205 X8 Y8 S0": "M205: X Y have no effect, because the machine's corners use the junction",
@@ -75,7 +75,10 @@ def test_a_print_without_consoles_is_warned_of_what_is_not_built(tmp_path, capsy
     (tmp_path / "a.gcode").write_text("G28\nG29\nG29\nM900 K1\nG1 X10 F6000\n")
     assert main(["print", str(tmp_path / "a.gcode"), "--levelling", "skip"]) == 0
     said = capsys.readouterr()
-    assert "a.gcode:2: G29 does nothing here and was skipped (2 times)" in said.out + said.err
+    assert (
+        "a.gcode:2: G29 is for a printer that is served and was skipped (2 times)"
+        in said.out + said.err
+    )
 
 
 @pytest.mark.parametrize("words", ["X100", "L20", "H0", "I1", "U9", "P0 X100 L20", "T50"])

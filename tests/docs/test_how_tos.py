@@ -24,6 +24,7 @@ RUN = (
     "connect-octoprint",
     "tune-a-heater",
     "calibrate-a-thermistor",
+    "level-a-bed",
 )
 CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry")
 

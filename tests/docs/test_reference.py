@@ -55,10 +55,7 @@ def test_commands_without_an_effect_have_no_handler():
 
     told = passo.run(handled(), clock="virtual")
     assert len(told) > 50
-    refused = {code for code, text in told.items() if "levels the bed" in text}
-    assert {"G29", "G32"} <= refused
-    done = {code for code, text in told.items() if "does nothing here" not in text}
-    assert done - refused == set()
+    assert all("does nothing here" in text for text in told.values())
 
 
 def test_every_key_of_the_machine_file_has_help():

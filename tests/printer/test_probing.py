@@ -219,3 +219,30 @@ def test_stop_in_a_descent_lifts_the_nozzle_and_keeps_the_position():
         assert s.until(lambda: s.positions()["z"] == 10.0, 30)
         assert s.printer.job.locked_axes == []
         assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
+
+
+def test_repeatability_is_that_of_the_bed():
+    with homed() as s:
+        s.board.spoil_probe(noise_mm=0.02)
+        said = [x for x in s.host.ok("M48 P50 X110 Y110", 300) if "busy" not in x]
+        assert said[:2] == ["M48 Z-Probe Repeatability Test", "Finished!"]
+        mean, low, high, spread = (float(x) for x in re.findall(r"-?\d+\.\d+", said[2]))
+        assert mean == pytest.approx(0.125, abs=0.01)
+        assert spread == pytest.approx(high - low, abs=1.1e-3)
+        # 50 samples: the standard deviation is known to a tenth of itself.
+        assert float(said[3].removeprefix("Standard Deviation: ")) == pytest.approx(0.02, rel=0.35)
+        s.host.ok("PROBE_ACCURACY SAMPLES=5", 60)
+        assert s.host.heard[-2].startswith("// probe accuracy results: maximum 0.1")
+
+
+def test_klippers_spellings_of_one_probe():
+    with homed() as s:
+        s.host.ok("G1 X135 Y105 F6000", 60)
+        s.host.ok("PROBE", 60)
+        assert re.fullmatch(
+            r"// Result: at 110\.000,110\.000 estimate contact at z=0\.12\d+", s.host.heard[-2]
+        )
+        assert s.host.ok("QUERY_PROBE")[0] == "// probe: open"
+        s.board.force_switch("probe", True)
+        assert s.host.ok("QUERY_PROBE")[0] == "// probe: TRIGGERED"
+        assert s.host.ok("M119")[-2] == "z_probe: TRIGGERED"

@@ -21,6 +21,7 @@ from passo.config.geometry_kinds import KINDS
 from passo.config.heat_checks import check_sensors
 from passo.config.home_checks import check_home, check_home_sides, check_park, check_scales
 from passo.config.machine import MachineConfig
+from passo.config.probing_checks import check_probe
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
 from passo.config.toml_lines import Path, key_lines, line_of
@@ -147,6 +148,7 @@ def _machine(text: str, file: str) -> Loaded:
             *check_home(machine),
             *check_park(machine),
             *check_scales(machine),
+            *check_probe(machine),
         ]
         findings += check_sensors(machine)
     if findings or machine is None:

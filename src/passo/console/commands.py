@@ -279,17 +279,6 @@ class ConsoleCommands:
         return None
 
     @command(
-        "M937",
-        Subject.CONSOLES,
-        When.IMMEDIATE,
-        "",
-        "Reports the corrections of the bed: none yet.",
-        kind=Kind.QUIET,
-    )
-    def _no_corrections(self, _: Command, reply: Reply) -> None:
-        reply.say("echo:No corrections of the bed are in effect")
-
-    @command(
         "M940",
         Subject.CONSOLES,
         When.IMMEDIATE,

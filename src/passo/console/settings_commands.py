@@ -62,6 +62,8 @@ class SettingsCommands:
         yield "Home offset", [motion.home_offset_line()]
         if job.tool_offsets:
             yield "Tool offsets", list(motion.tool_offset_lines())
+        if self._printer.machine.probe:
+            yield "Probe and bed levelling", list(self._printer.levelling.setting_lines())
         controls = self._printer.controls
         yield "Heater sensors", list(controls.sensor_lines())
         yield "Heater PID", list(controls.gain_lines())

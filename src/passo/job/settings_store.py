@@ -17,6 +17,7 @@ VERSION = 2  # version 1 held the commands of all settings, changed or not
 _LARGEST = 1 << 20
 # Words that name what a command sets, by its code: a tool, a heater, a motor, a material.
 _NAMING = {
+    "G29": "IJ",
     "M92": "T",
     "M145": "S",
     "M200": "T",

@@ -24,6 +24,7 @@ from passo.motion.travel import go_back
 if TYPE_CHECKING:
     from passo.board.endstops import Endstops
     from passo.config.homing import Homing
+    from passo.motion.bed_correction import BedCorrection
     from passo.motion.offsets import Offsets
     from passo.motion.rig import Rig
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
@@ -71,9 +72,10 @@ class Homer:
         offsets: Offsets,
         problem: Callable[[], Problem],
         triggered: TriggeredMoves,
+        correction: BedCorrection,
     ) -> None:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
-        self._triggered = triggered
+        self._triggered, self._correction = triggered, correction
         self._problem_of_job = problem  # the error that the job stopped at
         self._machine = rig.machine
         self._axes = axis_order(self._machine.axes)
@@ -114,7 +116,8 @@ class Homer:
         self._triggered.active = True
         self._rig.positions.freeze()
         try:
-            await self._home(letters)
+            with self._correction.suspended():
+                await self._home(letters)
         finally:
             self._triggered.active = False
             self._rig.positions.thaw()

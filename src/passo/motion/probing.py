@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from statistics import fmean, median
@@ -16,6 +16,7 @@ from passo.motion.axis_slots import X, Y, Z
 from passo.motion.endstops import probe_switch
 
 if TYPE_CHECKING:
+    from passo.motion.bed_correction import BedCorrection
     from passo.motion.rig import Rig
     from passo.motion.trigger_overshoot import TriggerOvershoot
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
@@ -41,8 +42,8 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """The height of the bed at the place of the probe, mm, and Z of the nozzle when the probe
-    triggered."""
+    """The height of the bed at the place of the probe, mm, to whole nanometres, and Z of the nozzle
+    when the probe triggered."""
 
     place: Place
     height_mm: float
@@ -53,13 +54,29 @@ class Prober:
     """Measures heights of the bed with the probe of one printer. Callers hold the motion lock, and
     the machine is idle.
 
-    The nozzle never gets below `low_mm` of the probe. After a failure the nozzle is lifted to
-    `start_mm`, the heaters have their targets, and the axes are still homed.
+    The nozzle never gets below `low_mm` of the probe, from the bed as it was measured last, else
+    from Z 0. `offset_mm` and `trigger_height_mm` are those in force. After a failure the nozzle is
+    lifted to `start_mm`, the heaters have their targets, and the axes are still homed.
     """
 
-    def __init__(self, rig: Rig, interrupts: Interrupts, triggered: TriggeredMoves) -> None:
-        self._rig, self._interrupts, self._triggered = rig, interrupts, triggered
+    def __init__(
+        self,
+        rig: Rig,
+        interrupts: Interrupts,
+        triggered: TriggeredMoves,
+        correction: BedCorrection,
+    ) -> None:
+        self._rig, self._interrupts = rig, interrupts
+        self._triggered, self._correction = triggered, correction
         self._machine = rig.machine
+        self.reset()
+
+    def reset(self) -> None:
+        """The offsets of the machine file."""
+        probe = self._machine.probe
+        dx, dy = probe.offset_mm if probe else (0.0, 0.0)
+        self.offset_mm = dx, dy
+        self.trigger_height_mm = probe.trigger_height_mm if probe else 0.0
 
     @property
     def probe(self) -> Probe:
@@ -70,14 +87,14 @@ class Prober:
 
     def nozzle_at(self, place: Place) -> tuple[float, float]:
         """X and Y of the nozzle with the probe at a place."""
-        dx, dy = self.probe.offset_mm
+        dx, dy = self.offset_mm
         return place.x - dx, place.y - dy
 
     def place_here(self) -> Place:
         """The place of the probe now."""
         x, y, *_ = self._rig.job.machine_position
-        dx, dy = self.probe.offset_mm
-        return Place(x + dx, y + dy, "this place")
+        dx, dy = self.offset_mm
+        return Place(round(x + dx, 6), round(y + dy, 6), "this place")
 
     def triggered(self) -> bool:
         """Asks the board whether the probe is triggered. Lets time pass; raises MachineError."""
@@ -122,14 +139,20 @@ class Prober:
     def _session(self) -> Generator[None]:
         self._triggered.active = True
         try:
-            with self._triggered.prepared():
+            with self._correction.suspended(), self._triggered.prepared():
                 yield
         finally:
             self._triggered.active = False
 
-    async def measure(self, places: Sequence[Place]) -> list[Measured]:
-        """The heights at these places, in this order; the nozzle ends above the last one. Raises
-        CommandError, Stopped after M108 or M410, and MachineError."""
+    async def measure(
+        self,
+        places: Sequence[Place],
+        report: Callable[[Measured], None] = lambda _: None,
+        above_mm: float | None = None,
+    ) -> list[Measured]:
+        """The heights at these places, in this order; `report` is called with each at once. The
+        nozzle ends at the start height above the last one, or `above_mm` above where the probe
+        triggered. Raises CommandError, Stopped after M108 or M410, and MachineError."""
         self.check(places)
         found: list[Measured] = []
         with self._session():
@@ -137,7 +160,11 @@ class Prober:
                 for place in places:
                     await self._go_over(place)
                     found.append(await self._point(place))
-                    await self._lift(self.probe.start_mm)
+                    report(found[-1])
+                    end = self.probe.start_mm
+                    if above_mm is not None:
+                        end = found[-1].trigger_z_mm + above_mm
+                    await self._lift(end)
             except BaseException:
                 if not self._interrupts.halted:
                     await self._lift(self.probe.start_mm, checked=False)
@@ -151,7 +178,8 @@ class Prober:
             try:
                 await self._go_over(place)
                 await self._descend(place, self.probe.fast_mm_s)
-                return [await self._again(place) for _ in range(count)]
+                triggers = [await self._again(place) for _ in range(count)]
+                return [z - self.trigger_height_mm + place.offset_mm for z in triggers]
             finally:
                 if not self._interrupts.halted:
                     await self._lift(self.probe.start_mm, checked=False)
@@ -172,7 +200,7 @@ class Prober:
             spread = max(samples) - min(samples)
             if spread <= probe.tolerance_mm:
                 z = median(samples) if probe.result == "median" else fmean(samples)
-                height = z - probe.trigger_height_mm + place.offset_mm
+                height = round(z - self.trigger_height_mm + place.offset_mm, 6)
                 return Measured(place, height, z)
             if left == 0:
                 limit = f"{probe.tolerance_mm:g} mm"
@@ -218,8 +246,10 @@ class Prober:
         assert switch is not None
         finest = max(self._machine.steppers[s].steps_per_unit for s in switch.steppers)
 
+        low = self._low_mm(place)
+
         def move() -> None:
-            rig.queue.move({Z: probe.low_mm}, speed_mm_s, Within.ANYTHING)
+            rig.queue.move({Z: low}, speed_mm_s, Within.ANYTHING)
 
         with self._cold():
             overshoot = await self._triggered.run([switch], speed_mm_s * finest, move)
@@ -233,10 +263,14 @@ class Prober:
         if lost:
             raise self._failure("probe.lost", place, "", "")
         if not hit:
-            raise self._failure("probe.missed", place, self._nozzle(), f"Z {probe.low_mm:g} mm")
+            raise self._failure("probe.missed", place, self._nozzle(), f"Z {low:g} mm")
         if z > probe.start_mm - EARLY_MM:
             raise self._failure("probe.early", place, self._nozzle(), f"{EARLY_MM:g} mm")
         return z
+
+    def _low_mm(self, place: Place) -> float:
+        """The lowest Z of the nozzle at a place: `low_mm` of the bed as far as that is known."""
+        return round(self.probe.low_mm + self._correction.expected(place.x, place.y), 4)
 
     def _place(self, overshoot: TriggerOvershoot) -> None:
         """The axes are where the counts of the boards say. Axes whose motors were not stopped keep

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from passo.errors import MachineError, PassoError
 from passo.gcode.command import Command
 from passo.gcode.registry import in_program
+from passo.motion.bed_correction import BedCorrection
 from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
@@ -19,6 +20,7 @@ from passo.printer.commands.beeper import Beeper
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.heater_control import ControlCommands
 from passo.printer.commands.heater_tuning import TuneCommands
+from passo.printer.commands.levelling import LevellingCommands
 from passo.printer.commands.motor_moves import MotorMoves
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
@@ -73,7 +75,7 @@ class Printer:
         self, machine: MachineConfig, *, free: bool = False, skips: Skips = NOTHING
     ) -> None:
         self.machine = machine
-        self.skips = skips
+        self.skips = skips = skips.on(machine)
         connection, self.board = connect(machine)
         self.rig = rig = LiveRig(machine, free=free)
         self.state = state = State()
@@ -91,8 +93,16 @@ class Printer:
         self.lateness = LateCommandWatch(rig, state)
         self._begin(connection, first=True)
         self.triggered = TriggeredMoves(rig, state)
-        self.homer = Homer(rig, state, self.offsets, lambda: rig.commands.problem(), self.triggered)
-        self.prober = Prober(rig, state, self.triggered)
+        self.correction = BedCorrection(rig, lambda: bool(state.halted))
+        self.homer = Homer(
+            rig,
+            state,
+            self.offsets,
+            lambda: rig.commands.problem(),
+            self.triggered,
+            self.correction,
+        )
+        self.prober = Prober(rig, state, self.triggered, self.correction)
         self.endstops = EndstopWatch(rig, state, self.triggered, self.stop_by_endstop)
         self.triggered.starts.append(self.endstops.pause)
         self.prompts = PersonCommands(state, self.beeper)
@@ -106,8 +116,9 @@ class Printer:
         tunes = TuneCommands(rig, state, self.targets, self.controls)
         self.dispatch.add(self, self.heat, self.motion, self.prompts, self.controls, self.endstops)
         self.dispatch.add(self.faults, self.power_supply, self.motors, tunes, self.driver_commands)
+        self.levelling = LevellingCommands(rig, self.prober, self.correction)
         if machine.probe is not None:
-            self.dispatch.add(ProbeCommands(rig, self.prober))
+            self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling)
         self.dispatch.add(MotorMoves(rig, state))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)
@@ -244,6 +255,7 @@ class Printer:
         lines = list(state.settings())
         self._begin(reconnected(self.rig.connection), first=False)
         self.triggered.begin()
+        self.correction.begin()
         self.homer.begin()
         self.dispatch.begin()
         self.offsets.homed("xyz")

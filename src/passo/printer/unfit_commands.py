@@ -4,11 +4,14 @@ and bed levelling on a machine that cannot level."""
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from passo.errors import Problem
 from passo.gcode.command import Command
 from passo.gcode.registry import row_of
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 # G codes that move the machine in other dialects, or change where later moves go: splines, pockets,
 # patterns, threads, calibration, probing, radius compensation, scaling, rotation, macros, cycles.
@@ -22,6 +25,7 @@ LEVELLING = {"G29", "G32", "G34", "G80", "BED_MESH_CALIBRATE", "Z_TILT_ADJUST"} 
     "BED_TILT_CALIBRATE",
     "DELTA_CALIBRATE",
 }
+PROBING = frozenset({"G29", "G32", "BED_MESH_CALIBRATE"})
 # Klipper's commands, and macros that its users share, that move nothing and change no position.
 _STILL = re.compile(
     r"(?!SET_(?:GCODE_OFFSET|KINEMATIC_POSITION|DUAL_CARRIAGE)\b)"
@@ -37,10 +41,16 @@ _FLOW_OF_CONTROL = re.compile(
 
 
 class Skips(NamedTuple):
-    """What a print may leave out: commands that are unknown, and bed levelling."""
+    """What a print may leave out: commands that are unknown, and bed levelling. `levels` are the
+    commands of levelling that the machine has the parts for."""
 
     unknown: bool = False
     levelling: bool = False
+    levels: frozenset[str] = frozenset()
+
+    def on(self, machine: MachineConfig) -> Skips:
+        """The same on this machine."""
+        return self._replace(levels=PROBING) if machine.probe else self
 
 
 NOTHING = Skips()
@@ -51,7 +61,7 @@ def unfit(command: Command, skips: Skips) -> Problem | None:
     """What is wrong with leaving this command out; None if it is known, harmless or skipped."""
     code = command.code
     if code in LEVELLING:
-        if skips.levelling:
+        if skips.levelling or code in skips.levels:
             return None
         return Problem("input.no-levelling", line=command.line, values={"value": code})
     if skips.unknown or row_of(code) is not None or not _may_move(command):

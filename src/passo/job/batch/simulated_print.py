@@ -109,7 +109,7 @@ class Print:
                 machine, self.job, self._targets, full, self.connection
             )
         self._commands = self._checks or Commands(machine, self.job, self._targets, full)
-        self._commands.skips = self._policy.skips
+        self._commands.skips = self._policy.skips.on(machine)
         self._filament: dict[str, int] | None = None  # steps so far, while it may be cold
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0

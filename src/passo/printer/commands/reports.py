@@ -146,6 +146,9 @@ class Reports:
         homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
         for name, pressed in self._printer.homer.states().items():
             reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
+        if machine.probe is not None:
+            triggered = self._printer.prober.triggered()
+            reply.say(f"z_probe: {'TRIGGERED' if triggered else 'open'}")
         return None
 
     @command(

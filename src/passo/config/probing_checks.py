@@ -1,0 +1,103 @@
+"""What only a machine whose parts are all sound can tell about its probe and its levelling."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from math import hypot
+
+from passo.config.findings import Finding, did_you_mean
+from passo.config.machine import MachineConfig
+from passo.config.probing import Probe
+
+_CLEARANCE_MM = 1.0  # of a descent's start above the height at which the probe triggers
+_MAX_DESCENT_S = 20.0
+_UNKNOWNS = {"linear": 3, "quadratic": 6}
+_MIN_DISTANCE_MM = 1.0
+
+
+def check_probe(machine: MachineConfig) -> Iterator[Finding]:
+    """The probe triggers below the start of its descent, which is short, and above its end."""
+    probe = machine.probe
+    if probe is None:
+        if machine.levelling.method != "none":
+            path = ("levelling", "method")
+            limit = '"none", or a table probe'
+            yield Finding("config.conflict", path, machine.levelling.method, limit)
+        return
+    yield from _check_descent(probe)
+    for index, name in enumerate(probe.heaters_off):
+        if name not in machine.heaters:
+            hint = did_you_mean(name, machine.heaters)
+            path = ("probe", "heaters_off", index)
+            yield Finding("config.value", path, name, "the name of one of the heaters", hint)
+    yield from _check_points(machine)
+    yield from _check_area(machine)
+
+
+def _check_descent(probe: Probe) -> Iterator[Finding]:
+    least = probe.trigger_height_mm + _CLEARANCE_MM
+    if probe.start_mm <= least:
+        limit = f"more than {least:g}: 1 mm above the height at which the probe triggers"
+        yield Finding("config.value", ("probe", "start_mm"), probe.start_mm, limit)
+    if probe.low_mm >= probe.trigger_height_mm:
+        limit = f"less than trigger_height_mm, which is {probe.trigger_height_mm:g}"
+        yield Finding("config.value", ("probe", "low_mm"), probe.low_mm, limit)
+    seconds = (probe.start_mm - probe.low_mm) / probe.fast_mm_s
+    if seconds > _MAX_DESCENT_S:
+        limit = f"a descent of at most {_MAX_DESCENT_S:g} s, and this takes {seconds:.0f} s"
+        yield Finding("config.value", ("probe", "fast_mm_s"), probe.fast_mm_s, limit)
+
+
+def _check_points(machine: MachineConfig) -> Iterator[Finding]:
+    """The points are apart, on the bed, within reach of the nozzle, and enough for the method."""
+    probe, levelling = machine.probe, machine.levelling
+    assert probe is not None
+    points = [(i, p) for i, p in enumerate(levelling.points) if p.enabled]
+    needed = _UNKNOWNS.get(levelling.method, 0)
+    if len(points) < needed:
+        limit = f"at least {needed} enabled points for the method {levelling.method}"
+        yield Finding("config.value", ("levelling", "points"), len(points), limit)
+    for (i, a), (j, b) in combinations(points, 2):
+        apart = hypot(a.x - b.x, a.y - b.y)
+        if apart < _MIN_DISTANCE_MM:
+            path = ("levelling", "points", j)
+            limit = f"a point at least 1 mm from point {i + 1}, and it is {apart:g} mm from it"
+            yield Finding("config.value", path, f"X{b.x:g} Y{b.y:g}", limit)
+    for i, point in points:
+        yield from _check_place(machine, ("levelling", "points", i), point.x, point.y)
+
+
+def _check_area(machine: MachineConfig) -> Iterator[Finding]:
+    area = machine.levelling.area
+    if area is None:
+        if machine.levelling.method == "mesh":
+            limit = "a rectangle for the method mesh"
+            yield Finding("config.missing-key", ("levelling", "area"), None, limit)
+        return
+    x0, y0, x1, y1 = area
+    if not (x0 < x1 and y0 < y1):
+        limit = "X and Y of the first corner, then greater ones of the opposite corner"
+        yield Finding("config.value", ("levelling", "area"), area, limit)
+        return
+    for x, y in ((x0, y0), (x1, y0), (x0, y1), (x1, y1)):
+        for finding in _check_place(machine, ("levelling", "area"), x, y):
+            yield finding
+            return
+
+
+def _check_place(
+    machine: MachineConfig, path: tuple[str | int, ...], x: float, y: float
+) -> Iterator[Finding]:
+    """The probe is on the bed there, and the nozzle within its axes."""
+    assert machine.probe is not None
+    dx, dy = machine.probe.offset_mm
+    x0, y0, x1, y1 = machine.bed_area_mm
+    low = [max(a, machine.axes[n].min_mm + d) for a, n, d in ((x0, "x", dx), (y0, "y", dy))]
+    high = [min(a, machine.axes[n].max_mm + d) for a, n, d in ((x1, "x", dx), (y1, "y", dy))]
+    if not (low[0] <= x <= high[0] and low[1] <= y <= high[1]):
+        limit = (
+            f"within X{low[0]:g} to X{high[0]:g} and Y{low[1]:g} to Y{high[1]:g}, where the probe"
+            " is on the bed and the nozzle within its axes"
+        )
+        yield Finding("config.value", path, f"X{x:g} Y{y:g}", limit)

@@ -1,0 +1,272 @@
+"""The bed is measured and corrected; the nozzle follows it, by the executed steps."""
+
+import re
+
+import numpy as np
+import pytest
+from tests.support.bed_path import BedPath
+from tests.support.scenario import Scenario
+
+from passo.config.load import load_text, shipped_text
+from passo.printer.setup.boards import simulated_bed
+
+STEP = 1 / 400
+NOISE = "noise_mm = 0.002"
+TILT_AND_DOME = "tilt_mm = [0.4, -0.25]\ndome_mm = 0.15"
+QUADRATIC = 'method = "quadratic"'
+LAYER = [
+    f"G1 X{x} Y{y} Z0.2 F9000"
+    for j, y in enumerate(range(5, 216, 15))
+    for x in ((0, 225) if j % 2 == 0 else (225, 0))
+]
+
+
+def machine(*changes):
+    text = shipped_text("i3-probe")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return load_text(text)
+
+
+def homed(*changes, **options):
+    s = Scenario(machine(*changes), **options)
+    s.host.ok("G28", 60)
+    return s
+
+
+def answers(s, line, within=600):
+    return [x for x in s.host.ok(line, within) if x not in ("ok", "echo:busy: processing")]
+
+
+def above_the_bed(s):
+    """Heights of the nozzle above the bed, mm, in a layer at Z 0.2."""
+    s.host.ok("G1 X0 Y5 Z5 F6000", 60)
+    s.host.ok("G1 Z0.2", 60)
+    s.host.ok("M400", 60)
+    path = BedPath(s)
+    for line in LAYER:
+        s.host.ok(line, 60)
+    s.host.ok("M400", 200)
+    return path.heights(below_mm=2.0)
+
+
+def rms(heights):
+    return float(np.sqrt(np.mean((heights - 0.2) ** 2)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "line", "limit"),
+    [
+        ([], "G32", 0.01),
+        ([], "G29", 0.01),
+        ([(QUADRATIC, 'method = "linear"'), ("dome_mm = 0.15", "")], "G32", 0.01),
+        (
+            [
+                (QUADRATIC, 'method = "mesh"\ninterpolation = "bilinear"'),
+                ("[15.0, 15.0, 215.0, 205.0]", "[0.0, 5.0, 225.0, 215.0]"),
+                ("[5, 5]", "[7, 7]"),
+            ],
+            "G29",
+            0.02,
+        ),
+        (
+            [
+                (QUADRATIC, 'method = "mesh"'),
+                ("[15.0, 15.0, 215.0, 205.0]", "[0.0, 5.0, 225.0, 215.0]"),
+                ("[5, 5]", "[7, 7]"),
+                ("dome_mm = 0.15", "wave_mm = 0.05\nwave_length_mm = [400, 400]"),
+            ],
+            "G29",
+            0.012,
+        ),
+    ],
+)
+def test_first_layer_follows_the_bed(changes, line, limit):
+    with homed(*changes) as s:
+        assert rms(above_the_bed(s)) > 0.1
+        s.host.ok(line, 900)
+        heights = above_the_bed(s)
+        assert len(heights) > 100_000
+        assert rms(heights) <= limit
+        # Homing in between changes nothing.
+        s.host.ok("G28", 60)
+        assert rms(above_the_bed(s)) <= limit
+
+
+def test_heights_are_those_that_the_correction_leaves():
+    with homed((NOISE, "")) as s:
+        said = answers(s, "G32")
+        bed = simulated_bed(s.machine).shape
+        heights = [x for x in said if x.startswith("//ProbeHeight")]
+        points = s.machine.levelling.points
+        for n, (point, line) in enumerate(zip(points, heights, strict=True), 1):
+            assert line.startswith(f"//ProbeHeight@P{n} ")
+            assert float(line.split()[1]) == pytest.approx(bed.height(point.x, point.y), abs=STEP)
+        assert re.match(r"RelativeCorrections Z:\S+ X:\S+ Y:\S+ XX:\S+ XY:\S+ YY:\S+$", said[9])
+        before = s.printer.correction.correction.fit
+        again = [float(x.split()[1]) for x in answers(s, "G32") if x.startswith("//Probe")]
+        assert max(map(abs, again)) < 2 * STEP
+        after = s.printer.correction.correction.fit
+        assert after.height(100, 100) == pytest.approx(before.height(100, 100), abs=STEP)
+
+
+def test_dry_run_measures_only():
+    with homed() as s:
+        assert answers(s, "G32 D")[9].startswith("RelativeCorrections Z:")
+        assert answers(s, "M937") == ["echo:No corrections of the bed are in effect"]
+        answers(s, "G29 D")
+        assert s.printer.correction.correction is None
+
+
+def test_correction_changes_z_and_moves_no_motor():
+    with homed() as s:
+        answers(s, "G32")
+        at = s.positions()
+        corrected = s.printer.job.machine_position
+        c = s.printer.correction.expected(*corrected[:2])
+        assert corrected[2] == pytest.approx(10.0 - c, abs=1e-9)
+        assert s.host.ok("M114 R")[0].split()[2] == s.host.ok("M114")[0].split()[2]
+        answers(s, "M420 S0")
+        assert s.positions() == at
+        assert s.printer.job.machine_position[2] == pytest.approx(10.0, abs=1e-9)
+        assert answers(s, "M420 S1") == ["echo:Bed Leveling ON", "echo:Fade Height OFF"]
+        assert s.printer.job.machine_position == pytest.approx(corrected, abs=1e-9)
+        answers(s, "M561")
+        assert answers(s, "M420 S1")[0] == "Invalid mesh."
+        assert s.positions() == at
+
+
+@pytest.mark.parametrize(
+    "changes", [[], [(QUADRATIC, 'method = "mesh"'), ("[5, 5]", "[3, 4]")]], ids=["fit", "mesh"]
+)
+def test_correction_survives_a_restart_bit_for_bit(tmp_path, changes):
+    state = str(tmp_path)
+    with homed(*changes, state=state) as s:
+        answers(s, "G29")
+        answers(s, "M851 X-25.1 Z-1.23")
+        answers(s, "M500")
+        stored = s.printer.correction.correction
+    with Scenario(machine(*changes), state=state) as s:
+        found = s.printer.correction
+        assert found.on
+        if stored.fit:
+            assert found.correction.fit.coefficients == stored.fit.coefficients
+        else:
+            assert found.correction.mesh == stored.mesh
+        assert s.printer.prober.offset_mm == (-25.1, 5.0)
+        assert s.printer.prober.trigger_height_mm == 1.23
+        s.host.ok("G28", 60)
+        c = found.expected(0, 0)
+        assert s.printer.job.machine_position[2] == pytest.approx(-c, abs=1e-9)
+        answers(s, "M502")
+        assert (found.correction, found.on) == (None, False)
+        assert s.printer.prober.offset_mm == (-25.0, 5.0)
+
+
+def test_correction_survives_a_restart_of_the_boards():
+    with homed() as s:
+        answers(s, "G32")
+        before = s.printer.correction.correction
+        s.host.send("M112")
+        s.passes(1)
+        s.host.ok("M999", 60)
+        s.passes(1)
+        assert s.printer.correction.on
+        assert s.printer.correction.correction.fit.coefficients == before.fit.coefficients
+        s.host.ok("G28", 60)
+        c = before.plain(0, 0)
+        assert s.printer.job.machine_position[2] == pytest.approx(-c, abs=1e-9)
+
+
+@pytest.mark.parametrize("line", ["G32", "G29"])
+def test_failed_run_leaves_the_correction(line):
+    with homed() as s:
+        answers(s, "G32")
+        before = s.printer.correction.correction
+        at = s.machine.levelling.points[3]
+        x, y = at.x + 25, at.y - 5
+        s.board.spoil_probe(dead_areas=[(x - 1, y - 1, x + 1, y + 1)])
+        said = answers(s, line)
+        assert re.search(r"^echo:Point 4 was not measured: the probe was not triggered", said[-1])
+        assert s.printer.correction.correction is before
+        assert s.printer.correction.on
+        c = before.plain(x, y)
+        assert s.positions()["z"] == 10.0
+        assert s.printer.job.machine_position[2] == pytest.approx(10 - c, abs=1e-9)
+
+
+def test_low_point_follows_the_known_bed():
+    with homed() as s:
+        answers(s, "G32")
+        c = s.printer.correction.expected(215, 110)
+        s.board.force_switch("probe", False)
+        low = round(c - 2, 4)
+        assert f"down to Z {low:g} mm of the nozzle" in answers(s, "G32 P4")[-1]
+
+
+def test_paper_test_leaves_the_nozzle_above_the_point():
+    with homed((NOISE, "")) as s:
+        (said,) = answers(s, "G32 P5 R0.5")
+        height = float(said.removeprefix("//ProbeHeight@P5 "))
+        assert s.positions()["z"] == pytest.approx(height + 1.2 + 0.5, abs=2 * STEP)
+        assert s.printer.correction.correction is None
+        assert "P is 10: expected a point from 1 to 9" in answers(s, "G32 P10")[0]
+
+
+@pytest.mark.parametrize(
+    ("limit", "says"),
+    [
+        ("max_correction_mm = 0.2", r"corrected by 0\.\d+ mm, of at most 0\.2 mm"),
+        ("max_slope = 0.001", r"would rise by 0\.00\d+ mm each mm, of at most 0\.001"),
+    ],
+)
+def test_bed_that_is_out_of_order_is_refused(limit, says):
+    with homed((QUADRATIC, f"{QUADRATIC}\n{limit}")) as s:
+        assert re.search(says, answers(s, "G32")[-1])
+        assert s.printer.correction.correction is None
+
+
+def test_mesh_is_reported_as_rows_of_numbers():
+    with homed((QUADRATIC, 'method = "mesh"'), ("[5, 5]", "[3, 4]"), (NOISE, "")) as s:
+        said = answers(s, "G29")
+        assert said[0] == "Bilinear Leveling Grid:"
+        rows = [[float(x) for x in line.split()[1:]] for line in said[2:]]
+        bed = simulated_bed(s.machine).shape
+        xs, ys = s.printer.levelling.grid().xs, s.printer.levelling.grid().ys
+        assert [len(row) for row in rows] == [3] * 4
+        for y, row in zip(ys, rows, strict=True):
+            for x, z in zip(xs, row, strict=True):
+                assert z == pytest.approx(bed.height(x, y), abs=STEP + 5e-4)
+        assert answers(s, "M420 V")[:6] == said
+        answers(s, "G29 W I1 J2 Z0.125")
+        assert s.printer.correction.correction.mesh.heights[2][1] == 0.125
+
+
+def test_mesh_by_klippers_and_marlins_words():
+    with homed(("[5, 5]", "[3, 3]"), (NOISE, "")) as s:
+        assert "was not measured" in answers(s, "BED_MESH_OUTPUT")[0]
+        answers(s, "BED_MESH_CALIBRATE")
+        rows = answers(s, "BED_MESH_OUTPUT")[1:]
+        heights = s.printer.correction.correction.mesh.heights
+        read = [[float(x) for x in row.split()] for row in rows]
+        assert read == [[pytest.approx(z, abs=1e-6) for z in row] for row in heights]
+        answers(s, "M421 I0 J1 Z0.25")
+        answers(s, "M421 I0 J1 Q-0.05")
+        assert s.printer.correction.correction.mesh.heights[1][0] == pytest.approx(0.2)
+        assert "I below 3, J below 3" in answers(s, "M421 I3 J1 Z0")[0]
+        answers(s, "BED_MESH_CLEAR")
+        assert s.printer.correction.correction is None
+
+
+def test_probe_offset_has_two_signs():
+    with homed() as s:
+        assert answers(s, "M851") == ["  M851 X-25.0 Y5.0 Z-1.2 ; (mm)"]
+        answers(s, "G1 Z10")
+        answers(s, "M400")
+        answers(s, "G31 Z1.5 X-20")
+        assert answers(s, "M851") == ["  M851 X-20.0 Y5.0 Z-1.5 ; (mm)"]
+        says = "Z probe 0: current reading 0, threshold 500, trigger height 1.500, offsets X-20.0"
+        assert answers(s, "G31")[0].startswith(says)
+        assert "Z is -21" in answers(s, "M851 Z-21")[0]
+        assert s.printer.prober.trigger_height_mm == 1.5
