@@ -18,8 +18,11 @@ class RankError(ValueError):
     """The rows do not determine all unknowns: `rank` of `unknowns`."""
 
     def __init__(self, rank: int, unknowns: int) -> None:
-        super().__init__(f"rank {rank} of {unknowns}")
+        super().__init__(rank, unknowns)
         self.rank, self.unknowns = rank, unknowns
+
+    def __str__(self) -> str:
+        return f"rank {self.rank} of {self.unknowns}"
 
 
 def solve(rows: Sequence[Sequence[float]], values: Sequence[float]) -> list[float]:
