@@ -20,6 +20,7 @@ from passo.board.faults import BoardResetError, BoardSilentError
 from passo.board.trinamic.driver import DriverFailure
 from passo.catalogue import ExitStatus
 from passo.errors import InputError, PassoError, Problem
+from passo.levelling.least_squares import RankError
 from passo.web.answers import Fault
 from passo.web.client import RequestError
 
@@ -33,6 +34,7 @@ MADE: dict[type[BaseException], Callable[[], BaseException]] = {
     BoardResetError: lambda: BoardResetError("tool"),
     BoardSilentError: lambda: BoardSilentError("get_clock (board tool)"),
     DriverFailure: lambda: DriverFailure(PROBLEMS[0]),
+    RankError: lambda: RankError(2, 3),
     RequestError: lambda: RequestError(404, FAULT),
 }
 
