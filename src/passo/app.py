@@ -23,6 +23,7 @@ from passo.job.live.halt_reports import HaltReports
 from passo.job.live.journal_keeper import JournalKeeper
 from passo.job.live.library import AUTOSTART, Library
 from passo.job.live.objects import PrintObjects
+from passo.job.live.print_queue import PrintQueue
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import Statistics
@@ -52,6 +53,7 @@ class Assembly:
     objects: PrintObjects
     statistics: Statistics
     settings: SettingsCommands
+    queue: PrintQueue
 
 
 def assembled(
@@ -131,10 +133,13 @@ def _furnish(
     settings.load_at_start()
     status.unsaved = settings.unsaved
     _keep_variables(printer, folder)
+    queue = PrintQueue(printer, runner, library, folder)
     if card is not None:
         library.mount()
         _start_by_itself(printer, library, keeper)
-    return Assembly(printer, runner, progress, library, status, objects, statistics, settings)
+    return Assembly(
+        printer, runner, progress, library, status, objects, statistics, settings, queue
+    )
 
 
 def _keep_variables(printer: Printer, folder: Path | None) -> None:

@@ -394,6 +394,19 @@ CATALOGUE: Mapping[str, Entry] = {
         "job", "{value} has been printed to its end", "Rewind it with M26 S0, then send M24"
     ),
     "job.no-file": _input("job", "no file is selected", "Select one (M23), after listing the card"),
+    "queue.empty": _input("queue", "no print waits in the queue", "Add a file to it first"),
+    "queue.full": _input(
+        "queue", "{limit} prints wait already", "Start or remove one of them first"
+    ),
+    "queue.unknown": _input("queue", "no print {value} waits", "Read the queue again"),
+    "queue.bed": _input(
+        "queue", "the bed is not confirmed as clear", "Clear it, then confirm that it is clear"
+    ),
+    "queue.unwritable": _input(
+        "queue",
+        "the queue was not changed, for it cannot be stored: {value}",
+        "Check the directory, its permissions and the free space on the disk",
+    ),
     "settings.nowhere": _input(
         "settings", "there is no place to store settings", "Start with --state DIRECTORY"
     ),

@@ -26,7 +26,7 @@ from passo.gcode.registry import When, row_of, table
 from passo.job.batch.estimate import Estimate, estimate_open
 from passo.job.batch.policy import Policy
 from passo.learn.explain import explain
-from passo.web.bridge import PastPrint, SettingValue, Snapshot
+from passo.web.bridge import PastPrint, Queue, SettingValue, Snapshot
 
 if TYPE_CHECKING:
     from passo.app import Assembly
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from passo.console.observer import Observer
     from passo.events import Event
     from passo.gcode.registry import Declaration
+    from passo.job.live.print_queue import QueuedPrint
     from passo.learn.explanation import Explanation
     from passo.printer.console_lines import ConsoleLine
     from passo.web.bridge import Hearer, Listener
@@ -293,6 +294,31 @@ class LiveBridge:
         """As `Bridge.past_prints`."""
         rows = await self._call(lambda: self._assembly.statistics.last(most))
         return [PastPrint(*row) for row in rows]
+
+    async def queue(self) -> Queue:
+        """As `Bridge.queue`."""
+        queue = self._assembly.queue
+        return await self._call(lambda: Queue(queue.entries, queue.automatic))
+
+    async def queue_print(self, path: str) -> QueuedPrint:
+        """As `Bridge.queue_print`."""
+        return await self._call(lambda: self._assembly.queue.add(path))
+
+    async def unqueue_print(self, number: int) -> None:
+        """As `Bridge.unqueue_print`."""
+        await self._call(lambda: self._assembly.queue.remove(number))
+
+    async def move_queued_print(self, number: int, place: int) -> None:
+        """As `Bridge.move_queued_print`."""
+        await self._call(lambda: self._assembly.queue.move(number, place))
+
+    async def set_queue_mode(self, *, automatic: bool) -> None:
+        """As `Bridge.set_queue_mode`."""
+        await self._call(lambda: setattr(self._assembly.queue, "automatic", automatic))
+
+    async def start_queued_print(self) -> None:
+        """As `Bridge.start_queued_print`."""
+        await self._call(self._assembly.queue.start_next)
 
     async def settings(self) -> list[SettingValue]:
         """As `Bridge.settings`."""

@@ -11,6 +11,7 @@ from passo.errors import CardError, PassoError
 from passo.events import Event
 from passo.gcode.registry import Declaration, table
 from passo.job.batch.estimate import Estimate
+from passo.job.live.print_queue import QueuedPrint
 from passo.learn.explanation import Explanation
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
@@ -21,7 +22,7 @@ from passo.printer.status import (
     PrinterState,
     Status,
 )
-from passo.web.bridge import Hearer, Listener, PastPrint, SettingValue, Snapshot
+from passo.web.bridge import Hearer, Listener, PastPrint, Queue, SettingValue, Snapshot
 
 STATUS = Status(
     state=PrinterState.IDLE,
@@ -153,6 +154,25 @@ class FakeBridge:
 
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
         self._answer(f"{'cancel' if cancelled else 'restore'} object {number}")
+
+    async def queue(self) -> Queue:
+        return Queue((), automatic=False)
+
+    async def queue_print(self, path: str) -> QueuedPrint:
+        self._answer(f"queue {path}")
+        return QueuedPrint(1, path)
+
+    async def unqueue_print(self, number: int) -> None:
+        self._answer(f"unqueue {number}")
+
+    async def move_queued_print(self, number: int, place: int) -> None:
+        self._answer(f"move {number} to {place}")
+
+    async def set_queue_mode(self, *, automatic: bool) -> None:
+        self._answer(f"queue automatic {automatic}")
+
+    async def start_queued_print(self) -> None:
+        self._answer("start next")
 
     async def past_prints(self, most: int) -> list[PastPrint]:
         return self.prints[:most]

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from passo.job.live.print_queue import QueuedPrint
+
 if TYPE_CHECKING:
     from passo.card import Card, Writer
     from passo.config.machine import MachineConfig
@@ -55,6 +57,15 @@ class SettingValue:
     file: str | None
     stored: str | None
     source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Queue:
+    """The prints that wait, the next one first. With `automatic` the next one starts by itself
+    after one that is done; otherwise it waits until a user confirms that the bed is clear."""
+
+    prints: tuple[QueuedPrint, ...]
+    automatic: bool
 
 
 Hearer: TypeAlias = Callable[[str], None]  # of a line; returns at once
@@ -170,6 +181,30 @@ class Bridge(Protocol):
 
     async def past_prints(self, most: int) -> list[PastPrint]:
         """The newest prints that are over, newest first."""
+        ...
+
+    async def queue(self) -> Queue:
+        """The prints that wait."""
+        ...
+
+    async def queue_print(self, path: str) -> QueuedPrint:
+        """Puts a file of the card at the end of the queue."""
+        ...
+
+    async def unqueue_print(self, number: int) -> None:
+        """Takes a print out of the queue."""
+        ...
+
+    async def move_queued_print(self, number: int, place: int) -> None:
+        """Moves a print of the queue: to place 0, it is the next one."""
+        ...
+
+    async def set_queue_mode(self, *, automatic: bool) -> None:
+        """Whether the next print starts by itself after one that is done."""
+        ...
+
+    async def start_queued_print(self) -> None:
+        """Starts the next print of the queue: the bed is clear."""
         ...
 
     async def settings(self) -> list[SettingValue]:

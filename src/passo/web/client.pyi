@@ -1,6 +1,7 @@
 """The Python client, made from the table of operations: make reference."""
 
 import builtins
+import passo.job.live.print_queue
 import passo.learn.explanation
 import passo.printer.status
 import passo.web.answers
@@ -192,6 +193,46 @@ class Job:
         limit: int = ...,
     ) -> builtins.list[passo.web.bridge.PastPrint]:
         """The newest prints that are over, newest first."""
+        ...
+
+class Queue:
+    def get(
+        self,
+    ) -> passo.web.bridge.Queue:
+        """The prints that wait, the next one first. It lasts over a restart if the printer
+        has a folder for it (`--state`)."""
+        ...
+    def add(
+        self,
+        path: str,
+    ) -> passo.job.live.print_queue.QueuedPrint:
+        """Puts a file of the card at the end."""
+        ...
+    def remove(
+        self,
+        number: int,
+    ) -> None:
+        """Takes a print out."""
+        ...
+    def move(
+        self,
+        number: int,
+        place: int,
+    ) -> None:
+        """Moves a print: to place 0 to be the next one, to a place beyond the end to be the
+        last."""
+        ...
+    def mode(
+        self,
+        automatic: bool,
+    ) -> None:
+        """Whether the next print waits for `queue.start`, as it does by default."""
+        ...
+    def start(
+        self,
+        bed_clear: bool,
+    ) -> None:
+        """Starts the next print, and takes it out of the queue."""
         ...
 
 class Console:
@@ -720,6 +761,46 @@ class AsyncJob:
         """The newest prints that are over, newest first."""
         ...
 
+class AsyncQueue:
+    async def get(
+        self,
+    ) -> passo.web.bridge.Queue:
+        """The prints that wait, the next one first. It lasts over a restart if the printer
+        has a folder for it (`--state`)."""
+        ...
+    async def add(
+        self,
+        path: str,
+    ) -> passo.job.live.print_queue.QueuedPrint:
+        """Puts a file of the card at the end."""
+        ...
+    async def remove(
+        self,
+        number: int,
+    ) -> None:
+        """Takes a print out."""
+        ...
+    async def move(
+        self,
+        number: int,
+        place: int,
+    ) -> None:
+        """Moves a print: to place 0 to be the next one, to a place beyond the end to be the
+        last."""
+        ...
+    async def mode(
+        self,
+        automatic: bool,
+    ) -> None:
+        """Whether the next print waits for `queue.start`, as it does by default."""
+        ...
+    async def start(
+        self,
+        bed_clear: bool,
+    ) -> None:
+        """Starts the next print, and takes it out of the queue."""
+        ...
+
 class AsyncConsole:
     async def run(
         self,
@@ -1097,6 +1178,8 @@ class Client:
     @property
     def job(self) -> Job: ...
     @property
+    def queue(self) -> Queue: ...
+    @property
     def console(self) -> Console: ...
     @property
     def heaters(self) -> Heaters: ...
@@ -1144,6 +1227,8 @@ class AsyncClient:
     def emergency(self) -> AsyncEmergency: ...
     @property
     def job(self) -> AsyncJob: ...
+    @property
+    def queue(self) -> AsyncQueue: ...
     @property
     def console(self) -> AsyncConsole: ...
     @property

@@ -22,6 +22,7 @@ from passo.web.endpoints import (
     machine_file,
     metrics,
     motion,
+    queue,
     session,
     settings,
     status,
@@ -36,7 +37,19 @@ def _declared(module: ModuleType) -> list[Operation]:
 
 
 _MODULES = (
-    *(status, faults, machine, machine_file, firmware, emergency, job, console, heaters, fans),
+    *(
+        status,
+        faults,
+        machine,
+        machine_file,
+        firmware,
+        emergency,
+        job,
+        queue,
+        console,
+        heaters,
+        fans,
+    ),
     *(motion, tuning, settings, files, history, explain, logs, session, accounts, metrics),
     *(octoprint, prusalink, rrf),
 )

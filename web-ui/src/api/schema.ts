@@ -113,6 +113,11 @@ export interface BuildOrder {
   text?: string | null;
 }
 
+/** The user confirms that the bed is clear. */
+export interface ClearBed {
+  bed_clear: boolean;
+}
+
 /** A command that the printer knows: its parameters, and what it does. */
 export interface Command {
   code: string;
@@ -601,6 +606,30 @@ export interface PrintObject {
 
 /** What a printer does; the values are the letters of M408. */
 export type PrinterState = "A" | "B" | "H" | "I" | "P";
+
+/** The prints that wait, the next one first. With `automatic` the next one starts by itself after
+ * one that is done; otherwise it waits until a user confirms that the bed is clear. */
+export interface Queue {
+  prints: QueuedPrint[];
+  automatic: boolean;
+}
+
+/** A file of the card. */
+export interface QueueFile {
+  path: string;
+}
+
+/** Whether the next print starts by itself after one that is done: for printers that clear their
+ * bed. */
+export interface QueueMode {
+  automatic: boolean;
+}
+
+/** A file of the card that is to be printed; `number` stays the same while it waits. */
+export interface QueuedPrint {
+  number: number;
+  path: string;
+}
 
 /** Why a request was not carried out. `others` are further problems that were found. */
 export interface Refusal {

@@ -1,0 +1,136 @@
+"""The files that are to be printed next, in their order; kept over a restart."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.errors import CardError, CommandError, PassoError
+from passo.job.durable_files import replaced
+
+if TYPE_CHECKING:
+    from passo.job.live.job_state import JobState
+    from passo.job.live.library import Library
+    from passo.job.live.runner import Runner
+    from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
+MAX_QUEUED = 200
+
+
+@dataclass(frozen=True, slots=True)
+class QueuedPrint:
+    """A file of the card that is to be printed; `number` stays the same while it waits."""
+
+    number: int
+    path: str
+
+
+class PrintQueue:
+    """The queue of one printer. The next print starts when `start_next` is called, which confirms
+    that the bed is clear; with `automatic` also after a print that is done. `directory` keeps the
+    queue; None: it ends with the program. Methods that change it return when the change is durable,
+    and raise CommandError, with the queue as it was, where it cannot be."""
+
+    def __init__(
+        self, printer: Printer, runner: Runner, library: Library, directory: Path | None
+    ) -> None:
+        self._printer, self._runner, self._library = printer, runner, library
+        self._path = None if directory is None else directory / "queue.json"
+        self._entries: tuple[QueuedPrint, ...] = ()
+        self._automatic = False
+        self._load()
+        runner.watchers.append(self._job_changed)
+
+    @property
+    def entries(self) -> tuple[QueuedPrint, ...]:
+        """The prints that wait, the next one first."""
+        return self._entries
+
+    @property
+    def automatic(self) -> bool:
+        """The next print starts by itself after one that is done: for printers that clear their
+        bed."""
+        return self._automatic
+
+    @automatic.setter
+    def automatic(self, on: bool) -> None:
+        self._keep(self._entries, automatic=on)
+
+    def add(self, path: str) -> QueuedPrint:
+        """Puts a file of the card at the end. Raises CardError."""
+        if self._library.card.find(path).is_directory:
+            raise CardError.of("card.directory", path)
+        if len(self._entries) >= MAX_QUEUED:
+            raise CommandError.of("queue.full", limit=MAX_QUEUED)
+        number = max((entry.number for entry in self._entries), default=0) + 1
+        added = QueuedPrint(number, path)
+        self._keep((*self._entries, added))
+        return added
+
+    def remove(self, number: int) -> None:
+        """Takes a print out."""
+        found = self._found(number)
+        self._keep(tuple(entry for entry in self._entries if entry is not found))
+
+    def move(self, number: int, place: int) -> None:
+        """Moves a print to a place: 0 or less is the next one; beyond the end is the last one."""
+        found = self._found(number)
+        others = [entry for entry in self._entries if entry is not found]
+        others.insert(max(place, 0), found)
+        self._keep(tuple(others))
+
+    def start_next(self) -> None:
+        """Starts the next print, and takes it out. Raises CommandError if there is none or the
+        printer is printing, CardError and InputError for its file: then it stays."""
+        if not self._entries:
+            raise CommandError.of("queue.empty")
+        self._library.open(self._entries[0].path)
+        self._runner.start()
+        self._keep(self._entries[1:])
+
+    def _found(self, number: int) -> QueuedPrint:
+        for entry in self._entries:
+            if entry.number == number:
+                return entry
+        raise CommandError.of("queue.unknown", value=number)
+
+    def _job_changed(self, was: JobState, now: JobState) -> None:
+        if was.active and not now.active and self._automatic:
+            asyncio.get_running_loop().call_soon(self._start_by_itself)
+
+    def _start_by_itself(self) -> None:
+        if self._runner.ended != "done" or not self._runner.over or not self._entries:
+            return
+        try:
+            self.start_next()
+        except PassoError as error:
+            text = f"The next print of the queue was not started: {error}"
+            self._printer.state.announce(_log, logging.WARNING, text)
+
+    def _keep(self, entries: tuple[QueuedPrint, ...], *, automatic: bool | None = None) -> None:
+        automatic = self._automatic if automatic is None else automatic
+        if self._path is not None:
+            rows = [asdict(entry) for entry in entries]
+            try:
+                with replaced(self._path) as temporary:
+                    temporary.write_text(json.dumps({"automatic": automatic, "prints": rows}))
+            except OSError as error:
+                why = error.strerror or str(error)
+                raise CommandError.of("queue.unwritable", str(self._path), value=why) from None
+        self._entries, self._automatic = entries, automatic
+
+    def _load(self) -> None:
+        if self._path is None or not self._path.exists():
+            return
+        try:
+            kept = json.loads(self._path.read_text())
+            rows = [QueuedPrint(int(row["number"]), str(row["path"])) for row in kept["prints"]]
+            self._entries, self._automatic = tuple(rows), bool(kept["automatic"])
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            text = f"The queue of prints is empty: {self._path} cannot be read: {error}"
+            self._printer.state.announce(_log, logging.WARNING, text)
