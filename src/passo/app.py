@@ -14,7 +14,7 @@ from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
 from passo.console.json_status import JsonStatus
 from passo.console.object_commands import ObjectCommands
-from passo.console.printer_console import Listeners
+from passo.console.printer_console import AllConsoles
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
 from passo.errors import CommandError, InputError
@@ -101,7 +101,7 @@ def _furnish(
         _hold(printer, folder)
     answers = Reports(printer, card=card is not None, settings=folder is not None)
     printer.waits.temperatures = answers.temperatures
-    runner = Runner(printer, Listeners(printer))
+    runner = Runner(printer, AllConsoles(printer))
     options = OptionCommands(printer)
     library = Library(printer, runner, card)
     statistics = Statistics(printer, folder)

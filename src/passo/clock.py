@@ -19,7 +19,7 @@ _T = TypeVar("_T")
 
 
 class _Scaled(selectors.DefaultSelector):
-    """Waits a fraction of the time that it is told to."""
+    """Waits a fraction of the given time."""
 
     def __init__(self, scale: float) -> None:
         super().__init__()

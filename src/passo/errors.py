@@ -87,7 +87,7 @@ class Problem:
 
 
 class PassoError(Exception):
-    """Raised for what a person must mend; carries every problem that was found, not only the first.
+    """Raised for what the user must fix; carries every problem that was found, not only the first.
 
     `status` is what the command line returns.
     """

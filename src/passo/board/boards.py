@@ -18,7 +18,7 @@ from passo.errors import MachineError
 SETTLING_S = 4.0
 _SETTLING_PER_JITTER = 6000.0
 _LONGEST_SETTLING_S = 30.0
-_LOOK_S = 0.02  # a fault of one live board among several is told so late at most
+_LOOK_S = 0.02  # longest delay before a fault of one live board among several is reported
 _NEWS_S = 0.05  # until all boards have been told that one is lost
 _TOLERANCE_S = 1e-6  # of a step on a further board, beside what the plan allows
 

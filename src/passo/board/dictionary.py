@@ -131,7 +131,7 @@ def _expand(names: Mapping[str, Any]) -> dict[str, int]:
 
 
 def decode(data: bytes, dictionary: Dictionary, *, from_board: bool = False) -> list[str]:
-    """Every message in the frames of `data`, one line each, for a person to read.
+    """Every message in the frames of `data`, one line each, as text.
 
     Acknowledgements and bytes that are no frame appear as such. `from_board` reads reports instead
     of commands. Raises ValueError for a message that the dictionary does not have.

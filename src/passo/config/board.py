@@ -64,7 +64,7 @@ class CurrentSetter(Model):
     """Positions, of 255, per mA of peak current."""
 
     def word(self, channel: int, ampere: float) -> bytes:
-        """What it is told: the address, then the position."""
+        """The bytes that it receives: the address, then the position."""
         return bytes([channel, round(ampere * 1000 * self.steps_per_ma)])
 
 

@@ -26,12 +26,12 @@ class Finding:
 
     @property
     def key(self) -> str:
-        """The path as a person writes it."""
+        """The path as the machine file writes it."""
         return key_text(self.path)
 
 
 def key_text(path: Path) -> str:
-    """A path as a person writes it: `tools[1].extruder`."""
+    """A path as the machine file writes it: `tools[1].extruder`."""
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part

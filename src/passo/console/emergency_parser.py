@@ -103,8 +103,8 @@ class EmergencyParser:
         return self._failures.popleft() != self._printer.state.failures
 
     def _resume(self) -> bool:
-        """Ends a wait for a person, which a host's pause is too. True if there is no more to do,
-        as where such a pause is about to end; a paused file is still to go on."""
+        """Ends a wait for the user; the pause of a host is one, too. True if nothing is left to do,
+        as when such a pause is about to end. False for a paused file, which must still resume."""
         printer = self._printer
         awaited = printer.prompts.awaited
         if awaited:

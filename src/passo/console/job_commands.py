@@ -273,7 +273,8 @@ class JobCommands:
         kind=Kind.SERVED,
     )
     def _resume(self, _: Command, __: Reply) -> Wait | None:
-        """M602: of a wait for a person it acted when the line came in. Raises CommandError."""
+        """M602: a wait for the user has ended already, when the line was received. Raises
+        CommandError."""
         if self._runner.state is JobState.PAUSED:
             self._runner.start()
         return None

@@ -1,4 +1,4 @@
-"""What consoles hear of a printer: of its files, and at their start."""
+"""What consoles receive from a printer: the answers to a file's commands, and a greeting."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 
-class Listeners:
-    """What a file's commands answer goes to all who listen."""
+class AllConsoles:
+    """Sends the answers to a file's commands to all consoles."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -30,11 +30,11 @@ class Listeners:
             self._printer.tell(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
-        """The same: a file hears no `ok`."""
+        """The same: a file receives no `ok`."""
         self._printer.tell(text)
 
     def warming(self, text: str) -> None:
-        """Nothing: consoles beside a print ask when they want to know."""
+        """Nothing: consoles ask for temperatures with M105 during a print."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """A command that was not carried out."""

@@ -28,7 +28,7 @@ from passo.printer.commands.probing import ProbeCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
 from passo.printer.commands.temperature import HeatCommands
-from passo.printer.commands.user_prompts import PersonCommands
+from passo.printer.commands.user_prompts import UserPrompts
 from passo.printer.dispatch import Dispatch
 from passo.printer.laser import Laser
 from passo.printer.live_rig import LiveRig
@@ -105,7 +105,7 @@ class Printer:
         self.prober = Prober(rig, state, self.triggered, self.correction)
         self.endstops = EndstopWatch(rig, state, self.triggered, self.stop_by_endstop)
         self.triggered.starts.append(self.endstops.pause)
-        self.prompts = PersonCommands(state, self.beeper)
+        self.prompts = UserPrompts(state, self.beeper)
         self.waits = WaitRunner(rig, state, self.homer, self.prompts, self.laser, self.targets)
         self.controls = ControlCommands(rig)
         self.heat = HeatCommands(rig, self.controls)

@@ -24,7 +24,7 @@ from passo.printer.wait_requests import (
 if TYPE_CHECKING:
     from passo._core import Heater
     from passo.motion.homing import Homer
-    from passo.printer.commands.user_prompts import PersonCommands
+    from passo.printer.commands.user_prompts import UserPrompts
     from passo.printer.laser import Laser
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
@@ -63,7 +63,7 @@ class WaitRunner:
         rig: LiveRig,
         state: State,
         homer: Homer,
-        prompts: PersonCommands,
+        prompts: UserPrompts,
         laser: Laser,
         targets: Targets,
     ) -> None:

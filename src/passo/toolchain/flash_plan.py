@@ -22,12 +22,12 @@ _NEEDS_PORT = ("avrdude", "bossac", "uf2")
 
 @dataclass(frozen=True, slots=True)
 class Hands:
-    """Something that a person must do before going on."""
+    """Something that the user must do before the next step."""
 
     text: str
 
     def __str__(self) -> str:
-        """The step as a person reads it."""
+        """The step as a sentence."""
         return self.text
 
 
@@ -38,7 +38,7 @@ class Touch:
     port: str
 
     def __str__(self) -> str:
-        """The step as a person reads it."""
+        """The step as a sentence."""
         return f"open {self.port} at 1200 baud for a moment"
 
 
@@ -49,7 +49,7 @@ class Run:
     words: tuple[str, ...]
 
     def __str__(self) -> str:
-        """The step as a person reads it."""
+        """The step as a sentence."""
         return shlex.join(self.words)
 
 
@@ -61,7 +61,7 @@ class Copy:
     folder: Path
 
     def __str__(self) -> str:
-        """The step as a person reads it."""
+        """The step as a sentence."""
         return f"copy {self.image} to {self.folder}"
 
 

@@ -67,7 +67,7 @@ COMMANDS = {
         "config_thermocouple": "A converter on an SPI device.",
         "query_thermocouple": "Reads it from `clock` on every `rest_ticks`; 0: stops. The board"
         " shuts down at the `max_invalid_count`-th value in a row that is a fault or out of range.",
-        "config_buttons": "Up to eight inputs that are told when they change.",
+        "config_buttons": "Up to eight inputs that the board reports when they change.",
         "buttons_add": "One of them.",
         "buttons_query": "Looks from `clock` on; tells again after so many looks unacknowledged.",
         "buttons_ack": "So many states have arrived.",

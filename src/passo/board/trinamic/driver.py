@@ -134,7 +134,7 @@ class SpiWire:
 
 @dataclass(frozen=True, slots=True)
 class DriverLink:
-    """The driver of a motor, reached over `wire`; `place` names its pins for a person. All methods
+    """The driver of a motor, reached over `wire`; `place` names its pins in messages. All methods
     raise DriverFailure."""
 
     motor: str

@@ -255,8 +255,8 @@ class _Tcp:
 
 
 async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened: Opened) -> Console:
-    """A TCP console for so many clients at once; one more is told so and sent away. Port 0 is any
-    that is free. Raises ConsoleError."""
+    """A TCP console for so many clients at once; one more receives a message and is disconnected.
+    Port 0 is any that is free. Raises ConsoleError."""
     tcp = _Tcp(printer, clients, opened)
     try:
         tcp.server = await asyncio.get_running_loop().create_server(tcp.client, host, port)

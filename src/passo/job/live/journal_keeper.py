@@ -74,7 +74,7 @@ class JournalKeeper:
         )
 
     def _by_hand(self) -> str:
-        """What a person has to do first for a machine that cannot find its place."""
+        """What the user has to do first for a machine that cannot find its position."""
         if self._printer.machine.homing:
             return ""
         x, y, _ = self._printer.machine.home_point

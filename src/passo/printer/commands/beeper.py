@@ -27,7 +27,7 @@ _HIGHEST_HZ, _HIGHEST_HZ_OF_8_BITS = 5000, 1000
 _8_BITS = ("atmega", "at90", "attiny")  # names of such chips begin so
 _MAX_TONES = 64  # planned or waiting, before M300 waits
 _APART_S = 0.01  # from the end of a tone until the board may be told of the next
-_CALL = (1000, 300)  # Hz and ms, for a person
+_CALL = (1000, 300)  # Hz and ms, to call the user
 _MARK, _ERAS = 1 << 13, 1 << 6  # a mark of 32 bits holds an era, Hz and ms
 _SOON_S = 1.0  # the board is told of a tone behind a rest so long before it
 _MAX_TICKS = 2**31 - 1  # of a duration, on the board
@@ -79,7 +79,7 @@ class Beeper:
         self._next = self._silent  # rests are over
 
     def call(self) -> None:
-        """One beep for a person who is wanted."""
+        """One beep that calls the user."""
         if self._there:
             self._plan(*_CALL)
 

@@ -1,4 +1,4 @@
-"""What concerns the person at the printer: messages and waits."""
+"""Messages to the user at the printer, and waits for an answer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForUser
 _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
 
 
-class PersonCommands:
+class UserPrompts:
     """M0, M1, M85, M117 of one printer."""
 
     def __init__(self, state: State, beeper: Beeper) -> None:
@@ -57,8 +57,8 @@ class PersonCommands:
         return WaitForUser(text, max(seconds, 0.0))
 
     def ask(self, text: str, *, awaited: bool = True) -> None:
-        """Hosts show the text and a button that goes on; a beeper beeps. `awaited`: a wait ends
-        with the answer."""
+        """Hosts show the text and a button to continue; a beeper beeps. `awaited`: the answer ends
+        a wait."""
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
             self._state.tell(f"// action:{words}")
         self._beeper.call()
@@ -66,7 +66,8 @@ class PersonCommands:
 
     @contextmanager
     def waited_for(self, *, for_ever: bool = True) -> Generator[None]:
-        """A wait for a user goes on, the machine at rest; `for_ever`: no time ends it."""
+        """A wait for a user lasts while this is open, the machine at rest; `for_ever`: no time ends
+        it."""
         self.for_ever = for_ever
         for listener in list(self.wait_listeners):
             listener()
@@ -76,7 +77,7 @@ class PersonCommands:
             self.for_ever = False
 
     def answered(self) -> None:
-        """Somebody has gone on, or there is nothing to go on with: hosts show no question."""
+        """The user has answered, or there is nothing left to continue: hosts show no question."""
         if self.asking:
             self.asking = self.awaited = False
             self._state.tell("// action:prompt_end")

@@ -63,7 +63,7 @@ def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
 
 
 def current_settings(machine: MachineConfig, on: str) -> Iterator[Setting]:
-    """What the current setter of a board is told for the motors in the board's sockets."""
+    """The settings that a board's current setter receives for the motors in the board's sockets."""
     board = machine.all_boards[on]
     setter = board.current_setter
     if setter is None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from passo.errors import MachineError
 from passo.printer.commands.motors import Motors
-from passo.printer.commands.user_prompts import PersonCommands
+from passo.printer.commands.user_prompts import UserPrompts
 from passo.printer.laser import Laser
 from passo.printer.live_rig import LiveRig
 from passo.printer.motion_lock import MotionLock
@@ -32,7 +32,7 @@ class IdleWatch:
         motors: Motors,
         laser: Laser,
         targets: Targets,
-        prompts: PersonCommands,
+        prompts: UserPrompts,
         waits: WaitRunner,
         halt: Callable[[MachineError, str], None],
     ) -> None:
