@@ -92,9 +92,6 @@ class Levelling(Model):
     """A larger correction is refused."""
     max_slope: Positive = 0.02
     """A steeper correction is refused; in mm of height for each mm of bed."""
-    dialect: Literal["marlin", "rrf"] = "marlin"
-    """What G30 without S does: in Marlin's dialect it reports the height, in RepRapFirmware's it
-    sets Z."""
 
 
 class SimulatedBed(Model):
