@@ -21,9 +21,6 @@ class RankError(ValueError):
         super().__init__(rank, unknowns)
         self.rank, self.unknowns = rank, unknowns
 
-    def __str__(self) -> str:
-        return f"rank {self.rank} of {self.unknowns}"
-
 
 def solve(rows: Sequence[Sequence[float]], values: Sequence[float]) -> list[float]:
     """The x that makes the sum of (row · x - value)² least. Columns are scaled to length 1 first.
