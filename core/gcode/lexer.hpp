@@ -45,6 +45,7 @@ inline bool read_number(const char*& p, const char* end, double& value) {
   }
   if (seen == 0) return false;
   value = double(mantissa);
+  for (; decimals > 22 && value > 0; --decimals) value /= 10;
   if (decimals > 0) value /= kPowersOfTen[decimals < 22 ? decimals : 22];
   for (; decimals < 0 && value < 1e300; ++decimals) value *= 10;
   if (negative) value = -value;

@@ -39,13 +39,13 @@ inline std::pair<int, int> code_of(const Word& w) {
 inline bool wordless(const Word& w) {
   if (text_command(w)) return true;
   const auto [n, minor] = code_of(w);
-  if (w.letter == 'G') return minor == 0 && (n == 12 || n == 27 || n == 29 || n == 31 || n == 32);
-  return n == 29 || n == 33 || n == 34 || n == 48 || (n >= 75 && n <= 77) || n == 99 || n == 110 ||
-         n == 111 || n == 125 || n == 142 || n == 150 || (n >= 163 && n <= 166) || n == 192 ||
-         n == 202 || n == 222 || n == 240 || n == 250 || n == 280 || n == 281 || n == 351 ||
-         n == 355 || n == 401 || n == 402 || (n >= 404 && n <= 407) || n == 420 || n == 421 ||
-         n == 428 || n == 512 || n == 531 || n == 561 || n == 595 || n == 604 || n == 605 ||
-         n == 666 || n == 800 || n == 851 || n == 908 || n == 925 || n == 926;
+  if (w.letter == 'G') return minor == 0 && (n == 12 || n == 27 || n == 29);
+  return n == 29 || n == 33 || n == 34 || (n >= 75 && n <= 77) || n == 99 || n == 110 || n == 111 ||
+         n == 125 || n == 142 || n == 150 || (n >= 163 && n <= 166) || n == 192 || n == 202 ||
+         n == 222 || n == 240 || n == 250 || n == 280 || n == 281 || n == 351 || n == 355 ||
+         n == 401 || n == 402 || (n >= 404 && n <= 407) || n == 428 || n == 512 || n == 531 ||
+         n == 595 || n == 604 || n == 605 || n == 666 || n == 800 || n == 908 || n == 925 ||
+         n == 926;
 }
 
 // Commands, other than moves, that have a word E; passo.gcode.registry says the same.
