@@ -1,0 +1,22 @@
+"""The same job gives the same stream on old and new PCs, and breaks no rule of C++."""
+
+from __future__ import annotations
+
+import pytest
+
+from .builds import EXPECTED, stream_of
+
+BUILDS = {
+    "x86-64 baseline": ["-DPASSO_NO_CLONES"],
+    "x86-64 with AVX2": ["-DPASSO_NO_CLONES", "-march=x86-64-v3"],
+    "address and undefined behaviour sanitizers": [
+        "-g",
+        "-fsanitize=address,undefined",
+        "-fno-sanitize-recover=all",
+    ],
+}
+
+
+@pytest.mark.parametrize("name", BUILDS)
+def test_x86_stream_is_the_same(name, tmp_path):
+    assert stream_of(["g++", *BUILDS[name]], [], tmp_path) == EXPECTED
