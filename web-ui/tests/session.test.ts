@@ -37,6 +37,7 @@ test("the first account is made, and the page asks for it from then on", async (
   await expectAccessible(page);
   await picture(page, "accounts-1280-light");
   await page.getByRole("button", { name: "Log out ada" }).click();
+  await page.getByRole("heading", { name: "Log in" }).waitFor();
   await page.getByLabel("Name").fill("bob");
   await page.getByLabel("Password").fill("another long password");
   await page.getByLabel("Password").press("Enter");
