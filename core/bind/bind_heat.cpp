@@ -246,6 +246,8 @@ void bind_heater(nb::module_& m) {
       .def_prop_ro("heard", &held<&Heater::heard>,
                    "The sensor has reported, and the link has not been lost since.")
       .def_prop_rw("target", &held<&Heater::target>, &held<&Heater::set_target, double>)
+      .def_prop_rw("suspended", &held<&Heater::suspended>, &held<&Heater::set_suspended, bool>,
+                   "Nothing heats; the target is kept, and may change.")
       .def_prop_ro("power", &held<&Heater::power>)
       .def_prop_ro("max_power", [](const Heater& h) { return h.options().max_power; })
       .def_prop_ro("reached", &held<&Heater::reached>,

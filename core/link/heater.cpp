@@ -83,7 +83,7 @@ bool Heater::report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value)
     fault_.clock = clock;
     failed = news_ = faulty();
   }
-  double target = faulty() ? 0 : target_;
+  double target = faulty() || suspended_ ? 0 : target_;
   double power =
       controller_.update({celsius_, target, dt, o_.max_power, body_ ? &*body_ : nullptr});
   arrive(target, dt);
@@ -125,6 +125,7 @@ void Heater::arrive(double target, double dt) {
 }
 
 double Heater::heating_target() const {
+  if (suspended_) return 0;
   bool tuning = std::holds_alternative<heat::RelayControl>(control());
   return tuning && terms().d < 0 ? 0 : target_;
 }

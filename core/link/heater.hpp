@@ -83,6 +83,9 @@ class Heater {
   const Arrival& arrival() const { return o_.arrival; }
   // While there is a fault the target is kept, but nothing heats.
   void set_target(double celsius);
+  // While it is suspended the target is kept, and may change, but nothing heats.
+  void set_suspended(bool suspended) { suspended_ = suspended; }
+  bool suspended() const { return suspended_; }
 
   // Another sensor on the same input, or another idea of it: its table and its range.
   void set_sensor(const HeaterOptions& other);
@@ -142,7 +145,7 @@ class Heater {
   std::optional<double> near_s_;  // so long it has been there, once it was within its window
   double about_s_ = 0;            // and so long it has been nearer than where it leaves it
   double off_ = 0;                // from its target, with the last report; 0 if there was none
-  bool reached_ = false, news_ = false, wide_ = false, new_net_ = false;
+  bool reached_ = false, news_ = false, wide_ = false, new_net_ = false, suspended_ = false;
 
   void leave();
   void arrive(double target, double dt);

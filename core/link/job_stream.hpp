@@ -25,7 +25,7 @@ class JobStream {
   // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
   // was planned later: in between it waits for others to fill a frame.
   static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
-  static constexpr size_t kMaxCommitBytes = 2 + 5 + 5 + 1 + 2;  // with the question behind it
+  static constexpr size_t kMaxCommitBytes = 2 + 5 + 5 + 1 + 2;  // followed by the question
   static constexpr size_t kMaxCommandBytes = 2 + 5 + 5 + 1 + 2 + kVlqRoom;
 
   explicit JobStream(double clock_hz);

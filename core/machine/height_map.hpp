@@ -1,5 +1,5 @@
 // What the bed adds to Z: heights on an even grid, bilinear in between; beyond the grid its edge
-// goes on level. With a fade it is less, the higher the nozzle is.
+// stays level. With a fade it is less, the higher the nozzle is.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -94,7 +94,7 @@ class HeightMap {
   double range() const { return range_; }
   const Fade& fade() const { return fade_; }
 
-  // Which stretch between lines; -1 before the first, lines - 1 behind the last.
+  // Which stretch between lines; -1 before the first, lines - 1 after the last.
   int index(int axis, double x) const {
     double i = std::floor((x - first_[axis]) / spacing_[axis]);
     return int(std::min(std::max(i, -1.0), double(count_[axis] - 1)));

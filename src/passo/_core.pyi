@@ -322,6 +322,13 @@ class Heater:
     def target(self, arg: float, /) -> None: ...
 
     @property
+    def suspended(self) -> bool:
+        """Nothing heats; the target is kept, and may change."""
+
+    @suspended.setter
+    def suspended(self, arg: bool, /) -> None: ...
+
+    @property
     def power(self) -> float: ...
 
     @property

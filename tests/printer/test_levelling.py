@@ -144,12 +144,17 @@ def test_correction_survives_a_restart_bit_for_bit(tmp_path, changes):
     state = str(tmp_path)
     with homed(*changes, state=state) as s:
         answers(s, "G29")
+        answers(s, "M420 Z10")
+        s.board.spoil_probe(noise_mm=0.01)
+        answers(s, "G29")
         answers(s, "M851 X-25.1 Z-1.23")
         answers(s, "M500")
         stored = s.printer.correction.correction
     with Scenario(machine(*changes), state=state) as s:
         found = s.printer.correction
         assert found.on
+        assert found.correction.fade == stored.fade
+        assert found.correction.fade.end_mm == 10.0
         if stored.fit:
             assert found.correction.fit.coefficients == stored.fit.coefficients
         else:
@@ -157,7 +162,7 @@ def test_correction_survives_a_restart_bit_for_bit(tmp_path, changes):
         assert s.printer.prober.offset_mm == (-25.1, 5.0)
         assert s.printer.prober.trigger_height_mm == 1.23
         s.host.ok("G28", 60)
-        c = found.expected(0, 0)
+        c = found.correction.height(0, 0, s.printer.job.machine_position[2])
         assert s.printer.job.machine_position[2] == pytest.approx(-c, abs=1e-9)
         answers(s, "M502")
         assert (found.correction, found.on) == (None, False)
@@ -257,6 +262,19 @@ def test_mesh_by_klippers_and_marlins_words():
         assert "I below 3, J below 3" in answers(s, "M421 I3 J1 Z0")[0]
         answers(s, "BED_MESH_CLEAR")
         assert s.printer.correction.correction is None
+
+
+def test_values_that_no_bed_has_are_refused():
+    with homed((QUADRATIC, 'method = "mesh"'), ("[5, 5]", "[3, 3]")) as s:
+        assert "C0 is nan: expected a number" in answers(s, "SET_BED_FIT C0=nan")[0]
+        assert (
+            "X0 is inf: expected a number"
+            in answers(s, "SET_BED_MESH COLUMNS=3 ROWS=3 X0=inf Y0=0 X1=9 Y1=9")[0]
+        )
+        answers(s, "G29")
+        before = s.printer.correction.correction
+        assert "of at most 2 mm" in answers(s, "M421 I0 J0 Z50")[0]
+        assert s.printer.correction.correction is before
 
 
 def test_probe_offset_has_two_signs():

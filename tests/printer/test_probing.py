@@ -200,14 +200,28 @@ def test_heaters_are_off_only_during_a_descent():
         done = len(s.host.heard)
 
         def look():
-            seen.append((s.positions()["z"], bed.target))
+            seen.append((s.positions()["z"], bed.power))
+            assert bed.target == 60.0 or not bed.suspended
             return "ok" in s.host.heard[done:]
 
         assert s.until(look, 60)
         assert s.positions()["z"] == 10.0
-        assert {target for z, target in seen if 0.1 < z < 3.2} == {0.0, 60.0}
-        assert 0.0 in {target for z, target in seen if 4 < z < 9}
-        assert bed.target == 60.0
+        assert {power > 0 for z, power in seen if 0.1 < z < 3.2} == {False, True}
+        assert 0.0 in {power for z, power in seen if 4 < z < 9}
+        assert s.until(lambda: bed.power > 0, 10)
+
+
+def test_heater_switched_off_during_a_descent_stays_off():
+    change = ("trigger_height_mm = 1.2", 'trigger_height_mm = 1.2\nheaters_off = ["bed"]')
+    with homed(change) as s:
+        s.host.ok("M140 S60")
+        bed = s.printer.connection.heaters["bed"]
+        s.host.send("G30 X110 Y110")
+        assert s.until(lambda: bed.suspended, 60)
+        s.printer.connection.switch_heaters_off()
+        assert s.until(lambda: not bed.suspended, 60)
+        s.passes(5)
+        assert (bed.target, bed.power) == (0.0, 0.0)
 
 
 def test_stop_in_a_descent_lifts_the_nozzle_and_keeps_the_position():

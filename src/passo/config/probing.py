@@ -10,6 +10,10 @@ from passo.config.types import Model, Name, NotNegative, Pair, Pin, Position, Po
 
 PROBE = "probe"
 """The name of the input of the probe among the endstops."""
+UNKNOWNS = {"linear": 3, "quadratic": 6}
+"""How many points each surface needs at least."""
+MIN_DISTANCE_MM = 1.0
+"""Points closer together than this count as one; points that deviate less from a line are on it."""
 
 Area = Annotated[list[Position], Field(min_length=4, max_length=4)]
 _Offset = Annotated[float, Field(ge=-20, le=20)]

@@ -8,12 +8,10 @@ from math import hypot
 
 from passo.config.findings import Finding, did_you_mean
 from passo.config.machine import MachineConfig
-from passo.config.probing import Probe
+from passo.config.probing import MIN_DISTANCE_MM, UNKNOWNS, Probe
 
 _CLEARANCE_MM = 1.0  # of a descent's start above the height at which the probe triggers
 _MAX_DESCENT_S = 20.0
-_UNKNOWNS = {"linear": 3, "quadratic": 6}
-_MIN_DISTANCE_MM = 1.0
 
 
 def check_probe(machine: MachineConfig) -> Iterator[Finding]:
@@ -54,15 +52,18 @@ def _check_points(machine: MachineConfig) -> Iterator[Finding]:
     probe, levelling = machine.probe, machine.levelling
     assert probe is not None
     points = [(i, p) for i, p in enumerate(levelling.points) if p.enabled]
-    needed = _UNKNOWNS.get(levelling.method, 0)
+    needed = UNKNOWNS.get(levelling.method, 0)
     if len(points) < needed:
         limit = f"at least {needed} enabled points for the method {levelling.method}"
         yield Finding("config.value", ("levelling", "points"), len(points), limit)
     for (i, a), (j, b) in combinations(points, 2):
         apart = hypot(a.x - b.x, a.y - b.y)
-        if apart < _MIN_DISTANCE_MM:
+        if apart < MIN_DISTANCE_MM:
             path = ("levelling", "points", j)
-            limit = f"a point at least 1 mm from point {i + 1}, and it is {apart:g} mm from it"
+            limit = (
+                f"a point at least {MIN_DISTANCE_MM:g} mm from point {i + 1}, and it is {apart:g} mm"
+                " from it"
+            )
             yield Finding("config.value", path, f"X{b.x:g} Y{b.y:g}", limit)
     for i, point in points:
         yield from _check_place(machine, ("levelling", "points", i), point.x, point.y)

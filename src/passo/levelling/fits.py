@@ -8,17 +8,13 @@ from itertools import combinations
 from math import atan2, cos, hypot, isfinite, sin, sqrt
 from typing import Literal
 
+from passo.config.probing import MIN_DISTANCE_MM, UNKNOWNS
 from passo.errors import CommandError
 from passo.levelling.least_squares import RankError, solve
 
 Method = Literal["linear", "quadratic"]
 Point = tuple[float, float, float]
 """X, Y and the height of the bed there, mm."""
-
-UNKNOWNS = {"linear": 3, "quadratic": 6}
-MIN_DISTANCE_MM = 1.0
-"""Points closer together than this count as one, and points that deviate less from a line lie on
-it."""
 
 
 @dataclass(frozen=True, slots=True)

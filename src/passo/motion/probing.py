@@ -17,6 +17,7 @@ from passo.motion.endstops import probe_switch
 
 if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
+    from passo.motion.endstops import Switch
     from passo.motion.rig import Rig
     from passo.motion.trigger_overshoot import TriggerOvershoot
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
@@ -84,6 +85,12 @@ class Prober:
         if self._machine.probe is None:
             raise CommandError.of("probe.none")
         return self._machine.probe
+
+    @property
+    def _switch(self) -> Switch:
+        switch = probe_switch(self._machine)
+        assert switch is not None
+        return switch
 
     def nozzle_at(self, place: Place) -> tuple[float, float]:
         """X and Y of the nozzle with the probe at a place."""
@@ -242,8 +249,7 @@ class Prober:
         if probe.settle_s > 0:
             await rig.queue.sleep(probe.settle_s)
         await self._open(place)
-        switch = probe_switch(self._machine)
-        assert switch is not None
+        switch = self._switch
         finest = max(self._machine.steppers[s].steps_per_unit for s in switch.steppers)
 
         low = self._low_mm(place)
@@ -276,9 +282,7 @@ class Prober:
         """The axes are where the counts of the boards say. Axes whose motors were not stopped keep
         the position of the plan, which may be between two steps."""
         point = self._machine.geometry.forward(overshoot.stopped())
-        switch = probe_switch(self._machine)
-        assert switch is not None
-        moved = {d.index for s in switch.steppers if (d := self._machine.driven_by(s))}
+        moved = {d.index for s in self._switch.steppers if (d := self._machine.driven_by(s))}
         axes = (Z,) if len(moved) == 1 else (X, Y, Z)
         self._rig.job.set_axes([(axis, point[axis]) for axis in axes])
 
@@ -294,17 +298,16 @@ class Prober:
 
     @contextmanager
     def _cold(self) -> Generator[None]:
-        """Some heaters are off within, and have their targets after it."""
-        heaters, connection = self._rig.connection.heaters, self._rig.connection
-        targets = {name: heaters[name].target for name in self.probe.heaters_off}
-        for name in targets:
-            connection.set_target(name, 0.0)
+        """Some heaters do not heat within. Their targets are not touched: a user may change them
+        meanwhile."""
+        heaters = [self._rig.connection.heaters[name] for name in self.probe.heaters_off]
+        for heater in heaters:
+            heater.suspended = True
         try:
             yield
         finally:
-            if not self._interrupts.halted:
-                for name, celsius in targets.items():
-                    connection.set_target(name, celsius)
+            for heater in heaters:
+                heater.suspended = False
 
     def _nozzle(self) -> str:
         x, y, z, *_ = self._rig.job.machine_position

@@ -157,7 +157,10 @@ class Dispatch:
         while wait is not None:
             if isinstance(wait, WaitForMoves) and wait.then is not None:
                 self._rig.queue.flush()
-                wait.then()
+                try:
+                    wait.then()
+                except CommandError as error:
+                    reply.fail(str(error), error.problems)
             wait = self._go_on(reply)
 
     async def finish(

@@ -119,7 +119,7 @@ class Printer:
         self.levelling = LevellingCommands(rig, self.prober, self.correction)
         if machine.probe is not None:
             self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling)
-        self.dispatch.add(MotorMoves(rig, state))
+        self.dispatch.add(MotorMoves(rig, state, self.triggered))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)
         idle = IdleWatch(

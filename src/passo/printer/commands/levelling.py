@@ -17,6 +17,8 @@ from passo.levelling.fits import Fit, check_points, fit
 from passo.levelling.mesh import Mesh
 from passo.levelling.replies import bilinear_grid, probed_rows
 from passo.motion.probing import Measured, Place, Prober
+from passo.printer.commands.klipper_commands import number
+from passo.printer.commands.probing import NO_PROBE
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 
 if TYPE_CHECKING:
@@ -24,7 +26,6 @@ if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
 _TERMS = ("C0", "CX", "CY", "CXX", "CXY", "CYY")
-_NO_PROBE = "This machine has no probe."
 
 
 def _exact(value: float) -> str:
@@ -50,7 +51,7 @@ class LevellingCommands:
         " measures. P measures one point, and leaves the nozzle R above it.",
         kind=Kind.SERVED,
         bare="D",
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _measure_points(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -59,26 +60,26 @@ class LevellingCommands:
         places = list(self._places())
         if not places:
             raise CommandError.of("levelling.no-points")
-        dry = "D" in command.text.upper()
+        dry = "D" in command.letters()
         return WaitForProcedure(lambda: self._correct_by_points(places, reply, dry=dry))
 
     def _places(self) -> Iterator[Place]:
-        for number, point in enumerate(self._config.points, 1):
+        for n, point in enumerate(self._config.points, 1):
             if point.enabled:
-                yield Place(point.x, point.y, f"point {number}", point.offset)
+                yield Place(point.x, point.y, f"point {n}", point.offset)
 
     def _one_point(self, words: dict[str, float], reply: Reply) -> Wait | None:
-        number = int(words["P"])
-        if not 1 <= number <= len(self._config.points):
+        n = int(words["P"])
+        if not 1 <= n <= len(self._config.points):
             limit = f"a point from 1 to {len(self._config.points)}"
             raise CommandError.bad_value("P", words["P"], limit)
-        point = self._config.points[number - 1]
-        place = Place(point.x, point.y, f"point {number}", point.offset)
+        point = self._config.points[n - 1]
+        place = Place(point.x, point.y, f"point {n}", point.offset)
         above = words.get("R")
 
         async def measure() -> None:
             (found,) = await self._prober.measure([place], above_mm=above)
-            reply.say(f"//ProbeHeight@P{number} {found.height_mm:.5f}")
+            reply.say(f"//ProbeHeight@P{n} {found.height_mm:.5f}")
 
         return WaitForProcedure(measure)
 
@@ -108,7 +109,7 @@ class LevellingCommands:
         reply.say("RelativeCorrections " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
         reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
         if not dry:
-            self._use((before or Correction()).accumulated(found))
+            self._put((before or Correction()).accumulated(found), on=True)
 
     @command(
         "G29",
@@ -119,13 +120,13 @@ class LevellingCommands:
         " D only measures. W sets one point of the mesh.",
         kind=Kind.SERVED,
         bare=ANY,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _level(self, command: Command, reply: Reply) -> Wait | None:
-        if "W" in command.text.upper():
+        if "W" in command.letters():
             words = command.words()
             return WaitForMoves(lambda: self.set_point(words))
-        dry = "D" in command.text.upper()
+        dry = "D" in command.letters()
         if self._config.method in ("linear", "quadratic"):
             places = list(self._places())
             check_points([(p.x, p.y) for p in places], self._config.method)
@@ -141,7 +142,7 @@ class LevellingCommands:
         reply.say("Bed: " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
         reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
         if not dry:
-            self._use(Correction(fit=found))
+            self._put(Correction(fit=found, fade=self._fade), on=True)
 
     def grid(self) -> Grid:
         """The places of a mesh. Raises CommandError if the machine file gives no area."""
@@ -164,14 +165,28 @@ class LevellingCommands:
         heights = {(m.place.x, m.place.y): m.height_mm for m in measured}
         mesh = grid.mesh(lambda x, y: heights[x, y])
         if not dry:
-            before = self._correction.correction
-            fade = before.fade if before else None
-            self._use(Correction(mesh=mesh, interpolation=self._config.interpolation, fade=fade))
+            interpolation = self._config.interpolation
+            self._put(Correction(None, mesh, interpolation, self._fade), on=True)
         for line in bilinear_grid(mesh):
             reply.say(line)
 
-    def _use(self, correction: Correction) -> None:
-        """Puts a correction in force, if it is none of a bed that is out of order."""
+    @property
+    def _fade(self) -> Fade | None:
+        """The fade that a new correction keeps."""
+        correction = self._correction.correction
+        return correction.fade if correction else None
+
+    def _put(self, correction: Correction | None, *, on: bool) -> None:
+        """Sets the correction, and switches it on or off. It fades to the mean of its mesh. Raises
+        CommandError if it is on and beyond the limits of the machine file."""
+        if correction is not None and correction.fade is not None:
+            mean = round(correction.mesh.mean, 2) if correction.mesh else 0.0
+            correction = replace(correction, fade=replace(correction.fade, target_mm=mean))
+        if correction is not None and on:
+            self._check_limits(correction)
+        self._correction.use(correction, on=on)
+
+    def _check_limits(self, correction: Correction) -> None:
         x0, y0, x1, y1 = self._rig.machine.bed_area_mm
         _, spacing, heights = correction.even_map((x0, y0, x1, y1))
         most = max(abs(z) for row in heights for z in row)
@@ -189,7 +204,6 @@ class LevellingCommands:
             raise CommandError.of(
                 "levelling.too-steep", value=f"{steepest:.4f}", limit=f"{limits.max_slope:g}"
             )
-        self._correction.use(correction, on=True)
 
     @command(
         "BED_MESH_CALIBRATE",
@@ -199,7 +213,7 @@ class LevellingCommands:
         "Measures a mesh of the area in the machine file; this replaces the correction before.",
         kind=Kind.SERVED,
         bare=None,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _calibrate_mesh(self, _: Command, reply: Reply) -> Wait | None:
         return self.measure_mesh(reply)
@@ -212,7 +226,7 @@ class LevellingCommands:
         "Prints the measured heights of the mesh, its front row first.",
         kind=Kind.QUIET,
         bare=None,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _print_mesh(self, _: Command, reply: Reply) -> Wait | None:
         for line in probed_rows(self._mesh()):
@@ -232,7 +246,7 @@ class LevellingCommands:
         "I J Z(mm) Q(mm)",
         "Sets the height of a point of the mesh to Z, or adds Q to it; I counts in X, J in Y.",
         kind=Kind.SERVED,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _edit_mesh(self, command: Command, _: Reply) -> Wait | None:
         words = command.words()
@@ -248,7 +262,7 @@ class LevellingCommands:
         "As M561.",
         kind=Kind.SERVED,
         bare=None,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     @command(
         "M561",
@@ -257,11 +271,11 @@ class LevellingCommands:
         "",
         "Forgets the correction of the bed.",
         kind=Kind.SERVED,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def forget(self, _: Command, __: Reply) -> Wait | None:
         """Forgets it at standstill."""
-        return WaitForMoves(lambda: self._correction.use(None, on=False))
+        return WaitForMoves(lambda: self._put(None, on=False))
 
     @command(
         "M420",
@@ -272,11 +286,11 @@ class LevellingCommands:
         " faded out; 0: it does not fade. V prints it.",
         kind=Kind.SERVED,
         bare="VT",
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _switch(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        verbose = "V" in command.text.upper()
+        verbose = "V" in command.letters()
         return WaitForMoves(lambda: self._switched(words, reply, verbose=verbose))
 
     def _switched(self, words: dict[str, float], reply: Reply, *, verbose: bool) -> None:
@@ -284,12 +298,12 @@ class LevellingCommands:
         correction = now.correction
         if words.get("S", 0.0) and correction is None:
             reply.say("Invalid mesh.")
-            reply.fail(str(error := CommandError.of("levelling.none")), error.problems)
-            return
+            raise CommandError.of("levelling.none")
         if "Z" in words and correction is not None:
-            correction = replace(correction, fade=self._fade(words["Z"], correction))
+            fade = Fade(0.0, words["Z"]) if words["Z"] > 0 else None
+            correction = replace(correction, fade=fade)
         if "S" in words or "Z" in words:
-            now.use(correction, on=words.get("S", float(now.on)) != 0)
+            self._put(correction, on=words.get("S", float(now.on)) != 0)
         correction = now.correction
         if verbose and correction is not None and correction.mesh is not None:
             for line in bilinear_grid(correction.mesh):
@@ -298,12 +312,6 @@ class LevellingCommands:
         fade = correction.fade if correction else None
         reply.say(f"echo:Fade Height {f'{fade.end_mm:.2f}' if fade else 'OFF'}")
 
-    def _fade(self, end_mm: float, correction: Correction) -> Fade | None:
-        if end_mm <= 0:
-            return None
-        target = round(correction.mesh.mean, 2) if correction.mesh else 0.0
-        return Fade(0.0, end_mm, target)
-
     @command(
         "M937",
         Subject.LEVELLING,
@@ -311,7 +319,7 @@ class LevellingCommands:
         "",
         "Reports the correction of the bed.",
         kind=Kind.QUIET,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _report(self, _: Command, reply: Reply) -> Wait | None:
         now = self._correction
@@ -333,7 +341,7 @@ class LevellingCommands:
         "Sets the place of the probe from the nozzle. Z is below 0 if the probe triggers while the"
         " nozzle is above the bed. Without parameters it reports them.",
         kind=Kind.SERVED,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _probe_offset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -362,7 +370,7 @@ class LevellingCommands:
         "As M851 in RepRapFirmware's words: Z is the height of the nozzle at which the probe"
         " triggers.",
         kind=Kind.SERVED,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _probe_height(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -391,14 +399,14 @@ class LevellingCommands:
         " CXY·x·y + CYY·y².",
         kind=Kind.SERVED,
         bare=None,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _set_fit(self, command: Command, _: Reply) -> Wait | None:
         pairs = command.pairs()
         now = self._correction.correction or Correction()
         terms = list((now.fit or Fit()).coefficients)
         for i, name in enumerate(_TERMS):
-            terms[i] = _number(pairs, name, terms[i])
+            terms[i] = number(pairs, name, terms[i])
         found = Fit(*terms) if any(terms) else None
         return WaitForMoves(lambda: self._store(replace(now, fit=found)))
 
@@ -411,11 +419,11 @@ class LevellingCommands:
         " forgets the mesh.",
         kind=Kind.SERVED,
         bare=None,
-        lacks=_NO_PROBE,
+        lacks=NO_PROBE,
     )
     def _set_mesh(self, command: Command, _: Reply) -> Wait | None:
         pairs = command.pairs()
-        columns, rows = (int(_number(pairs, name, 0.0)) for name in ("COLUMNS", "ROWS"))
+        columns, rows = (int(number(pairs, name, 0.0)) for name in ("COLUMNS", "ROWS"))
         now = self._correction.correction or Correction()
         if columns == 0:
             return WaitForMoves(lambda: self._store(replace(now, mesh=None)))
@@ -426,7 +434,7 @@ class LevellingCommands:
                 value=f"{columns} × {rows}",
                 limit="2 to 41 COLUMNS and ROWS",
             )
-        x0, y0, x1, y1 = (_number(pairs, name, 0.0) for name in ("X0", "Y0", "X1", "Y1"))
+        x0, y0, x1, y1 = (number(pairs, name) for name in ("X0", "Y0", "X1", "Y1"))
         xs = tuple(round(x0 + (x1 - x0) * i / (columns - 1), 6) for i in range(columns))
         ys = tuple(round(y0 + (y1 - y0) * j / (rows - 1), 6) for j in range(rows))
         mesh = Mesh(xs, ys, ((0.0,) * columns,) * rows)
@@ -454,7 +462,7 @@ class LevellingCommands:
 
     def _store(self, correction: Correction) -> None:
         empty = correction.fit is None and correction.mesh is None
-        self._correction.use(None if empty else correction, on=self._correction.on)
+        self._put(None if empty else correction, on=self._correction.on and not empty)
 
     def setting_lines(self) -> Iterator[str]:
         """Commands that bring offsets and correction back, to the last bit."""
@@ -480,14 +488,3 @@ class LevellingCommands:
                     yield f"G29 W I{i} J{j} Z{_exact(z)}"
         fade = correction.fade.end_mm if correction.fade else 0.0
         yield f"M420 S{int(now.on)} Z{_exact(fade)}"
-
-
-def _number(pairs: dict[str, str], name: str, default: float) -> float:
-    if name not in pairs:
-        return default
-    try:
-        return float(pairs[name])
-    except ValueError:
-        raise CommandError.of(
-            "command.value", axis=name, value=pairs[name], limit="a number"
-        ) from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -16,6 +15,7 @@ from passo.gcode.registry import Kind, Subject, When, command
 from passo.geometry.base import Point, Unreachable
 from passo.motion.axis_slots import slot_of_axis
 from passo.motion.rig import Rig
+from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.klipper_commands import number
 from passo.printer.klipper.names import stepper_object
 from passo.printer.state import State
@@ -24,7 +24,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 _BUZZ = (1.0, -1.0) * 10  # mm or degrees
 _BUZZ_SPEED = 4.0
 _BUZZ_PAUSE_S = 0.3
-_PROBE = 1.0  # mm, to see whether an actuator moves the nozzle on a straight line
+_TRIAL_MM = 1.0  # to see whether an actuator moves the nozzle on a straight line
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +42,8 @@ class MotorMoves:
     """Moves of single motors of one printer, at standstill. Where an axis is homed, it stays so,
     and keeps within its limits."""
 
-    def __init__(self, rig: Rig, state: State) -> None:
-        self._rig, self._state = rig, state
+    def __init__(self, rig: Rig, state: State, triggered: TriggeredMoves) -> None:
+        self._rig, self._state, self._triggered = rig, state, triggered
         self._machine = rig.machine
         self._axes = axis_order(self._machine.axes)
 
@@ -113,9 +113,9 @@ class MotorMoves:
         """How far X, Y and Z go while an actuator goes 1 mm; None if that depends on the place."""
         geometry = self._machine.geometry
         found: list[tuple[float, ...]] = []
+        home = geometry.inverse(self._machine.home_point)
         for factor in (1.0, -1.0, 2.0):
-            home = geometry.inverse(self._machine.home_point)
-            moved = [at + factor * _PROBE * (i == actuator) for i, at in enumerate(home)]
+            moved = [at + factor * _TRIAL_MM * (i == actuator) for i, at in enumerate(home)]
             try:
                 a, b, c = moved
                 there = geometry.forward((a, b, c))
@@ -177,19 +177,19 @@ class MotorMoves:
         rig = self._rig
         before = _xyz(rig.job.machine_position)
         at_home = self._machine.geometry.inverse(self._machine.home_point)
-        returns, rig_moved = abs(sum(by)) < 1e-9, True
+        returned = False
         rig.positions.freeze()
         rig.job.use_joints(True)
         rig.job.set_axes(list(enumerate(at_home)))
         try:
             for distance in by:
                 await self._go({motor.joint: 1.0}, distance, speed_mm_s, pause_s)
-            rig_moved = not returns
+            returned = abs(sum(by)) < 1e-9
         finally:
             rig.job.use_joints(False)
             rig.job.set_axes(list(enumerate(before)))
             rig.positions.thaw()
-            if rig_moved:
+            if not returned:
                 rig.lock("xyz")
 
     async def _go(
@@ -201,13 +201,10 @@ class MotorMoves:
         target = {slot: at[slot] + mm * distance for slot, mm in slots.items()}
         rig.queue.move(target, speed_mm_s, Within.ANYTHING)
         rig.queue.flush()
-        await rig.queue.until(lambda: rig.queue.standing or self._state.interrupted)
-        if not rig.queue.standing:
-            rig.queue.stop(program=False)
-            await rig.queue.until(lambda: rig.queue.standing or bool(self._state.halted))
+        await self._triggered.standstill()
         self._state.raise_if_interrupted()
         if pause_s:
-            await asyncio.sleep(pause_s)
+            await rig.queue.sleep(pause_s)
 
 
 def _xyz(position: Sequence[float]) -> Point:

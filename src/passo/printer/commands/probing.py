@@ -14,6 +14,8 @@ from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProced
 if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
+NO_PROBE = "This machine has no probe."
+
 
 class ProbeCommands:
     """Commands of a printer with a probe."""
@@ -28,7 +30,7 @@ class ProbeCommands:
         "X Y (mm)",
         "Measures the height of the bed at X and Y of the probe, by default where it is.",
         kind=Kind.SERVED,
-        lacks="This machine has no probe.",
+        lacks=NO_PROBE,
     )
     def _probe(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -42,7 +44,7 @@ class ProbeCommands:
         "Measures the height of the bed where the probe is, as Klipper reports it.",
         kind=Kind.SERVED,
         bare=None,
-        lacks="This machine has no probe.",
+        lacks=NO_PROBE,
     )
     def _probe_here(self, _: Command, reply: Reply) -> Wait | None:
         async def measure() -> None:
@@ -60,7 +62,7 @@ class ProbeCommands:
         "",
         "Reports whether the probe is triggered.",
         kind=Kind.SERVED,
-        lacks="This machine has no probe.",
+        lacks=NO_PROBE,
     )
     def _query(self, _: Command, reply: Reply) -> Wait | None:
         def ask() -> None:
@@ -76,7 +78,7 @@ class ProbeCommands:
         "Measures one place P times (10), and reports how much the heights differ.",
         kind=Kind.SERVED,
         bare="VE",
-        lacks="This machine has no probe.",
+        lacks=NO_PROBE,
     )
     def _repeatability(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -106,7 +108,7 @@ class ProbeCommands:
         "As M48 where the probe is, as Klipper reports it.",
         kind=Kind.SERVED,
         bare=None,
-        lacks="This machine has no probe.",
+        lacks=NO_PROBE,
     )
     def _accuracy(self, command: Command, reply: Reply) -> Wait | None:
         text = command.pairs().get("SAMPLES", "10")
