@@ -61,8 +61,8 @@ def _check_points(machine: MachineConfig) -> Iterator[Finding]:
         if apart < MIN_DISTANCE_MM:
             path = ("levelling", "points", j)
             limit = (
-                f"a point at least {MIN_DISTANCE_MM:g} mm from point {i + 1}, and it is {apart:g} mm"
-                " from it"
+                f"a point at least {MIN_DISTANCE_MM:g} mm from point {i + 1}, and it is"
+                f" {apart:g} mm from it"
             )
             yield Finding("config.value", path, f"X{b.x:g} Y{b.y:g}", limit)
     for i, point in points:
