@@ -30,8 +30,6 @@ export interface Described {
   choices: (string | number)[];
   low: number | undefined;
   high: number | undefined;
-  /** It may be left out, or has a default. */
-  optional: boolean;
 }
 
 /** What a schema and those that it refers to may be. */
@@ -75,6 +73,5 @@ export function described(root: Schema, key: string): Described {
     choices: choices as (string | number)[],
     low: number?.minimum ?? number?.exclusiveMinimum,
     high: number?.maximum ?? number?.exclusiveMaximum,
-    optional: found !== undefined && "default" in found,
   };
 }

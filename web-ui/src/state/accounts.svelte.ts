@@ -15,7 +15,7 @@ class Administration {
   /** A key that was made just now; it is shown this once. */
   made = $state.raw<MadeKey>();
   /** What waits for the password. */
-  waiting = $state.raw<() => Promise<void>>();
+  waiting = $state.raw<() => Promise<unknown>>();
 
   async load(): Promise<void> {
     const [admin, operator] = [session.may("admin"), session.may("operator")];
@@ -52,14 +52,20 @@ class Administration {
     await action?.();
   }
 
-  async #do(action: () => Promise<unknown>): Promise<void> {
+  /** False if the server has refused it; an action that waits for the password counts as done. */
+  async #do(action: () => Promise<unknown>): Promise<boolean> {
     try {
       await action();
       await this.load();
+      return true;
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      if (error.fault.code === "web.password") this.waiting = () => this.#do(action);
-      else notices.add(error.fault);
+      if (error.fault.code === "web.password") {
+        this.waiting = () => this.#do(action);
+        return true;
+      }
+      notices.add(error.fault);
+      return false;
     }
   }
 }

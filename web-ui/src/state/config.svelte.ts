@@ -55,6 +55,11 @@ class MachineEditor {
     return this.literals.get(key) !== this.#original.get(key);
   }
 
+  /** The problems of a key and of the parts of its value. */
+  problemsOf(name: string): MachineProblem[] {
+    return this.problems.filter(({ key }) => key === name || key.startsWith(`${name}.`) || key.startsWith(`${name}[`));
+  }
+
   /** A key is a part of the value of another one. */
   holds(key: string): boolean {
     const parts = key.split(".");

@@ -1,7 +1,7 @@
 /** The files of the card: one folder of them, and what is known of each. */
 
 import { call } from "../api/client";
-import type { FileEntry, Folder, Metadata } from "../api/schema";
+import type { FileEntry, Folder, Metadata, Picture } from "../api/schema";
 import { attempt } from "./actions.svelte";
 
 const AGAIN_MS = 1500; // while a plan is being made
@@ -24,6 +24,11 @@ export function freeName(name: string, others: readonly string[]): string {
     const tried = `${stem}-${number}${end}`;
     if (!others.includes(tried)) return tried;
   }
+}
+
+/** The largest picture that a browser can show. */
+export function largest(pictures: readonly Picture[]): Picture | undefined {
+  return pictures.filter(({ type }) => type !== "image/qoi").sort((a, b) => b.width - a.width)[0];
 }
 
 /** The words of a query. */

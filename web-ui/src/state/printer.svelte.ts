@@ -74,6 +74,11 @@ class Printer {
     if (this.halted) return "halted";
     return this.status.state === "P" ? "printing" : undefined;
   }
+
+  /** Why no print can be started now; undefined if one can. */
+  get printLock(): Printer["lock"] {
+    return this.lock ?? (this.printing ? "printing" : undefined);
+  }
 }
 
 export const printer = new Printer();

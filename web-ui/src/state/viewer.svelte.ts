@@ -6,7 +6,8 @@ import { colouring, type Colouring, type Mode } from "../viewer/colours";
 import { query } from "./files.svelte";
 import { readToolpath, type Toolpath } from "../viewer/toolpath";
 
-const FILAMENT_MM2 = (Math.PI * 1.75 ** 2) / 4;
+const FILAMENT_DIAMETER_MM = 1.75;
+const FILAMENT_MM2 = (Math.PI * FILAMENT_DIAMETER_MM ** 2) / 4;
 
 /** The path of a file. Throws a Refusal, which says why a file has none. */
 async function read(file: string, signal: AbortSignal): Promise<Toolpath> {
@@ -58,6 +59,7 @@ class Viewer {
       const path = await read(file, reading.signal);
       if (reading.signal.aborted) return;
       this.mode = path.header.features.length > 1 ? "feature" : "speed";
+      if (path.header.layers.length === 0) this.travel = true; // nothing else is there to see
       this.last = path.rows;
       this.path = path;
     } catch (error) {
