@@ -1,59 +1,34 @@
-import type { Browser, Page } from "playwright-core";
-import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
-import { expectAccessible, expectFits, launch, picture, visit, type Theme } from "./browser";
-import { Served } from "./served";
+import type { Page } from "playwright-core";
+import { expect } from "vitest";
+import { expectAccessible, expectFits, picture, type Theme } from "./browser";
+import { test } from "./fixtures";
 
-const served = new Served();
-let browser: Browser;
-let page: Page;
-let faults: string[];
-let offline = false; // the server was away: the browser logs each attempt to connect
-
-beforeAll(async () => {
-  [browser] = await Promise.all([launch(), served.start()]);
-});
-
-afterAll(async () => {
-  await browser.close();
-  await served.remove();
-});
-
-beforeEach(async () => {
-  offline = false;
-  ({ page, faults } = await visit(browser, served.url));
-});
-
-afterEach(async () => {
-  if (!offline) expect(faults).toEqual([]);
-  await page.context().close();
-});
-
-const state = (text: string) => page.locator("header .state", { hasText: text }).waitFor();
-const position = (axis: string) =>
+const state = (page: Page, text: string) => page.locator("header .state", { hasText: text }).waitFor();
+const position = (page: Page, axis: string) =>
   page.locator(".axis", { has: page.locator(`strong:text-is("${axis}")`) }).locator(".live");
 
-test("the page is live, and names the machine", async () => {
-  await state("Ready");
+test("the page is live, and names the machine", async ({ page }) => {
+  await state(page, "Ready");
   expect(await page.locator("header strong").textContent()).toBe("i3");
   const hotend = page.getByRole("group", { name: "hotend" });
   expect(await hotend.locator(".now").textContent()).toContain("25.0");
   await page.getByText("Simulated printer.").waitFor();
 });
 
-test("an axis can be moved once it is homed, and moves by the step", async () => {
+test("an axis can be moved once it is homed, and moves by the step", async ({ page }) => {
   const right = page.getByRole("button", { name: "Move X by +10 mm" });
   expect(await right.isDisabled()).toBe(true);
   await page.getByRole("button", { name: "Home all" }).click();
   await expect.poll(() => right.isEnabled(), { timeout: 15_000 }).toBe(true);
   expect(await page.getByText("not homed").count()).toBe(0);
   await right.click();
-  await position("X").getByText("10.00").waitFor();
+  await position(page, "X").getByText("10.00").waitFor();
   await page.getByText("0.1", { exact: true }).click();
   await page.getByRole("button", { name: "Move X by −0.1 mm" }).click();
-  await position("X").getByText("9.90").waitFor();
+  await position(page, "X").getByText("9.90").waitFor();
 });
 
-test("a heater heats to its target, and its field refuses what is too hot", async () => {
+test("a heater heats to its target, and its field refuses what is too hot", async ({ page }) => {
   const target = page.getByLabel("Target of hotend", { exact: true });
   await target.fill("300");
   await page.getByText("At most 285 °C").waitFor();
@@ -65,7 +40,7 @@ test("a heater heats to its target, and its field refuses what is too hot", asyn
   await expect.poll(() => target.inputValue()).toBe("");
 });
 
-test("the console completes, explains, sends and answers", async () => {
+test("the console completes, explains, sends and answers", async ({ page }) => {
   const input = page.getByRole("combobox", { name: "Command" });
   await input.pressSequentially("m11");
   await page.getByRole("option", { name: "M115" }).waitFor();
@@ -80,19 +55,19 @@ test("the console completes, explains, sends and answers", async () => {
   await page.getByRole("log").getByText(/M9876/).nth(1).waitFor();
 });
 
-test("STOP halts with the catalogue's sentence, and the printer starts again", async () => {
+test("STOP halts with the catalogue's sentence, and the printer starts again", async ({ page }) => {
   await page.getByRole("button", { name: "STOP" }).click();
-  await state("Halted");
+  await state(page, "Halted");
   const alert = page.getByRole("alert").first();
   await alert.getByText(/M112|emergency/i).first().waitFor();
   expect(await page.getByRole("button", { name: "Home all" }).isDisabled()).toBe(true);
   await picture(page, "halted-1280-light");
   await expectAccessible(page);
   await page.getByRole("button", { name: "Start again" }).click();
-  await state("Ready");
+  await state(page, "Ready");
 });
 
-test("sliders set speed, flow and fans", async () => {
+test("sliders set speed, flow and fans", async ({ page }) => {
   const speed = page.getByLabel("Speed", { exact: true });
   await speed.fill("120");
   await page.locator(".slider", { has: speed }).getByText("120").waitFor();
@@ -103,18 +78,18 @@ test("sliders set speed, flow and fans", async () => {
   await fan.fill("0");
 });
 
-test("values turn grey with their age while Passo is away, and live again after", async () => {
-  offline = true;
+test("values turn grey with their age while Passo is away, and live again after", async ({ page, served, visit }) => {
   await served.stop();
   await page.getByRole("alert").getByText("Passo does not answer.").waitFor();
   await page.getByText(/All values are [1-9]\d* s old/).waitFor();
   await picture(page, "away-1280-light");
   await served.start();
-  await state("Ready");
+  await state(page, "Ready");
   await page.getByRole("alert").waitFor({ state: "detached" });
+  visit.faults.length = 0; // the browser logs each attempt to connect
 });
 
-test("every control of the frame is reached by the keyboard", async () => {
+test("every control of the frame is reached by the keyboard", async ({ page }) => {
   const reached: string[] = [];
   for (let i = 0; i < 10; i++) {
     await page.keyboard.press("Tab");
@@ -130,13 +105,13 @@ test("every control of the frame is reached by the keyboard", async () => {
   );
 });
 
-test("the theme that is chosen stays", async () => {
+test("the theme that is chosen stays", async ({ page }) => {
   await page.getByRole("button", { name: "Dark theme" }).click();
   await page.reload();
   await page.getByRole("button", { name: "Light theme" }).waitFor();
 });
 
-test("the page speaks Italian, and stays so", async () => {
+test("the page speaks Italian, and stays so", async ({ page }) => {
   await page.getByRole("button", { name: "Italiano" }).click();
   await page.getByRole("heading", { name: "Movimento" }).waitFor();
   await page.reload();
@@ -147,7 +122,7 @@ test("the page speaks Italian, and stays so", async () => {
   await expectAccessible(page);
 });
 
-test.each<Theme>(["light", "dark"])("it fits every size, and is accessible when %s", async (theme) => {
+test.for<Theme>(["light", "dark"])("it fits every size, and is accessible when %s", async (theme, { page }) => {
   await page.emulateMedia({ colorScheme: theme });
   for (const [width, height] of [
     [1280, 800],

@@ -1,41 +1,19 @@
-import type { Browser, Page } from "playwright-core";
-import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
-import { expectAccessible, expectFits, launch, picture, visit } from "./browser";
-import { Served } from "./served";
+import type { Page } from "playwright-core";
+import { expect } from "vitest";
+import { expectAccessible, expectFits, picture } from "./browser";
+import { test } from "./fixtures";
 
-const served = new Served();
-let browser: Browser;
-let page: Page;
-let faults: string[];
+test.beforeEach(({ page }) => page.getByRole("link", { name: "Files" }).click());
 
-beforeAll(async () => {
-  [browser] = await Promise.all([launch(), served.start()]);
-});
+const row = (page: Page, name: string) => page.getByRole("row", { name });
 
-afterAll(async () => {
-  await browser.close();
-  await served.remove();
-});
-
-beforeEach(async () => {
-  ({ page, faults } = await visit(browser, served.url));
-  await page.getByRole("link", { name: "Files" }).click();
-});
-
-afterEach(async () => {
-  expect(faults).toEqual([]);
-  await page.context().close();
-});
-
-const row = (name: string) => page.getByRole("row", { name });
-
-async function upload(name: string, text: string): Promise<void> {
+async function upload(page: Page, name: string, text: string): Promise<void> {
   const file = { name, mimeType: "text/x.gcode", buffer: Buffer.from(text) };
   await page.locator("input[type=file]").setInputFiles(file);
 }
 
-test("a file shows its verdict, its time and what limits it", async () => {
-  await row("demo.gcode").getByText("Fits").waitFor();
+test("a file shows its verdict, its time and what limits it", async ({ page }) => {
+  await row(page, "demo.gcode").getByText("Fits").waitFor();
   await page.getByRole("button", { name: "demo.gcode" }).click();
   await page.getByText("What limits the speed").waitFor();
   await page.getByText("Check that the bed is clear.").waitFor();
@@ -50,27 +28,27 @@ test("a file shows its verdict, its time and what limits it", async () => {
   await picture(page, "files-1280-dark");
 });
 
-test("an upload arrives, asks when its name is taken, and is deleted", async () => {
-  await upload("line.gcode", "G28\nG1 X10 F3000\n");
-  await row("line.gcode").waitFor();
-  await upload("line.gcode", "G28\nG1 X20 F3000\n");
+test("an upload arrives, asks when its name is taken, and is deleted", async ({ page }) => {
+  await upload(page, "line.gcode", "G28\nG1 X10 F3000\n");
+  await row(page, "line.gcode").waitFor();
+  await upload(page, "line.gcode", "G28\nG1 X20 F3000\n");
   await page.getByRole("dialog", { name: "The name is taken" }).waitFor();
   await expectAccessible(page);
   await page.getByRole("button", { name: "Keep both" }).click();
-  await row("line-2.gcode").waitFor();
+  await row(page, "line-2.gcode").waitFor();
   await page.getByRole("button", { name: "Delete" }).click();
   await page.getByRole("button", { name: "Delete the file" }).click();
-  await row("line-2.gcode").waitFor({ state: "detached" });
+  await row(page, "line-2.gcode").waitFor({ state: "detached" });
 });
 
-test("a file that leaves the machine cannot be printed, with the reason", async () => {
-  await upload("far.gcode", "G28\nG1 X999 F3000\n");
-  await row("far.gcode").getByText("Cannot be printed").waitFor();
+test("a file that leaves the machine cannot be printed, with the reason", async ({ page }) => {
+  await upload(page, "far.gcode", "G28\nG1 X999 F3000\n");
+  await row(page, "far.gcode").getByText("Cannot be printed").waitFor();
   await page.getByText(/999/).waitFor();
   expect(await page.getByRole("button", { name: "Print", exact: true }).isDisabled()).toBe(true);
 });
 
-test("a print is started, watched, paused and cancelled", async () => {
+test("a print is started, watched, paused and cancelled", async ({ page }) => {
   await page.getByRole("button", { name: "demo.gcode" }).click();
   await page.getByRole("button", { name: "Print", exact: true }).click();
   const card = page.getByRole("region", { name: "Print" });

@@ -1,24 +1,7 @@
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, expect, test } from "vitest";
-import { expectAccessible, expectFits, launch, picture, visit } from "./browser";
-import { Served } from "./served";
+import { expectAccessible, expectFits, picture } from "./browser";
+import { test } from "./fixtures";
 
-const served = new Served();
-let browser: Browser;
-let page: Page;
-let faults: string[];
-
-beforeAll(async () => {
-  [browser] = await Promise.all([launch(), served.start()]);
-  ({ page, faults } = await visit(browser, served.url));
-});
-
-afterAll(async () => {
-  await browser.close();
-  await served.remove();
-});
-
-test("a line is explained through its stages, also one of a file", async () => {
+test("a line is explained through its stages, also one of a file", async ({ page }) => {
   await page.getByRole("link", { name: "Learn" }).click();
   await page.getByRole("button", { name: "G1 X10 Y10 F3000" }).click();
   for (const stage of ["Text", "Words", "Plan", "Junctions", "Steps"]) {
@@ -34,5 +17,4 @@ test("a line is explained through its stages, also one of a file", async () => {
   }
   await page.evaluate(() => (location.hash = "#/learn/demo.gcode:30268"));
   await page.getByText("demo.gcode:30268").waitFor();
-  expect(faults).toEqual([]);
 });

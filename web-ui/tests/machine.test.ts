@@ -1,32 +1,8 @@
-import type { Browser, Page } from "playwright-core";
-import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
-import { expectAccessible, expectFits, launch, picture, visit } from "./browser";
-import { Served } from "./served";
+import { expect } from "vitest";
+import { expectAccessible, expectFits, picture } from "./browser";
+import { test } from "./fixtures";
 
-const served = new Served();
-let browser: Browser;
-let page: Page;
-let faults: string[];
-
-beforeAll(async () => {
-  [browser] = await Promise.all([launch(), served.start()]);
-});
-
-afterAll(async () => {
-  await browser.close();
-  await served.remove();
-});
-
-beforeEach(async () => {
-  ({ page, faults } = await visit(browser, served.url));
-});
-
-afterEach(async () => {
-  expect(faults).toEqual([]);
-  await page.context().close();
-});
-
-test("a key is changed, checked beside its field, reviewed, and acts at once", async () => {
+test("a key is changed, checked beside its field, reviewed, and acts at once", async ({ page }) => {
   await page.getByRole("link", { name: "Machine" }).click();
   await page.getByRole("button", { name: "axes.x" }).click();
   const speed = page.getByRole("textbox", { name: "speed_mm_s" });
@@ -55,7 +31,7 @@ test("a key is changed, checked beside its field, reviewed, and acts at once", a
   }
 });
 
-test("the text is edited, undone, and a machine of the library copied", async () => {
+test("the text is edited, undone, and a machine of the library copied", async ({ page }) => {
   await page.getByRole("link", { name: "Machine" }).click();
   await page.getByText("Text", { exact: true }).click();
   const text = page.getByLabel("Machine file, TOML");
@@ -72,7 +48,7 @@ test("the text is edited, undone, and a machine of the library copied", async ()
   await page.getByRole("button", { name: "Discard" }).click();
 });
 
-test("the firmware of a RAMPS is built, with its sizes, and downloaded", async () => {
+test("the firmware of a RAMPS is built, with its sizes, and downloaded", async ({ page }) => {
   await page.getByRole("link", { name: "Machine" }).click();
   await page.getByText("Firmware", { exact: true }).click();
   await page.getByRole("button", { name: "Build the image" }).click();
@@ -91,7 +67,7 @@ test("the firmware of a RAMPS is built, with its sizes, and downloaded", async (
   }
 });
 
-test("settings show the appearance, the values of commands and the logs", async () => {
+test("settings show the appearance, the values of commands and the logs", async ({ page }) => {
   await page.getByRole("link", { name: "Settings" }).click();
   await page.getByText("Dark", { exact: true }).click();
   await expect.poll(() => page.locator("html").getAttribute("data-theme")).toBe("dark");

@@ -1,28 +1,15 @@
 /** The pictures of docs/images that show the page: the example while it is printed. */
 
 import { join } from "node:path";
-import type { Browser } from "playwright-core";
-import { afterAll, beforeAll, expect, test } from "vitest";
-import { launch, visit, type Theme } from "./browser";
-import { Served } from "./served";
+import { expect } from "vitest";
+import { visit, type Theme } from "./browser";
+import { test } from "./fixtures";
 
 const IMAGES = "../docs/images";
 const SIZE = { width: 1280, height: 800 };
-const served = new Served();
-let browser: Browser;
 
-beforeAll(async () => {
-  [browser] = await Promise.all([launch(), served.start()]);
-});
-
-afterAll(async () => {
-  await browser.close();
-  await served.remove();
-});
-
-const open = async (theme: Theme) => (await visit(browser, served.url, { ...SIZE, theme })).page;
-
-test("the dashboard and the viewer, while the example is printed", async () => {
+test("the dashboard and the viewer, while the example is printed", async ({ browser, served }) => {
+  const open = async (theme: Theme) => (await visit(browser, served.url, { ...SIZE, theme })).page;
   const page = await open("light");
   await page.getByRole("link", { name: "Files" }).click();
   await page.getByRole("button", { name: "demo.gcode" }).click();

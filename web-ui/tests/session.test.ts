@@ -26,7 +26,7 @@ test("the first account is made, and the page asks for it from then on", async (
   await page.getByLabel("Password").press("Enter");
   await page.getByRole("heading", { name: "Temperatures" }).waitFor();
 
-  // A viewer looks on: what steers is not there.
+  // A viewer sees no control of an operator.
   await page.getByRole("link", { name: "Settings" }).click();
   const accounts = page.getByRole("region", { name: "Accounts" });
   await accounts.getByLabel("Name").fill("bob");
@@ -42,12 +42,23 @@ test("the first account is made, and the page asks for it from then on", async (
   await page.getByLabel("Password").fill("another long password");
   await page.getByLabel("Password").press("Enter");
   await page.getByRole("navigation").getByRole("link", { name: "Dashboard" }).click();
-  await page.getByText("Your account may look on, not move the axes.").waitFor();
+  await page.getByText("Your account can view, but not move the axes.").waitFor();
   for (const name of ["STOP", "Extrude", "Send"]) {
     expect(await page.getByRole("button", { name, exact: true }).count()).toBe(0);
   }
   await expectAccessible(page);
   await picture(page, "viewer-role-1280-light");
+  await page.getByRole("link", { name: "Files" }).click();
+  await page.getByRole("row", { name: "demo.gcode" }).waitFor();
+  const transfer = await page.evaluateHandle(() => {
+    const dragged = new DataTransfer();
+    dragged.items.add(new File(["G28"], "home.gcode"));
+    return dragged;
+  });
+  await page.dispatchEvent("body", "dragenter", { dataTransfer: transfer });
+  for (const text of ["Drop files to put them onto the SD card", "Upload"]) {
+    expect(await page.getByText(text).count()).toBe(0);
+  }
 
   await browser.close();
   await served.remove();

@@ -1,50 +1,27 @@
-import type { Browser, Page } from "playwright-core";
-import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
-import { expectAccessible, expectFits, launch, picture, visit } from "./browser";
-import { Served } from "./served";
+import type { Page } from "playwright-core";
+import { expect } from "vitest";
+import { expectAccessible, expectFits, picture } from "./browser";
+import { test } from "./fixtures";
 
-const served = new Served();
-let browser: Browser;
-let page: Page;
-let faults: string[];
-
-beforeAll(async () => {
-  [browser] = await Promise.all([launch(), served.start()]);
-});
-
-afterAll(async () => {
-  await browser.close();
-  await served.remove();
-});
-
-beforeEach(async () => {
-  ({ page, faults } = await visit(browser, served.url));
-});
-
-afterEach(async () => {
-  expect(faults).toEqual([]);
-  await page.context().close();
-});
-
-const slider = (name: string) => page.getByRole("slider", { name });
+const slider = (page: Page, name: string) => page.getByRole("slider", { name });
 /** What the renderer has drawn in its last frame; two triangles are a move. */
-const triangles = () => page.locator("canvas").evaluate((canvas) => Number(canvas.dataset["triangles"]));
+const triangles = (page: Page) => page.locator("canvas").evaluate((canvas) => Number(canvas.dataset["triangles"]));
 
-test("a path is shown by layer and time, coloured, and its moves are told", async () => {
+test("a path is shown by layer and time, coloured, and its moves are told", async ({ page }) => {
   await page.getByRole("link", { name: "Files" }).click();
   await page.getByRole("button", { name: "demo.gcode" }).click();
   await page.getByRole("link", { name: "Show the path" }).click();
   await page.getByText("24,080 moves").waitFor();
-  await expect.poll(triangles).toBe(2 * 24_079);
+  await expect.poll(() => triangles(page)).toBe(2 * 24_079);
   for (const width of [360, 1280]) {
     await page.setViewportSize({ width, height: 800 });
     await expectFits(page);
     await expectAccessible(page);
     await picture(page, `viewer-${width}-light`);
   }
-  await slider("Layer").fill("3");
+  await slider(page, "Layer").fill("3");
   await page.getByText(/^3 of 15, Z/).waitFor();
-  await expect.poll(triangles).toBeLessThan(20_000);
+  await expect.poll(() => triangles(page)).toBeLessThan(20_000);
   await page.getByLabel("Colour by").selectOption("Flow");
   await page.getByText("mm³/s").waitFor();
   await page.getByRole("button", { name: "Previous move" }).click();
@@ -54,14 +31,14 @@ test("a path is shown by layer and time, coloured, and its moves are told", asyn
   await picture(page, "viewer-1280-dark");
 });
 
-test("a print is followed", async () => {
+test("a print is followed", async ({ page }) => {
   await page.getByRole("link", { name: "Files" }).click();
   await page.getByRole("button", { name: "demo.gcode" }).click();
   await page.getByRole("button", { name: "Print", exact: true }).click();
   await page.getByRole("region", { name: "Print" }).locator(".chip", { hasText: "Printing" }).waitFor();
   await page.getByRole("link", { name: "Viewer" }).click();
   await page.getByText("Follow the print").waitFor({ timeout: 30_000 }); // once the path is planned
-  const layer = () => slider("Layer").inputValue().then(Number);
+  const layer = () => slider(page, "Layer").inputValue().then(Number);
   await expect.poll(layer, { timeout: 15_000 }).toBeGreaterThan(0);
   expect(await layer()).toBeLessThan(14);
 });

@@ -252,7 +252,8 @@ export class PathScene {
       }
     }
     const ways = { angle: [-0.35, -0.8, 0.6], top: [0, -0.001, 1], front: [0, -1, 0.08] } as const;
-    const away = new Vector3(...ways[from]).normalize().multiplyScalar(reach * 1.5);
+    const narrow = Math.max(1, 1 / this.#camera.aspect); // a window that is higher than wide
+    const away = new Vector3(...ways[from]).normalize().multiplyScalar(reach * 1.5 * narrow);
     this.#camera.position.addVectors(target, away);
     this.#camera.near = Math.max(reach / 200, 0.1);
     this.#camera.far = reach * 20 + 1000;
