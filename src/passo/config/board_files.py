@@ -17,6 +17,7 @@ from typing import Any, cast
 from passo.config.board import Board, joined_marks, pin_behind
 from passo.config.budget import klippers_budget
 from passo.config.chips import chip, chip_names, numbering, numberings
+from passo.config.companion_files import MAX_BYTES, read_companion
 from passo.config.console_checks import check_console
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.pin_names import placed, section
@@ -177,8 +178,8 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
     if not isinstance(name, str):
         return
     try:
-        raw = (folder / name).read_bytes()
-        found = json.loads(raw if raw.lstrip()[:1] == b"{" else zlib.decompress(raw))
+        raw = read_companion(folder, name)
+        found = json.loads(raw if raw.lstrip()[:1] == b"{" else _decompressed(raw))
         pins = _dictionary_pins(found["enumerations"]["pin"])
         board.setdefault("clock_hz", int(found["config"]["CLOCK_FREQ"]))
     except OSError as error:
@@ -193,6 +194,15 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
             **_dictionary_reserves(found["config"], pins),
             **table(board, "reserved"),
         }
+
+
+def _decompressed(raw: bytes) -> bytes:
+    """Raises ValueError for what becomes larger than a file may be, and zlib.error."""
+    stream = zlib.decompressobj()
+    content = stream.decompress(raw, MAX_BYTES)
+    if not stream.eof:
+        raise ValueError("cut short, or too large")
+    return content
 
 
 def _dictionary_pins(names: Mapping[str, Any]) -> dict[str, str]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from passo.config.companion_files import read_companion
 from passo.config.findings import Finding, table, tables
 
 _ANY_POINTS = [[0.0, 1.0], [300.0, 0.0]]  # keep the models from reporting what was reported here
@@ -24,7 +25,7 @@ def with_sensor_files(data: dict[str, Any], folder: Path) -> Iterator[Finding]:
             continue
         points = _ANY_POINTS
         try:
-            points = _points((folder / file).read_text())
+            points = _points(read_companion(folder, file).decode())
         except (OSError, ValueError) as error:
             reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
             yield Finding("config.value", path, file, f"a table that can be read ({reason})")
