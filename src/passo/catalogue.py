@@ -1095,3 +1095,8 @@ CATALOGUE: Mapping[str, Entry] = {
         "Probe the bed again, or restore the file",
     ),
 }
+
+
+def codes_of(subject: str) -> tuple[str, ...]:
+    """All codes that begin with `subject.`."""
+    return tuple(code for code in CATALOGUE if code.startswith(f"{subject}."))

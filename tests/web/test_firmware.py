@@ -2,8 +2,8 @@
 
 import io
 import json
-import time
 import zipfile
+from contextlib import contextmanager
 
 import pytest
 from tests.web.fake_bridge import FakeBridge
@@ -38,12 +38,23 @@ def stand_in(monkeypatch, program):
     monkeypatch.setattr(builds, "_COMMAND", (builds.sys.executable, "-c", program))
 
 
+@contextmanager
+def lines_of_builds(web):
+    """The feed, which sends the lines of builds by now."""
+    with web.websocket_connect(FEED) as feed:
+        feed.receive_json()
+        feed.send_json({"type": "listen", "console": False, "builds": True})
+        feed.send_json({"type": "script", "id": 1, "script": "M115"})
+        while feed.receive_json()["type"] != "answer":
+            pass
+        yield feed
+
+
 def last(web):
-    """The last build, once it is over."""
-    end = time.monotonic() + 30
-    while (found := web.get(f"{API}/build").json())["state"] == "running":
-        assert time.monotonic() < end
-        time.sleep(0.02)
+    """The last build, when it is over."""
+    with lines_of_builds(web) as feed:
+        while (found := web.get(f"{API}/build").json())["state"] == "running":
+            feed.receive_json()
     return found
 
 
@@ -57,11 +68,7 @@ def test_boards_say_what_they_need(web):
 def test_build_is_logged_and_downloaded(web, monkeypatch):
     stand_in(monkeypatch, STAND_IN)
     assert web.get(f"{API}/build").status_code == 404
-    with web.websocket_connect(FEED) as feed:
-        feed.receive_json()
-        feed.send_json({"type": "listen", "console": False, "builds": True})
-        feed.send_json({"type": "script", "id": 1, "script": "M115"})
-        assert feed.receive_json()["type"] == "answer"  # it listens by now
+    with lines_of_builds(web) as feed:
         answer = web.post(f"{API}/build", json={})
         assert (answer.status_code, answer.json()["of"]) == (202, "i3")
         line = {"type": "build", "number": 1, "state": "running", "line": "compiling machine.toml"}
@@ -96,7 +103,8 @@ def test_build_that_takes_too_long_is_ended(web, monkeypatch):
     monkeypatch.setattr(builds, "MAX_S", 0.2)
     web.post(f"{API}/build", json={"board": "ramps"})
     found = last(web)
-    assert (found["state"], found["log"]) == ("failed", ["Ended: it took longer than 0.2 s."])
+    text = "The build was ended: it took longer than 0.2 s."
+    assert (found["state"], found["log"]) == ("failed", [text])
 
 
 def test_build_of_a_text_with_errors_is_refused(web):

@@ -9,6 +9,8 @@ from passo.config.load import (
     load_and_question,
     load_text,
     load_text_and_question,
+    machine_file_text,
+    machine_path,
     shipped_machines,
     shipped_text,
 )
@@ -21,6 +23,8 @@ __all__ = [
     "load_board",
     "load_text",
     "load_text_and_question",
+    "machine_file_text",
+    "machine_path",
     "shipped_boards",
     "shipped_machines",
     "shipped_text",

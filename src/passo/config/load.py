@@ -41,16 +41,16 @@ def shipped_machines() -> list[str]:
 
 def shipped_text(name: str) -> str:
     """The machine file of a shipped machine, a start for one's own. Raises ConfigError."""
-    return _shipped(name).read_text(encoding="utf-8")
-
-
-def _shipped(name: str) -> FilePath:
     if name not in shipped_machines():
         hint = did_you_mean(name, shipped_machines())
-        if FilePath(name).exists():
-            hint = "A machine file's name ends in .toml"
         raise ConfigError.of("config.unknown-machine", hint=hint, value=name)
-    return _HERE / "machines" / f"{name}.toml"
+    return (_HERE / "machines" / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def machine_path(name_or_path: str) -> FilePath | None:
+    """The machine file that `load` reads; None for the name of a shipped machine."""
+    is_path = name_or_path.endswith(".toml") or os.sep in name_or_path
+    return FilePath(name_or_path) if is_path else None
 
 
 class Loaded(NamedTuple):
@@ -71,13 +71,18 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 
 def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
     """As `load`, with a question for each value that the file cannot mean, each with its line."""
-    text = os.fspath(name_or_path)
-    if text.endswith(".toml") or os.sep in text:
-        return _load_file(FilePath(text))
-    return _load_file(_shipped(text))
+    name = os.fspath(name_or_path)
+    path = machine_path(name)
+    if path is not None:
+        return load_text_and_question(machine_file_text(path), str(path))
+    if name not in shipped_machines() and FilePath(name).exists():
+        hint = "A machine file's name ends in .toml"
+        raise ConfigError.of("config.unknown-machine", hint=hint, value=name)
+    return load_text_and_question(shipped_text(name), str(_HERE / "machines" / f"{name}.toml"))
 
 
-def _load_file(path: FilePath) -> Loaded:
+def machine_file_text(path: FilePath) -> str:
+    """The text of a machine file, which is in UTF-8. Raises ConfigError."""
     try:
         raw = path.read_bytes()
     except OSError as error:
@@ -86,13 +91,12 @@ def _load_file(path: FilePath) -> Loaded:
     if raw.startswith(_UTF_16_MARKS) or raw[:2].count(0) == 1:
         raise ConfigError.of("config.encoding", str(path), value="it is UTF-16")
     try:
-        text = raw.decode("utf-8-sig")
+        return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         column = error.start - raw.rfind(b"\n", 0, error.start)
         reason = f"byte 0x{raw[error.start]:02X} at column {column}"
         raise ConfigError.of("config.encoding", str(path), line, value=reason) from None
-    return load_text_and_question(text, str(path))
 
 
 def load_text(text: str, file: str = "<text>") -> MachineConfig:

@@ -1,7 +1,7 @@
 """Where each key of a TOML text stands: path of keys and indices → line, counted from 1.
 
-`tomllib` gives values without places. This scanner reads only the shape of a text that `tomllib`
-has already accepted, and runs only when there is something to report.
+`tomllib` gives values without lines. This scanner reads only the shape of a text that `tomllib`
+has already accepted.
 """
 
 from __future__ import annotations
@@ -27,14 +27,17 @@ class _Scanner:
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
+        self._line, self._counted = 1, 0  # the line at this offset
         self.lines: dict[Path, int] = {}
         self.tables_in: dict[Path, int] = {}  # arrays of tables: how many elements so far
 
     def note(self, path: Path) -> None:
-        """The path and the tables around it are on this line, unless an earlier one has them."""
-        line = self.text.count("\n", 0, self.at) + 1
+        """The path and the tables around it are on this line, unless an earlier one has them.
+        Called in the order of the text."""
+        self._line += self.text.count("\n", self._counted, self.at)
+        self._counted = self.at
         for length in range(1, len(path) + 1):
-            self.lines.setdefault(path[:length], line)
+            self.lines.setdefault(path[:length], self._line)
 
     def skip(self, pattern: re.Pattern[str]) -> str:
         """Moves past what the pattern matches here, and returns that."""

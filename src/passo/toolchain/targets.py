@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 
 from passo import config
@@ -54,7 +53,7 @@ def target(name: str) -> Target:
     path, colon, board = name.partition(".toml:")
     if colon:
         return machine_target(config.load(f"{path}.toml"), board)
-    if name.endswith(".toml") or os.sep in name:
+    if config.machine_path(name) is not None:
         return machine_target(config.load(name), MAIN)
     return board_target(name)
 

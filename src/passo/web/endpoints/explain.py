@@ -6,7 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta, Struct
 
-from passo.catalogue import CATALOGUE
+from passo.catalogue import codes_of
 from passo.learn.explanation import Explanation
 from passo.web.call import Call
 from passo.web.files.names import confined
@@ -28,7 +28,7 @@ class TypedLine(Struct, forbid_unknown_fields=True):
 
 
 _ERRORS = (
-    *(code for code in CATALOGUE if code.startswith("input.")),
+    *codes_of("input"),
     *("card.absent", "card.not-found", "card.name", "card.directory", "card.changed"),
 )
 

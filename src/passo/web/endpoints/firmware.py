@@ -9,9 +9,9 @@ from msgspec import Meta, Struct
 from starlette.responses import Response
 
 from passo import config
-from passo.catalogue import CATALOGUE
+from passo.catalogue import codes_of
 from passo.config.board import Board
-from passo.errors import FirmwareError, WebError
+from passo.errors import ConfigError, FirmwareError, WebError
 from passo.toolchain.targets import state
 from passo.web.call import Call
 from passo.web.firmware.builds import Build
@@ -20,12 +20,12 @@ from passo.web.operation import operation
 from passo.web.roles import Role
 
 _ZIP = "application/zip"
-_CONFIG_ERRORS = tuple(code for code in CATALOGUE if code.startswith("config."))
+_CONFIG_ERRORS = codes_of("config")
 
 
 class BoardOfList(Struct):
-    """A board: what it is, how it is flashed (`flash` is the program, null if none), and what is to
-    be done by hand before and after. `state` is `ready`, or says what is missing."""
+    """A board: what it is, the program that flashes it (`flash`, null if there is none), and what
+    the user does by hand before and after. `state` is `ready`, or says what is missing."""
 
     name: str
     description: str
@@ -39,8 +39,8 @@ class BoardOfList(Struct):
 
 
 class Boards(Struct):
-    """`machine` are the boards of the machine by their names, the main one without a name;
-    `shipped` are all that Passo knows."""
+    """`machine` are the boards of the machine by name; the name of the main board is empty.
+    `shipped` are all boards that come with Passo."""
 
     machine: dict[str, BoardOfList]
     shipped: list[BoardOfList]
@@ -48,7 +48,8 @@ class Boards(Struct):
 
 class BuildOrder(Struct, forbid_unknown_fields=True):
     """What is built: the image of the shipped board `board`; or the images for all boards of the
-    machine file `text`; of the printer's own, if both are null."""
+    machine file `text`; or those of the printer's own machine file, if both are null. `board` comes
+    first if both are given."""
 
     board: Annotated[str, Meta(max_length=100)] | None = None
     text: Annotated[str, Meta(max_length=500_000)] | None = None
@@ -72,12 +73,12 @@ async def boards(call: Call) -> Boards:
     "POST",
     "/firmware/build",
     Role.ADMIN,
-    errors=("firmware.busy", "firmware.board", *_CONFIG_ERRORS),
+    errors=("firmware.busy", "firmware.board", "machine.no-file", *_CONFIG_ERRORS),
     status=202,
 )
 async def build(call: Call, body: BuildOrder) -> Build:
-    """Starts to build images, in a process of its own. The feed sends each line of its log;
-    `firmware.last` has all. One build at a time."""
+    """Starts to build images, in a process of its own, one build at a time. The feed sends each
+    line of the log; `firmware.last` has the whole log."""
     if body.board is not None:
         if body.board not in config.shipped_boards():
             raise FirmwareError.of("firmware.board", value=body.board)
@@ -85,22 +86,23 @@ async def build(call: Call, body: BuildOrder) -> Build:
     source, machine = call.bridge.machine_source, call.bridge.machine
     text = body.text
     if text is None:
+        if not source:
+            raise ConfigError.of("machine.no-file", value=machine.name)
         text = await asyncio.to_thread(file.read, source, machine)
-    path = file.path_of(source)
-    name = str(path.with_name("machine.toml").absolute()) if path else "machine.toml"
-    loaded = await asyncio.to_thread(config.load_text, text, name)
-    return call.site.builds.start(loaded.name, {"text": text, "name": name})
+    loaded = await asyncio.to_thread(file.loaded, source, text)
+    order = {"text": text, "name": file.name_of_text(source)}
+    return call.site.builds.start(loaded.machine.name, order)
 
 
 @operation("firmware.last", "GET", "/firmware/build", Role.VIEWER, errors=("web.not-found",))
 async def last(call: Call) -> Build:
-    """The build that is under way, or the last one, with its log and the sizes of its images."""
+    """The build that is running, or the last one, with its log and the sizes of its images."""
     return _last(call)
 
 
 @operation("firmware.cancel", "DELETE", "/firmware/build", Role.ADMIN)
 async def cancel(call: Call) -> None:
-    """Ends the build that is under way."""
+    """Ends the build that is running, if there is one."""
     await call.site.builds.cancel()
 
 

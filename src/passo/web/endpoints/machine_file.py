@@ -5,13 +5,12 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
-from pathlib import Path
 from typing import Annotated, Any
 
 from msgspec import Meta, Struct
 
 from passo import config
-from passo.catalogue import CATALOGUE
+from passo.catalogue import codes_of
 from passo.config.load import Loaded
 from passo.config.notes import notes
 from passo.errors import ConfigError, PassoError, Problem
@@ -26,8 +25,7 @@ from passo.web.operation import operation
 from passo.web.roles import Role
 
 _log = logging.getLogger(__name__)
-_CONFIG_ERRORS = tuple(code for code in CATALOGUE if code.startswith("config."))
-_NAME = "machine.toml"  # of a text that a client sends, in messages
+_CONFIG_ERRORS = codes_of("config")
 
 
 class MachineFile(Struct):
@@ -166,7 +164,7 @@ async def diff(call: Call, body: MachineText) -> Difference:
     loaded = await _loaded(call, body.text)
     before = await asyncio.to_thread(file.read, source, machine)
     changes = key_changes(machine, loaded.machine)
-    return Difference(changes, file.difference(before, body.text, _NAME))
+    return Difference(changes, file.difference(before, body.text))
 
 
 @operation(
@@ -185,14 +183,7 @@ async def apply(call: Call, body: NewMachineFile) -> Applied:
     if path is None:
         raise ConfigError.of("machine.no-file", value=source or machine.name)
     loaded = await _loaded(call, body.text)
-
-    def write() -> tuple[str, Path]:
-        before = file.read(source, machine)
-        if file.digest(before) != body.replaces:
-            raise ConfigError.of("machine.file-changed", str(path))
-        return before, file.replace(path, body.text)
-
-    before, backup = await asyncio.to_thread(write)
+    before, backup = await asyncio.to_thread(file.replace, path, body.text, body.replaces)
     _log.info("%s was written by %s", path, call.caller.name)
     applied = Applied([], [], [], str(backup))
     with suppress(ConfigError):  # the file before may have had errors
@@ -253,9 +244,7 @@ def _shipped() -> list[ShippedMachine]:
 
 async def _loaded(call: Call, text: str) -> Loaded:
     """Raises ConfigError."""
-    path = file.path_of(call.bridge.machine_source)
-    name = str(path.with_name(_NAME)) if path else _NAME
-    return await asyncio.to_thread(config.load_text_and_question, text, name)
+    return await asyncio.to_thread(file.loaded, call.bridge.machine_source, text)
 
 
 def _problem(problem: Problem) -> MachineProblem:

@@ -24,7 +24,8 @@ from passo.errors import FirmwareError
 from passo.toolchain.images import About, read_about
 
 MAX_S = 300.0  # a build that takes longer is ended
-_MAX_LINES = 2000
+_MAX_LINES = 2000  # of the log
+_MAX_LINE = 1 << 20  # bytes of a line, far beyond what compilers print
 _COMMAND = (sys.executable, "-m", "passo.toolchain.build_job")
 
 
@@ -42,8 +43,8 @@ class Image(Struct):
 
 
 class Build(Struct):
-    """The last build. `of` is what was built: a machine or a board; `log` are its lines so far;
-    `seconds` how long it takes, or took."""
+    """A build. `of` is the name of the machine or board that it is for; `log` has its lines so far;
+    `seconds` is how long it has taken so far, or took."""
 
     number: int
     of: str
@@ -54,8 +55,8 @@ class Build(Struct):
 
 
 class Builds:
-    """The builds of one printer; used in the web's event loop alone. `listeners` are called with
-    the number of the build, its state, and each line, at once."""
+    """The builds of one printer; used in the web's event loop alone. Each line calls `listeners`
+    at once, with the number of the build and its state; the end of a build calls them too."""
 
     def __init__(self) -> None:
         self._folder: Path | None = None
@@ -66,13 +67,13 @@ class Builds:
 
     @property
     def last(self) -> Build | None:
-        """The build that is under way, or the last one; None if there was none."""
+        """The build that is running, or the last one; None before the first."""
         if self._last is not None and self._last.state == "running":
             self._last.seconds = time.monotonic() - self._started_s
         return self._last
 
     def start(self, of: str, order: Mapping[str, str]) -> Build:
-        """Starts a build, as `passo.toolchain.build_job` reads its order, without the folder.
+        """Starts a build of `order`: that of `passo.toolchain.build_job`, without the folder.
         Raises FirmwareError `firmware.busy`."""
         if self._task is not None and not self._task.done():
             raise FirmwareError.of("firmware.busy")
@@ -88,14 +89,14 @@ class Builds:
         return build
 
     async def cancel(self) -> None:
-        """Ends a build that is under way."""
+        """Ends a build that is running."""
         if self._task is not None:
             self._task.cancel()
             await asyncio.wait([self._task])
 
     def zipped(self) -> bytes:
-        """The images of the last build with their descriptions, and its log; none are in it of a
-        build that failed. Blocks for as long as the disk takes."""
+        """The images of the last build with their descriptions, and its log; a build that has
+        failed has the log alone. Blocks for as long as the disk takes."""
         packed = io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             if self._folder is not None and self._last and self._last.images:
@@ -113,11 +114,11 @@ class Builds:
             async with asyncio.timeout(MAX_S):
                 await self._carry_out(build, order, folder)
         except TimeoutError:
-            self._end(build, "failed", f"Ended: it took longer than {MAX_S:g} s.")
+            self._end(build, "failed", f"The build was ended: it took longer than {MAX_S:g} s.")
         except asyncio.CancelledError:
             self._end(build, "cancelled", "Cancelled.")
         except OSError as error:
-            self._end(build, "failed", f"Cannot be started: {error.strerror}.")
+            self._end(build, "failed", f"The build cannot be started: {error.strerror}.")
 
     async def _carry_out(self, build: Build, order: str, folder: Path) -> None:
         process = await asyncio.create_subprocess_exec(
@@ -126,6 +127,7 @@ class Builds:
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT,
             start_new_session=True,  # its compilers end with it
+            limit=_MAX_LINE,
         )
         assert process.stdin is not None
         assert process.stdout is not None
