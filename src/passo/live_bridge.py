@@ -22,6 +22,7 @@ from passo.console.client import Client
 from passo.console.session import command_of
 from passo.errors import CommandError, ConfigError, PassoError
 from passo.gcode.command import forced
+from passo.gcode.line_protocol import uncommented
 from passo.gcode.registry import When, row_of, table
 from passo.job.batch.estimate import Estimate, estimate_open
 from passo.job.batch.policy import Policy
@@ -132,12 +133,12 @@ class LiveBridge:
         return tuple(answers)
 
     async def _restore_states(self, lines: Sequence[str]) -> None:
-        """The rest of a script that has failed: modes are again as they were before it."""
+        """Of the lines after one that has failed, carries out those that restore modes without a
+        move: how lines are read is as before the script."""
         for line in lines:
-            words = line.upper().split()
-            moves = any(word.startswith("MOVE=") for word in words)
-            if words[:1] == ["RESTORE_GCODE_STATE"] and not moves:
-                with suppress(PassoError):  # the state was not saved
+            with suppress(PassoError):  # the line is malformed, or the state was not saved
+                command = command_of(uncommented(line))
+                if command.code == "RESTORE_GCODE_STATE" and "MOVE" not in command.pairs():
                     await self._scripts.send(line)
 
     def _line(self, line: ConsoleLine) -> None:
@@ -314,7 +315,7 @@ class LiveBridge:
 
     async def set_queue_mode(self, *, automatic: bool) -> None:
         """As `Bridge.set_queue_mode`."""
-        await self._call(lambda: setattr(self._assembly.queue, "automatic", automatic))
+        await self._call(lambda: self._assembly.queue.set_automatic(automatic))
 
     async def start_queued_print(self) -> None:
         """As `Bridge.start_queued_print`."""

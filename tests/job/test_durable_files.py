@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from passo.job.durable_files import replaced
+from passo.job.durable_files import MAX_JSON_BYTES, load_json, replaced, store_json
 
 
 @pytest.fixture
@@ -52,3 +52,26 @@ def test_failed_write_leaves_old_text_only(tmp_path, steps):
     assert path.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["a.json"]
     assert steps == []
+
+
+def test_object_is_stored_and_loaded_with_its_directory(tmp_path):
+    path = tmp_path / "state" / "a.json"
+    assert load_json(path) is None
+    store_json(path, {"a": [1, "é"]})
+    assert load_json(path) == {"a": [1, "é"]}
+
+
+def test_object_that_could_not_be_loaded_is_not_stored(tmp_path):
+    path = tmp_path / "a.json"
+    store_json(path, {"a": 1})
+    with pytest.raises(OSError, match="File too large"):
+        store_json(path, {"a": "é" * (MAX_JSON_BYTES // 6)})  # six bytes each, escaped
+    assert load_json(path) == {"a": 1}
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"a": 1', '{"a":' + "[" * 100_000, b"\xff"])
+def test_file_that_holds_no_object_is_refused(tmp_path, text):
+    path = tmp_path / "a.json"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(ValueError):
+        load_json(path)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import json
 import os
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, cast
+
+MAX_JSON_BYTES = 8 << 20
 
 
 @contextmanager
@@ -27,6 +31,36 @@ def replaced(path: Path) -> Generator[Path, None, None]:
         fsync_directory(path.parent)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def store_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Writes an object whole and durable; the directory is made if need be. Raises OSError, also
+    for one that `load_json` would refuse for its size: then the file is as before."""
+    text = json.dumps(content, indent=1).encode()
+    if len(text) > MAX_JSON_BYTES:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replaced(path) as temporary:
+        temporary.write_bytes(text)
+
+
+def load_json(path: Path) -> dict[str, Any] | None:
+    """The object that `store_json` has written; None if there is no file. Raises OSError, and
+    ValueError for a file that holds anything else."""
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MAX_JSON_BYTES + 1)
+    except FileNotFoundError:
+        return None
+    if len(raw) > MAX_JSON_BYTES:
+        raise ValueError(f"it has more than {MAX_JSON_BYTES} bytes")
+    try:
+        content: object = json.loads(raw)
+    except RecursionError:
+        raise ValueError("it is nested too deeply") from None
+    if not isinstance(content, dict):
+        raise ValueError("it is not a JSON object")
+    return cast("dict[str, Any]", content)
 
 
 def directory_held(path: Path) -> int | None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from passo.errors import CommandError
-from passo.job.durable_files import replaced
-
-_LARGEST = 8 << 20  # bytes
+from passo.job.durable_files import load_json, store_json
 
 
 class SavedVariables:
@@ -23,18 +20,13 @@ class SavedVariables:
 
     def load(self) -> dict[str, Any]:
         """What is stored; empty without a file. Raises CommandError for a damaged one."""
-        if self._path is None or not self._path.exists():
+        if self._path is None:
             return {}
         try:
-            with self._path.open("rb") as file:
-                raw = file.read(_LARGEST + 1)
-            found: object = json.loads(raw) if len(raw) <= _LARGEST else None
-        except (OSError, ValueError, RecursionError):
-            found = None
-        if not isinstance(found, dict):
+            return load_json(self._path) or {}
+        except (OSError, ValueError):
             self._refused = CommandError.of("macro.saved-unreadable", str(self._path))
-            raise self._refused
-        return cast("dict[str, Any]", found)
+            raise self._refused from None
 
     def save(self, variables: Mapping[str, Any]) -> None:
         """Stores all variables; they survive a power cut when this returns. Raises CommandError,
@@ -44,9 +36,7 @@ class SavedVariables:
         if self._refused is not None:
             raise self._refused
         try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            with replaced(self._path) as temporary:
-                temporary.write_text(json.dumps(dict(variables), indent=1, sort_keys=True))
+            store_json(self._path, variables)
         except OSError as error:
             reason = str(error.strerror)
             raise CommandError.of("macro.saved-unwritable", str(self._path), value=reason) from None

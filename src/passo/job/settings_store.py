@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -11,10 +10,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 from passo.errors import CommandError
-from passo.job.durable_files import replaced
+from passo.job.durable_files import load_json, store_json
 
 VERSION = 2  # version 1 held the commands of all settings, changed or not
-_LARGEST = 1 << 20
 # Words that name what a command sets, by its code: a tool, a heater, a motor, a material.
 _NAMING = {
     "G29": "IJ",
@@ -113,9 +111,7 @@ class Store:
         crc = _crc(_texts(rows))
         content = {"version": VERSION, "machine": self.uuid, "crc": crc, "settings": rows}
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            with replaced(self.path) as temporary:
-                temporary.write_text(json.dumps(content, indent=1))
+            store_json(self.path, content)
         except OSError as error:
             raise _refused("settings.unwritable", self.path, str(error.strerror)) from None
         return crc
@@ -124,19 +120,14 @@ class Store:
         """The stored values, also of a file of version 1; None if nothing is stored. Raises
         CommandError with the reason if the file must not be used."""
         try:
-            with self.path.open("rb") as file:
-                raw = file.read(_LARGEST + 1)
-        except FileNotFoundError:
-            return None
+            table = load_json(self.path)
         except OSError as error:
             raise _refused("settings.unreadable", self.path, str(error.strerror)) from None
-        try:
-            content: Any = json.loads(raw) if len(raw) <= _LARGEST else None
-        except (ValueError, RecursionError):
-            content = None
-        if not isinstance(content, dict):
-            raise _refused("settings.unreadable", self.path, "it is torn, or not a settings file")
-        table = cast("dict[str, Any]", content)
+        except ValueError:
+            reason = "it is torn, or not a settings file"
+            raise _refused("settings.unreadable", self.path, reason) from None
+        if table is None:
+            return None
         version, found = table.get("version"), table.get("settings")
         rows = cast("list[object]", found) if isinstance(found, list) else None
         if version not in (1, VERSION):

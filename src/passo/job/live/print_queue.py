@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.errors import CardError, CommandError, PassoError
-from passo.job.durable_files import replaced
+from passo.job.durable_files import load_json, store_json
 
 if TYPE_CHECKING:
     from passo.job.live.job_state import JobState
@@ -57,9 +56,9 @@ class PrintQueue:
         bed."""
         return self._automatic
 
-    @automatic.setter
-    def automatic(self, on: bool) -> None:
-        self._keep(self._entries, automatic=on)
+    def set_automatic(self, on: bool) -> None:
+        """Whether the next print starts by itself after one that is done."""
+        self._keep(self._entries, on)
 
     def add(self, path: str) -> QueuedPrint:
         """Puts a file of the card at the end. Raises CardError."""
@@ -69,29 +68,35 @@ class PrintQueue:
             raise CommandError.of("queue.full", limit=MAX_QUEUED)
         number = max((entry.number for entry in self._entries), default=0) + 1
         added = QueuedPrint(number, path)
-        self._keep((*self._entries, added))
+        self._keep((*self._entries, added), self._automatic)
         return added
 
     def remove(self, number: int) -> None:
         """Takes a print out."""
         found = self._found(number)
-        self._keep(tuple(entry for entry in self._entries if entry is not found))
+        entries = tuple(entry for entry in self._entries if entry is not found)
+        self._keep(entries, self._automatic)
 
     def move(self, number: int, place: int) -> None:
         """Moves a print to a place: 0 or less is the next one; beyond the end is the last one."""
         found = self._found(number)
         others = [entry for entry in self._entries if entry is not found]
-        others.insert(max(place, 0), found)
-        self._keep(tuple(others))
+        others.insert(min(max(place, 0), len(others)), found)
+        self._keep(tuple(others), self._automatic)
 
     def start_next(self) -> None:
         """Starts the next print, and takes it out. Raises CommandError if there is none or the
         printer is printing, CardError and InputError for its file: then it stays."""
-        if not self._entries:
+        before = self._entries
+        if not before:
             raise CommandError.of("queue.empty")
-        self._library.open(self._entries[0].path)
-        self._runner.start()
-        self._keep(self._entries[1:])
+        self._library.open(before[0].path)
+        self._keep(before[1:], self._automatic)
+        try:
+            self._runner.start()
+        except PassoError:
+            self._keep(before, self._automatic)
+            raise
 
     def _found(self, number: int) -> QueuedPrint:
         for entry in self._entries:
@@ -112,25 +117,25 @@ class PrintQueue:
             text = f"The next print of the queue was not started: {error}"
             self._printer.state.announce(_log, logging.WARNING, text)
 
-    def _keep(self, entries: tuple[QueuedPrint, ...], *, automatic: bool | None = None) -> None:
-        automatic = self._automatic if automatic is None else automatic
+    def _keep(self, entries: tuple[QueuedPrint, ...], automatic: bool) -> None:
         if self._path is not None:
             rows = [asdict(entry) for entry in entries]
             try:
-                with replaced(self._path) as temporary:
-                    temporary.write_text(json.dumps({"automatic": automatic, "prints": rows}))
+                store_json(self._path, {"automatic": automatic, "prints": rows})
             except OSError as error:
                 why = error.strerror or str(error)
                 raise CommandError.of("queue.unwritable", str(self._path), value=why) from None
         self._entries, self._automatic = entries, automatic
 
     def _load(self) -> None:
-        if self._path is None or not self._path.exists():
+        if self._path is None:
             return
         try:
-            kept = json.loads(self._path.read_text())
+            kept = load_json(self._path)
+            if kept is None:
+                return
             rows = [QueuedPrint(int(row["number"]), str(row["path"])) for row in kept["prints"]]
             self._entries, self._automatic = tuple(rows), bool(kept["automatic"])
         except (OSError, ValueError, KeyError, TypeError) as error:
-            text = f"The queue of prints is empty: {self._path} cannot be read: {error}"
+            text = f"{self._path} is damaged, so the queue of prints is empty: {error}"
             self._printer.state.announce(_log, logging.WARNING, text)
