@@ -22,6 +22,7 @@ from typing import Any
 
 _HOURS, _SCALE = 24.0, 60.0
 _ROWS = 20
+_START_S = 60.0  # real time, from the start of the server until the printer is ready
 _MAX_GROWTH = 0.05
 _LONGEST_S = 900.0  # print time of one job, far beyond what it takes
 _NEEDED = ("complete", "cancelled")
@@ -41,7 +42,7 @@ def _job() -> str:
 
 @dataclass
 class _Client:
-    """What Moonraker does on the socket. `state` are the objects as subscribed."""
+    """A client that asks what Moonraker asks. `state` has the subscribed objects."""
 
     path: str
     state: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
@@ -52,7 +53,18 @@ class _Client:
     )
 
     async def connect(self) -> None:
-        """Connects as soon as the printer is ready, and subscribes to everything."""
+        """Connects as soon as the printer is ready, and subscribes to everything. Raises
+        TimeoutError."""
+        async with asyncio.timeout(_START_S):
+            await self._until_ready()
+        names = (await self.ask("objects/list"))["objects"]
+        await self.ask("gcode/subscribe_output", response_template={"method": "line"})
+        wishes = dict.fromkeys(names)
+        template = {"method": "status"}
+        found = await self.ask("objects/subscribe", objects=wishes, response_template=template)
+        self.state = found["status"]
+
+    async def _until_ready(self) -> None:
         while True:
             try:
                 reader, self._writer = await asyncio.open_unix_connection(self.path, limit=1 << 24)
@@ -67,12 +79,6 @@ class _Client:
                 pass
             await self.close()
             await asyncio.sleep(0.2)
-        names = (await self.ask("objects/list"))["objects"]
-        await self.ask("gcode/subscribe_output", response_template={"method": "line"})
-        wishes = dict.fromkeys(names)
-        template = {"method": "status"}
-        found = await self.ask("objects/subscribe", objects=wishes, response_template=template)
-        self.state = found["status"]
 
     async def close(self) -> None:
         """Ends the connection."""
@@ -131,7 +137,7 @@ async def _soak(process: subprocess.Popen[bytes], socket: Path, hours: float, sc
     client = _Client(str(socket))
     await client.connect()
     loop = asyncio.get_running_loop()
-    begin, samples, prints, restarts, failed = loop.time(), list[float](), 0, 0, 0
+    begin, samples, rows, prints, restarts, failed = loop.time(), list[float](), 0, 0, 0, 0
     longest_s = _LONGEST_S / scale + 60
 
     def passed_h() -> float:
@@ -157,8 +163,8 @@ async def _soak(process: subprocess.Popen[bytes], socket: Path, hours: float, sc
             await client.close()
             await client.connect()
         samples.append(_memory_mb(process.pid))
-        if passed_h() >= hours * (len(_shown) + 1) / _ROWS:
-            _shown.append(samples[-1])
+        if passed_h() >= hours * (rows + 1) / _ROWS:
+            rows += 1
             row = f"{passed_h():6.2f}  {prints:6}  {restarts:8}  {client.lines:5}"
             print(f"{row}  {samples[-1]:5.1f}", flush=True)
     after = samples[len(samples) // 4 :]
@@ -167,9 +173,6 @@ async def _soak(process: subprocess.Popen[bytes], socket: Path, hours: float, sc
     growth = max(after[len(after) // 2 :]) / max(after[: len(after) // 2]) - 1
     print(f"{prints} prints, {failed} failed; memory {growth:+.1%} after the first quarter")
     return growth <= _MAX_GROWTH and not failed
-
-
-_shown: list[float] = []
 
 
 def main() -> int:
@@ -183,16 +186,8 @@ def main() -> int:
         card, socket = folder / "card", folder / "klippy.sock"
         card.mkdir()
         (card / "part.gcode").write_text(_job())
-        command = [
-            sys.executable,
-            "-m",
-            "passo",
-            "serve",
-            "--machine",
-            "i3",
-            "--clock",
-            f"{scale:g}",
-        ]
+        command = [sys.executable, "-m", "passo", "serve", "--machine", "i3"]
+        command += ["--clock", f"{scale:g}"]
         command += ["--sd", str(card), "--state", str(folder / "state"), "--http", "none"]
         command += ["--tcp", "127.0.0.1:0", "--klippy-socket", str(socket)]
         process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
