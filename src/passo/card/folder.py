@@ -240,7 +240,7 @@ class FolderCard(Card):
             return room.f_bavail * room.f_frsize
 
     def close(self) -> None:
-        """As `Card.close`: what is being written is given up, and the folder is let go."""
+        """As `Card.close`: discards files that are being written, and releases the folder."""
         with self._lock:
             if self._root is not None:
                 os.close(self._root)
@@ -324,11 +324,11 @@ class _FolderWriter(Writer):
         digest = hashlib.blake2b(names.fold(name).encode(), digest_size=12).hexdigest()
         self._partial = _PARTIAL + digest
         self._released = released
-        self._lock = threading.Lock()  # of its own: a slow medium keeps nobody else waiting
+        self._lock = threading.Lock()  # of its own: a slow medium delays no other call
         self._file = os.open(self._partial, _NEW, mode=0o666, dir_fd=place.folder)
 
     def give_up(self, error: CardError) -> None:
-        """End because the card goes: later calls raise `error`."""
+        """Ends the writing because the card is unmounted: later calls raise `error`."""
         self.abort()
         self._failure = self._failure or error
 

@@ -233,7 +233,8 @@ class ConsoleCommands:
         Subject.STOPS,
         When.IMMEDIATE,
         "",
-        "Restarts the boards: all heaters and motors go off at once, a print ends.",
+        "Restarts the boards: all heaters and motors go off at once, and a print ends. Passo reads"
+        " the machine file only when the program starts, or by `machine.restart` of the HTTP API.",
         kind=Kind.SERVED,
         bare=None,
         in_turn=True,

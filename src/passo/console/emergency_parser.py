@@ -11,7 +11,8 @@ from passo.gcode.registry import ANY, row_of
 from passo.printer.printer import Printer
 
 _RESUMES = ("M24", "M602")
-LIFTS = ("M922", "M999", "RESTART", "FIRMWARE_RESTART")
+RESTARTS = ("M999", "RESTART", "FIRMWARE_RESTART")
+LIFTS = ("M922", *RESTARTS)
 
 
 def halts(command: Command) -> bool:

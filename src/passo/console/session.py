@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from passo import _core
-from passo.console.emergency_parser import LIFTS, EmergencyParser, answers, halts
+from passo.console.emergency_parser import LIFTS, RESTARTS, EmergencyParser, answers, halts
 from passo.console.receive_queue import Heard, ReceiveQueue
 from passo.console.timers import Timers
 from passo.console.upload import Upload
@@ -32,8 +32,7 @@ _PLAIN = str.maketrans(_CONTROLS)
 _UNITS = re.compile(r"(?<=\d )°(?=C(?:[/\s,;:)]|\.?$|\.\s))|(?<=\d )µ(?=[ms]\b)|(?<=/s)²")
 _UNIT = {"°": "", "µ": "u", "²": "2"}
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
-_RESTARTS = ("M999", "RESTART", "FIRMWARE_RESTART")
-_EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", *_RESTARTS)
+_EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", *RESTARTS)
 # A line that begins so moves the machine; a word of an axis repeats the last move.
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
 _TOOL = re.compile(r"T\d")  # without it filament of another one would be printed
@@ -317,7 +316,7 @@ class Session:
             self.fail(f"{code} is not carried out: {since}")
             return False
         if printer.dispatch.act(command, self):
-            revives = code in _RESTARTS and bool(printer.halted)
+            revives = code in RESTARTS and bool(printer.halted)
             if revives:
                 self._task = self._loop.create_task(
                     self._await_restart(line, printer.supervisor.answered())

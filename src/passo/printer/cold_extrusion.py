@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from passo import _core
     from passo.config.machine import MachineConfig
 
-_COLD_C = 170.0  # filament does not move below it, unless M302 says otherwise
+COLD_C = 170.0  # filament does not move below it, unless M302 sets another temperature
 # What such a sensor says, 400 °C of a short circuit maybe, melts nothing.
 _NO_TEMPERATURE = (FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT, FaultKind.SENSOR_ERRATIC)
 
@@ -26,7 +26,7 @@ class ColdExtrusion:
 
     def __init__(self, machine: MachineConfig) -> None:
         self._machine = machine
-        self.cold_c = _COLD_C
+        self.cold_c = COLD_C
         self._allowed: set[str] = set()  # hotends whose filament may move cold
 
     @property

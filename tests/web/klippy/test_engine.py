@@ -251,6 +251,6 @@ def test_methods_that_macros_call_are_called_at_the_client_that_has_them():
         assert client.pushed == [{**template, "params": {"hidden": True}}]
         assert other.pushed == []
         served.bridge.tell(RemoteCall("unknown", {}))
-        assert "has registered the method unknown" in other.pushed[0]["params"]["response"]
+        assert "calls unknown, but no client" in other.pushed[0]["params"]["response"]
 
     run(test)

@@ -22,9 +22,10 @@ from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 _BUZZ = (1.0, -1.0) * 10  # mm or degrees
-_BUZZ_SPEED = 4.0
+_BUZZ_SPEED = 4.0  # mm/s or degrees/s
 _BUZZ_PAUSE_S = 0.3
 _TRIAL_MM = 1.0  # to see whether an actuator moves the nozzle on a straight line
+_ROUNDING = 1e-6  # mm or degrees, far above what sums of positions lose
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +125,9 @@ class MotorMoves:
             ends = zip(there, self._machine.home_point, strict=True)
             found.append(tuple(round((to - at) / factor, 9) for to, at in ends))
         same = all(
-            isclose(a, b, abs_tol=1e-6) for a, *others in zip(*found, strict=True) for b in others
+            isclose(a, b, abs_tol=_ROUNDING)
+            for a, *others in zip(*found, strict=True)
+            for b in others
         )
         return found[0] if same else None
 
@@ -152,7 +155,7 @@ class MotorMoves:
             axis, at = self._machine.axes[name], job.machine_position[slot_of_axis(index)]
             for distance in by:
                 at += mm * distance
-                if not axis.min_mm - 1e-6 <= at <= axis.max_mm + 1e-6:
+                if not axis.min_mm - _ROUNDING <= at <= axis.max_mm + _ROUNDING:
                     limit = f"{axis.min_mm:g} to {axis.max_mm:g} mm, as the axis is homed"
                     raise CommandError.bad_value(name.upper(), round(at, 3), limit)
 
@@ -172,8 +175,8 @@ class MotorMoves:
     async def _turn_joint(
         self, motor: _Motor, by: Sequence[float], speed_mm_s: float, pause_s: float
     ) -> None:
-        """Of an actuator that moves the nozzle on a curve. Where it does not return, X, Y and Z are
-        not homed afterwards."""
+        """As `_turn`, for an actuator that moves the nozzle on a curve. If it does not return, X, Y
+        and Z are not homed afterwards."""
         rig = self._rig
         before = _xyz(rig.job.machine_position)
         at_home = self._machine.geometry.inverse(self._machine.home_point)
@@ -184,7 +187,7 @@ class MotorMoves:
         try:
             for distance in by:
                 await self._go({motor.joint: 1.0}, distance, speed_mm_s, pause_s)
-            returned = abs(sum(by)) < 1e-9
+            returned = abs(sum(by)) < _ROUNDING
         finally:
             rig.job.use_joints(False)
             rig.job.set_axes(list(enumerate(before)))

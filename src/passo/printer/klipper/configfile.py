@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.motor_roles import axis_order
 from passo.geometry.delta import Delta
+from passo.printer.cold_extrusion import COLD_C
 from passo.printer.klipper.names import fan_object, heater_object
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def _heater(part: Heater, machine: MachineConfig) -> Object:
     }
     if part.kind == "hotend":
         settings |= {
-            "min_extrude_temp": 170.0,
+            "min_extrude_temp": COLD_C,
             "nozzle_diameter": 0.4,
             "filament_diameter": 1.75,
             "max_extrude_only_distance": 50.0,

@@ -105,14 +105,12 @@ class Engine:
 
     def _call_remote(self, call: RemoteCall) -> None:
         """Calls the method of each client that has registered it."""
-        method, having = (
-            call.method,
-            [c for c in self.connections if call.method in c.remote_methods],
-        )
+        having = [c for c in self.connections if call.method in c.remote_methods]
         for client in having:
-            client.tell(client.remote_methods[method], call.arguments)
+            client.tell(client.remote_methods[call.method], call.arguments)
         if not having:
-            self._broadcast(failed(f"No client has registered the method {method} of a macro"))
+            text = f"A macro calls {call.method}, but no client has registered that method"
+            self._broadcast(failed(text))
 
     def _broadcast(self, line: str) -> None:
         for client in list(self.connections):

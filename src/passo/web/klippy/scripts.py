@@ -12,7 +12,7 @@ from passo.web.klippy.output import failed, shown
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
-RESTARTS = ("RESTART", "FIRMWARE_RESTART")  # clients know them to end the connection
+RESTARTS = ("RESTART", "FIRMWARE_RESTART")  # clients expect that these end the connection
 
 
 class Scripts:
