@@ -93,7 +93,7 @@ def test_script_that_fails_restores_the_state_that_it_has_saved(tmp_path):
         await bridge.run("G28\nG90\nG1 X50 F3000\nG20")
         jog = "SAVE_GCODE_STATE NAME=_ui_movement\nG91\nG1 X+999\nRESTORE_GCODE_STATE NAME="
         with pytest.raises(CommandError, match="beyond the limit"):
-            await bridge.run(f"{jog}_ui_movement\nG1 X1")
+            await bridge.run(f"{jog}_ui_movement ; as before\nG1 X1")
         await bridge.run("G1 X2 F100")  # absolute, in inches
         assert bridge._printer.job.machine_position[0] == pytest.approx(50.8)
 

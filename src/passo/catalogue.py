@@ -88,7 +88,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "the machine file has changed since it was read", "Read it again, and compare the two"
     ),
     "machine.no-restart": _config(
-        "a printer that a program opened, or with --stdin, is not restarted from the web",
+        "this printer cannot be restarted from the web: a program opened it, or it has --stdin",
         "Stop Passo and start it again",
     ),
     "config.unknown-key": _config("{key} is not a known key", "Remove it or correct its name"),
@@ -396,15 +396,17 @@ CATALOGUE: Mapping[str, Entry] = {
     "job.no-file": _input("job", "no file is selected", "Select one (M23), after listing the card"),
     "queue.empty": _input("queue", "no print waits in the queue", "Add a file to it first"),
     "queue.full": _input(
-        "queue", "{limit} prints wait already", "Start or remove one of them first"
+        "queue", "{limit} prints wait already, the maximum", "Start or remove one of them first"
     ),
-    "queue.unknown": _input("queue", "no print {value} waits", "Read the queue again"),
+    "queue.unknown": _input(
+        "queue", "there is no print {value} in the queue", "Read the queue again"
+    ),
     "queue.bed": _input(
-        "queue", "the bed is not confirmed as clear", "Clear it, then confirm that it is clear"
+        "queue", "the bed is not confirmed to be clear", "Clear the bed, then confirm that"
     ),
     "queue.unwritable": _input(
         "queue",
-        "the queue was not changed, for it cannot be stored: {value}",
+        "the queue was not changed, because it cannot be stored: {value}",
         "Check the directory, its permissions and the free space on the disk",
     ),
     "settings.nowhere": _input(

@@ -20,7 +20,7 @@ from passo import config
 from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
-from passo.errors import CommandError, ConfigError, PassoError
+from passo.errors import CommandError, ConfigError, InputError, PassoError
 from passo.gcode.command import forced
 from passo.gcode.line_protocol import uncommented
 from passo.gcode.registry import When, row_of, table
@@ -387,10 +387,14 @@ def _explain(
     ended: threading.Event,
 ) -> Explanation:
     with TemporaryDirectory(prefix="passo-") as folder:
-        path = Path(folder, name)
-        with path.open("wb") as copied:
-            while not ended.is_set() and (piece := source.read(_PIECE)):
-                copied.write(piece)
+        path = Path(folder, "file.gcode")  # `name` may be too long for this disk
+        try:
+            with path.open("wb") as copied:
+                while not ended.is_set() and (piece := source.read(_PIECE)):
+                    copied.write(piece)
+        except OSError as error:
+            why = error.strerror or str(error)
+            raise InputError.of("output.unwritable", folder, value=why) from None
         try:
             told = explain(machine, path, line, Policy(), ended=ended.is_set)
         except PassoError as error:

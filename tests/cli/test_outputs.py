@@ -245,8 +245,8 @@ LINES = {
         "M106: Sets the speed of fan P",
         "  S3",
     ],
-    "G90 X3": ["G90: Makes positions absolute.", "A move in the way of the last one", "  X3"],
-    "Y2 (x) X1": ["A move in the way of the last one", "  Y2", "  X1"],
+    "G90 X3": ["G90: Makes positions absolute.", "A move of the same kind as the last one", "  X3"],
+    "Y2 (x) X1": ["A move of the same kind as the last one", "  Y2", "  X1"],
     "S20 M3": ["M3: Switches the laser or spindle on.", "  S20"],
     "M117 hello X3": ["M117: Sends a message", "  hello X3"],
     "M862.3 P": ["M862.3: The command checks", "  P"],
@@ -470,7 +470,7 @@ def test_explain_shows_no_commands_of_a_firmware_that_runs(capsys, tmp_path):
     told = explained(capsys, path, 2, "--machine", str(machine))
     assert re.search(r"x: 800, the first at \S+ s, the last at \S+ s", told)
     assert "queue_step" not in told
-    assert 'it does with firmware = "virtual".' in told
+    assert 'with firmware = "virtual" they are.' in told
 
 
 def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):

@@ -18,6 +18,7 @@ from passo.job.batch.simulated_print import Print
 from passo.job.batch.source import lines, open_source
 from passo.learn.corner import corner, path_unit
 from passo.learn.explanation import (
+    MAX_MACRO_LINES,
     ExplainedCommand,
     ExplainedMacro,
     ExplainedMove,
@@ -29,7 +30,6 @@ from passo.learn.explanation import (
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-_MAX_LINES = 40  # of macros
 _BEHIND_S = 1.0  # all commands of a move are done so long after it
 
 
@@ -48,7 +48,7 @@ class _Seen:
 
     def called(self, command: Command, text: str) -> None:
         """A macro is called, and becomes this text."""
-        if not self.after and sum(text.count("\n") for _, text in self.calls) < _MAX_LINES:
+        if not self.after and sum(text.count("\n") for _, text in self.calls) < MAX_MACRO_LINES:
             self.calls.append((command, text))
 
     def take(self, moves: list[_core.Move], line: int, *, jumps: bool) -> None:
@@ -177,7 +177,7 @@ def _command(
         about = machine.macros[code].description
         told = f"A macro of the machine file{about and ': ' + about}."
     elif not code:
-        told = "A move in the way of the last one before, G1 if there was none."
+        told = "A move of the same kind as the last one before; G1 if there was none."
     elif code == "S":
         told = "The power of laser or spindle."
     else:

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from passo.config.pin_names import MAIN
 
 _MAX_WIRE = 12  # commands in the text
-_MAX_LINES = 40  # of macros
+MAX_MACRO_LINES = 40  # that all macros of a line become, in the text
 
 
 @dataclass(frozen=True, slots=True)
 class ExplainedCommand:
-    """A command of the line: what it does, and its words as the lexer has read them. `code` is
-    empty of a move without a G."""
+    """A command of the line: what it does, and its words as the lexer reads them. `code` is empty
+    for a move without a G."""
 
     code: str
     text: str
@@ -32,9 +32,10 @@ class ExplainedMacro:
 @dataclass(frozen=True, slots=True)
 class ExplainedMove:
     """A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in
-    units/s², times in seconds, `start_s` and `end_s` of print time. `start_mm` and `end_mm` are
-    places of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant
-    speed. `tolerance_us`: its steps may miss their ideal times by this, for the board's budget."""
+    units/s², times in seconds. `start_s` and `end_s` are print times. `start_mm` and `end_mm` are
+    positions of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or
+    constant speed. `tolerance_us`: by how much its steps may miss their ideal times, so that the
+    board's budget suffices."""
 
     kind: str
     unit: str
@@ -82,15 +83,15 @@ class WireCommand:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """What one line became. `number` is that of a line with N, empty without; `checksum`: it has
-    one.
+    """What one line became. `number` is its line number (N), empty without one; `checksum`: it has
+    a checksum.
 
-    `planned` counts the moves of the line, of which `moves` are all, or the first and the last.
+    `planned` is the number of planned moves; `moves` has all of them, or the first and the last.
     `junction_before` and `junction_after` say what bounds the speed there; both are empty if the
-    line moves nothing. `sub_program`: the lines that it calls move. `wire` has the commands of
-    boards of which the bytes are known, `frame` is one with the first of them; `tick_ns` is the
-    length of a tick of each board, whose main one has an empty name. `unseen`: the commands of
-    other boards are not in `wire`."""
+    line moves nothing. `sub_program`: it calls a sub-program, whose lines move. `wire` has the
+    commands of boards whose bytes are known; `frame` is a frame with the first command. `tick_ns`
+    is the length of a clock tick by board; the name of the main board is empty. `unseen`: commands
+    of other boards are missing in `wire`."""
 
     place: str
     line: str
@@ -132,8 +133,8 @@ def explanation_text(told: Explanation) -> str:
         parts.append(_wire(told))
     if told.unseen:
         parts.append(
-            "What a simulated board with Passo's firmware is sent does not show:"
-            ' it does with firmware = "virtual".'
+            "The commands for a simulated board with Passo's firmware are not shown;"
+            ' with firmware = "virtual" they are.'
         )
     return "\n\n".join(parts)
 
@@ -157,8 +158,8 @@ def _macros(macros: Sequence[ExplainedMacro]) -> str:
     for macro in macros:
         rows.append(f"{macro.call} became:")
         rows += [f"  {line}" for line in macro.lines]
-    if len(rows) > _MAX_LINES:
-        rows[_MAX_LINES:] = [f"and {len(rows) - _MAX_LINES} more lines"]
+    if len(rows) > MAX_MACRO_LINES:
+        rows[MAX_MACRO_LINES:] = [f"and {len(rows) - MAX_MACRO_LINES} more lines"]
     return "\n".join(rows)
 
 

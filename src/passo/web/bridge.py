@@ -127,7 +127,7 @@ class Bridge(Protocol):
     ) -> tuple[str, ...]:
         """Carries out lines of G-code, one after the other, and returns their answers, a string a
         line. A move is answered when it is planned. The first line that fails ends the script; of
-        what follows only RESTORE_GCODE_STATE without a move is carried out.
+        the lines after it only RESTORE_GCODE_STATE without MOVE is carried out.
         `heard` is called with each answer at once, with the prefix that it has on consoles;
         `sender` is shown with its lines.
 

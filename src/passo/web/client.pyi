@@ -62,8 +62,8 @@ class Machine:
     def keys(
         self,
     ) -> builtins.list[passo.web.machine.keys.KeyValue]:
-        """All keys of the machine file with their values, each with where it comes from,
-        and the setting that overrides it. Secrets are not shown."""
+        """All keys of the machine file with their values, the source of each value, and the
+        setting that overrides it. Secrets are not shown."""
         ...
     def schema(
         self,
@@ -76,30 +76,30 @@ class Machine:
         self,
         text: str,
     ) -> passo.web.endpoints.machine_file.Validation:
-        """Checks a text as `passo check` does: all problems at once."""
+        """Checks a text as `passo check` does, and reports all problems at once."""
         ...
     def diff(
         self,
         text: str,
     ) -> passo.web.endpoints.machine_file.Difference:
-        """Compares a text with the machine that runs, and with its file."""
+        """Compares a text with the running machine, and with its file."""
         ...
     def apply(
         self,
         text: str,
         replaces: str,
     ) -> passo.web.endpoints.machine_file.Applied:
-        """Writes the machine file, whole or not at all, if the text has no errors; the one
-        before stays beside it as FILE.toml.bak. Changes that commands can make act at once;
-        the answer names those that need a restart."""
+        """Writes the machine file, whole or not at all, if the text has no errors. A copy
+        of the file before is kept as FILE.toml.bak. Changes that commands can make act at
+        once; the answer names those that need a restart."""
         ...
     def restart(
         self,
     ) -> None:
         """Ends the printer, and starts it again with the machine file as it is now: heaters
-        go off, and axes are not homed. Consoles and this connection are closed; connect
-        again after some seconds. Log-ins last if the printer has a folder for them
-        (`--state`)."""
+        go off, and axes are not homed. The commands RESTART and M999 do not read the
+        machine file. Consoles and this connection are closed; connect again after some
+        seconds. Log-ins stay valid if the printer has a folder for them (`--state`)."""
         ...
     def library(
         self,
@@ -124,19 +124,19 @@ class Firmware:
         board: str | None = ...,
         text: str | None = ...,
     ) -> passo.web.firmware.builds.Build:
-        """Starts to build images, in a process of its own. The feed sends each line of its
-        log; `firmware.last` has all. One build at a time."""
+        """Starts to build images, in a process of its own, one build at a time. The feed
+        sends each line of the log; `firmware.last` has the whole log."""
         ...
     def last(
         self,
     ) -> passo.web.firmware.builds.Build:
-        """The build that is under way, or the last one, with its log and the sizes of its
+        """The build that is running, or the last one, with its log and the sizes of its
         images."""
         ...
     def cancel(
         self,
     ) -> None:
-        """Ends the build that is under way."""
+        """Ends the build that is running, if there is one."""
         ...
     def download(
         self,
@@ -199,40 +199,41 @@ class Queue:
     def get(
         self,
     ) -> passo.web.bridge.Queue:
-        """The prints that wait, the next one first. It lasts over a restart if the printer
-        has a folder for it (`--state`)."""
+        """The prints that wait, the next one first. The queue survives a restart if the
+        printer has a folder for it (`--state`)."""
         ...
     def add(
         self,
         path: str,
     ) -> passo.job.live.print_queue.QueuedPrint:
-        """Puts a file of the card at the end."""
+        """Adds a file of the card at the end of the queue."""
         ...
     def remove(
         self,
         number: int,
     ) -> None:
-        """Takes a print out."""
+        """Removes a print from the queue."""
         ...
     def move(
         self,
         number: int,
         place: int,
     ) -> None:
-        """Moves a print: to place 0 to be the next one, to a place beyond the end to be the
-        last."""
+        """Moves a print to another place: 0 is the next print; a place beyond the end is
+        the last."""
         ...
     def mode(
         self,
         automatic: bool,
     ) -> None:
-        """Whether the next print waits for `queue.start`, as it does by default."""
+        """Sets whether the next print starts by itself, or waits for `queue.start` (the
+        default)."""
         ...
     def start(
         self,
         bed_clear: bool,
     ) -> None:
-        """Starts the next print, and takes it out of the queue."""
+        """Starts the next print, and removes it from the queue."""
         ...
 
 class Console:
@@ -289,9 +290,9 @@ class Motion:
         distances_mm: dict[str, float],
         speed_mm_s: float,
     ) -> None:
-        """Moves axes by a distance, at once or after the moves that are planned. How lines
-        are read stays as it was, and mm are mm after G20, too. It is answered when the move
-        is planned."""
+        """Moves axes by a distance, at once or after the moves that are planned. Modes such
+        as G91 and G20 stay as they were, and do not change the meaning of the distances.
+        The answer comes when the move is planned."""
         ...
     def home(
         self,
@@ -381,9 +382,9 @@ class Files:
         self,
         path: str,
     ) -> bytes:
-        """The path of a file as this printer would print it, move by move, for a viewer;
-        the format is that of docs/reference/toolpath.md. Waits until the file is planned. A
-        file that cannot be printed as it is has none: `files.metadata` says why."""
+        """The toolpath of a file, move by move, as this printer would print it; its format
+        is in docs/reference/toolpath.md. The answer comes when the file is planned. A file
+        that cannot be printed as it is has no toolpath: `files.metadata` says why."""
         ...
     def thumbnail(
         self,
@@ -464,15 +465,15 @@ class Explain:
         path: str,
         line: int,
     ) -> passo.learn.explanation.Explanation:
-        """What a line of a file of the card becomes, as `passo explain` shows it: the print
-        runs on a simulated board until the line is done, which takes seconds for a late
-        line of a long file."""
+        """What a line of a file of the card becomes, as `passo explain` shows it. A
+        simulated board prints the file until the line is done, which takes seconds for a
+        late line of a long file."""
         ...
     def line(
         self,
         line: str,
     ) -> passo.learn.explanation.Explanation:
-        """What a line becomes that starts with all axes at 0. Nothing moves."""
+        """What one line becomes if all axes are at 0 before it. Nothing moves."""
         ...
 
 class Logs:
@@ -628,8 +629,8 @@ class AsyncMachine:
     async def keys(
         self,
     ) -> builtins.list[passo.web.machine.keys.KeyValue]:
-        """All keys of the machine file with their values, each with where it comes from,
-        and the setting that overrides it. Secrets are not shown."""
+        """All keys of the machine file with their values, the source of each value, and the
+        setting that overrides it. Secrets are not shown."""
         ...
     async def schema(
         self,
@@ -642,30 +643,30 @@ class AsyncMachine:
         self,
         text: str,
     ) -> passo.web.endpoints.machine_file.Validation:
-        """Checks a text as `passo check` does: all problems at once."""
+        """Checks a text as `passo check` does, and reports all problems at once."""
         ...
     async def diff(
         self,
         text: str,
     ) -> passo.web.endpoints.machine_file.Difference:
-        """Compares a text with the machine that runs, and with its file."""
+        """Compares a text with the running machine, and with its file."""
         ...
     async def apply(
         self,
         text: str,
         replaces: str,
     ) -> passo.web.endpoints.machine_file.Applied:
-        """Writes the machine file, whole or not at all, if the text has no errors; the one
-        before stays beside it as FILE.toml.bak. Changes that commands can make act at once;
-        the answer names those that need a restart."""
+        """Writes the machine file, whole or not at all, if the text has no errors. A copy
+        of the file before is kept as FILE.toml.bak. Changes that commands can make act at
+        once; the answer names those that need a restart."""
         ...
     async def restart(
         self,
     ) -> None:
         """Ends the printer, and starts it again with the machine file as it is now: heaters
-        go off, and axes are not homed. Consoles and this connection are closed; connect
-        again after some seconds. Log-ins last if the printer has a folder for them
-        (`--state`)."""
+        go off, and axes are not homed. The commands RESTART and M999 do not read the
+        machine file. Consoles and this connection are closed; connect again after some
+        seconds. Log-ins stay valid if the printer has a folder for them (`--state`)."""
         ...
     async def library(
         self,
@@ -690,19 +691,19 @@ class AsyncFirmware:
         board: str | None = ...,
         text: str | None = ...,
     ) -> passo.web.firmware.builds.Build:
-        """Starts to build images, in a process of its own. The feed sends each line of its
-        log; `firmware.last` has all. One build at a time."""
+        """Starts to build images, in a process of its own, one build at a time. The feed
+        sends each line of the log; `firmware.last` has the whole log."""
         ...
     async def last(
         self,
     ) -> passo.web.firmware.builds.Build:
-        """The build that is under way, or the last one, with its log and the sizes of its
+        """The build that is running, or the last one, with its log and the sizes of its
         images."""
         ...
     async def cancel(
         self,
     ) -> None:
-        """Ends the build that is under way."""
+        """Ends the build that is running, if there is one."""
         ...
     async def download(
         self,
@@ -765,40 +766,41 @@ class AsyncQueue:
     async def get(
         self,
     ) -> passo.web.bridge.Queue:
-        """The prints that wait, the next one first. It lasts over a restart if the printer
-        has a folder for it (`--state`)."""
+        """The prints that wait, the next one first. The queue survives a restart if the
+        printer has a folder for it (`--state`)."""
         ...
     async def add(
         self,
         path: str,
     ) -> passo.job.live.print_queue.QueuedPrint:
-        """Puts a file of the card at the end."""
+        """Adds a file of the card at the end of the queue."""
         ...
     async def remove(
         self,
         number: int,
     ) -> None:
-        """Takes a print out."""
+        """Removes a print from the queue."""
         ...
     async def move(
         self,
         number: int,
         place: int,
     ) -> None:
-        """Moves a print: to place 0 to be the next one, to a place beyond the end to be the
-        last."""
+        """Moves a print to another place: 0 is the next print; a place beyond the end is
+        the last."""
         ...
     async def mode(
         self,
         automatic: bool,
     ) -> None:
-        """Whether the next print waits for `queue.start`, as it does by default."""
+        """Sets whether the next print starts by itself, or waits for `queue.start` (the
+        default)."""
         ...
     async def start(
         self,
         bed_clear: bool,
     ) -> None:
-        """Starts the next print, and takes it out of the queue."""
+        """Starts the next print, and removes it from the queue."""
         ...
 
 class AsyncConsole:
@@ -855,9 +857,9 @@ class AsyncMotion:
         distances_mm: dict[str, float],
         speed_mm_s: float,
     ) -> None:
-        """Moves axes by a distance, at once or after the moves that are planned. How lines
-        are read stays as it was, and mm are mm after G20, too. It is answered when the move
-        is planned."""
+        """Moves axes by a distance, at once or after the moves that are planned. Modes such
+        as G91 and G20 stay as they were, and do not change the meaning of the distances.
+        The answer comes when the move is planned."""
         ...
     async def home(
         self,
@@ -947,9 +949,9 @@ class AsyncFiles:
         self,
         path: str,
     ) -> bytes:
-        """The path of a file as this printer would print it, move by move, for a viewer;
-        the format is that of docs/reference/toolpath.md. Waits until the file is planned. A
-        file that cannot be printed as it is has none: `files.metadata` says why."""
+        """The toolpath of a file, move by move, as this printer would print it; its format
+        is in docs/reference/toolpath.md. The answer comes when the file is planned. A file
+        that cannot be printed as it is has no toolpath: `files.metadata` says why."""
         ...
     async def thumbnail(
         self,
@@ -1030,15 +1032,15 @@ class AsyncExplain:
         path: str,
         line: int,
     ) -> passo.learn.explanation.Explanation:
-        """What a line of a file of the card becomes, as `passo explain` shows it: the print
-        runs on a simulated board until the line is done, which takes seconds for a late
-        line of a long file."""
+        """What a line of a file of the card becomes, as `passo explain` shows it. A
+        simulated board prints the file until the line is done, which takes seconds for a
+        late line of a long file."""
         ...
     async def line(
         self,
         line: str,
     ) -> passo.learn.explanation.Explanation:
-        """What a line becomes that starts with all axes at 0. Nothing moves."""
+        """What one line becomes if all axes are at 0 before it. Nothing moves."""
         ...
 
 class AsyncLogs:

@@ -21,9 +21,8 @@ _MAX_REPLIES = 100
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """One printer, who may use it, the uploads that are on their way to its card, what is known of
-    its files, what is kept of its past, its logs,
-    and the firmware that is built."""
+    """One printer with its accounts, the uploads to its card, what is known of its files, the
+    history of its temperatures, its logs, and its builds of firmware."""
 
     bridge: Bridge
     accounts: Accounts
@@ -34,4 +33,4 @@ class Site:
     logs: Logs
     builds: Builds
     rrf_replies: deque[str] = field(default_factory=lambda: deque(maxlen=_MAX_REPLIES))
-    """What lines that came by `rr_gcode` have answered, until `rr_reply` asks."""
+    """Answers to lines of `rr_gcode`, until `rr_reply` takes them."""

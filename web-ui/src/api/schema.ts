@@ -25,9 +25,9 @@ export interface Answer {
   lines: string[];
 }
 
-/** What became of a machine file that was written. `live` are changed keys that act now;
+/** The effect of a machine file that was written. `live` are the changed keys that act now;
  * `overridden` those that a stored setting or a command overrides; `restart` those that act after
- * `machine.restart`. `backup` is the path of the text before. */
+ * `machine.restart`. `backup` is the path of a copy of the file before. */
 export interface Applied {
   live: string[];
   overridden: string[];
@@ -58,8 +58,8 @@ export interface Babystep {
   distance_mm: number;
 }
 
-/** A board: what it is, how it is flashed (`flash` is the program, null if none), and what is to
- * be done by hand before and after. `state` is `ready`, or says what is missing. */
+/** A board: what it is, the program that flashes it (`flash`, null if there is none), and what the
+ * user does by hand before and after. `state` is `ready`, or says what is missing. */
 export interface BoardOfList {
   name: string;
   description: string;
@@ -88,15 +88,15 @@ export interface BoardStatus {
   task_deviation_s?: number | null;
 }
 
-/** `machine` are the boards of the machine by their names, the main one without a name; `shipped`
- * are all that Passo knows. */
+/** `machine` are the boards of the machine by name; the name of the main board is empty. `shipped`
+ * are all boards that come with Passo. */
 export interface Boards {
   machine: Record<string, BoardOfList>;
   shipped: BoardOfList[];
 }
 
-/** The last build. `of` is what was built: a machine or a board; `log` are its lines so far;
- * `seconds` how long it takes, or took. */
+/** A build. `of` is the name of the machine or board that it is for; `log` has its lines so far;
+ * `seconds` is how long it has taken so far, or took. */
 export interface Build {
   number: number;
   of: string;
@@ -107,13 +107,14 @@ export interface Build {
 }
 
 /** What is built: the image of the shipped board `board`; or the images for all boards of the
- * machine file `text`; of the printer's own, if both are null. */
+ * machine file `text`; or those of the printer's own machine file, if both are null. `board`
+ * comes first if both are given. */
 export interface BuildOrder {
   board?: string | null;
   text?: string | null;
 }
 
-/** The user confirms that the bed is clear. */
+/** The user confirms that no print is left on the bed. */
 export interface ClearBed {
   bed_clear: boolean;
 }
@@ -125,8 +126,9 @@ export interface Command {
   text: string;
 }
 
-/** `changes` are the keys that differ from the machine as it runs, with the values of the files
- * that the text names; `text` is what differs from the machine file, as `diff -u` shows it. */
+/** `changes` are the keys whose values differ from those of the running machine; values from files
+ * that the text names are included. `text` is the difference from the machine file, as `diff -u`
+ * shows it. */
 export interface Difference {
   changes: KeyChange[];
   text: string;
@@ -139,8 +141,8 @@ export interface EndedJob {
   job: JobStatus;
 }
 
-/** A command of the line: what it does, and its words as the lexer has read them. `code` is empty
- * of a move without a G. */
+/** A command of the line: what it does, and its words as the lexer reads them. `code` is empty for
+ * a move without a G. */
 export interface ExplainedCommand {
   code: string;
   text: string;
@@ -154,9 +156,10 @@ export interface ExplainedMacro {
 }
 
 /** A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in units/s²,
- * times in seconds, `start_s` and `end_s` of print time. `start_mm` and `end_mm` are places of X,
- * Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant speed.
- * `tolerance_us`: its steps may miss their ideal times by this, for the board's budget. */
+ * times in seconds. `start_s` and `end_s` are print times. `start_mm` and `end_mm` are positions
+ * of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant
+ * speed. `tolerance_us`: by how much its steps may miss their ideal times, so that the board's
+ * budget suffices. */
 export interface ExplainedMove {
   kind: string;
   unit: string;
@@ -190,13 +193,13 @@ export interface ExplainedSteps {
   last_s?: number | null;
 }
 
-/** What one line became. `number` is that of a line with N, empty without; `checksum`: it has one.
- * `planned` counts the moves of the line, of which `moves` are all, or the first and the last.
- * `junction_before` and `junction_after` say what bounds the speed there; both are empty if the
- * line moves nothing. `sub_program`: the lines that it calls move. `wire` has the commands of
- * boards of which the bytes are known, `frame` is one with the first of them; `tick_ns` is the
- * length of a tick of each board, whose main one has an empty name. `unseen`: the commands of
- * other boards are not in `wire`. */
+/** What one line became. `number` is its line number (N), empty without one; `checksum`: it has a
+ * checksum. `planned` is the number of planned moves; `moves` has all of them, or the first and
+ * the last. `junction_before` and `junction_after` say what bounds the speed there; both are
+ * empty if the line moves nothing. `sub_program`: it calls a sub-program, whose lines move.
+ * `wire` has the commands of boards whose bytes are known; `frame` is a frame with the first
+ * command. `tick_ns` is the length of a clock tick by board; the name of the main board is empty.
+ * `unseen`: commands of other boards are missing in `wire`. */
 export interface Explanation {
   place: string;
   line: string;
@@ -373,8 +376,8 @@ export interface KeptUpload {
   total: number;
 }
 
-/** A key that differs; a value is null where the key is missing. `acts` says when the change has
- * an effect: at once, or after a restart. */
+/** A key whose value differs; a value is null if the key is missing. `acts` says when the change
+ * has an effect: at once (`live`), or after a `restart`. */
 export interface KeyChange {
   key: string;
   before: unknown;
@@ -390,10 +393,10 @@ export interface KeyRecord {
   made_s: number;
 }
 
-/** A key with its value. `source` is `file` (with the line there), `board` (the file of a board or
- * sensor that the machine file names), or `default`. `setting` is the command with the word that
- * sets the value too, empty of most keys; `setting_value` is the one that it has in force, and
- * `setting_source` says where that comes from: `file`, `stored` (M500), or `command`. */
+/** A key with its value. `source` is `file` (then `line` is its line), `board` (the file of a
+ * board or sensor that the machine file names), or `default`. `setting` is the command and the
+ * word that also set the value; it is empty for most keys. `setting_value` is the value in force,
+ * and `setting_source` is where that comes from: `file`, `stored` (M500), or `command`. */
 export interface KeyValue {
   key: string;
   value: unknown;
@@ -445,16 +448,17 @@ export interface Machine {
   tools: ToolOfMachine[];
 }
 
-/** The text of the machine file. `path` is null where there is no file that may be changed: a
- * shipped machine, or one that a program made; `sha256` is that of the text, for `machine.apply`. */
+/** The text of the machine file. `path` is null if there is no file that may be changed: for a
+ * shipped machine, or one that a program made. `sha256` is the SHA-256 of the text;
+ * `machine.apply` needs it. */
 export interface MachineFile {
   path?: string | null;
   text: string;
   sha256: string;
 }
 
-/** What is wrong with a machine file: `line` is 1 where no line is known; `key` is empty where the
- * text is not TOML; `action` is what to do next. */
+/** A problem of a machine file: `line` is 1 if the line is not known; `key` is empty if the text
+ * is not TOML; `action` is what to do next. */
 export interface MachineProblem {
   code: string;
   key: string;
@@ -463,8 +467,8 @@ export interface MachineProblem {
   action: string;
 }
 
-/** A machine file as a text, in TOML. What it names beside it, files of boards and sensors, is
- * looked for in the folder of the printer's own machine file. */
+/** The text of a machine file, in TOML. Relative paths in it, of data dictionaries and tables of
+ * sensors, begin at the folder of the printer's own machine file. */
 export interface MachineText {
   text: string;
 }
@@ -522,8 +526,8 @@ export interface NewKey {
   role?: "admin" | "operator" | "viewer";
 }
 
-/** The text to write. `replaces` is the `sha256` of the text that was edited: a file that has
- * changed meanwhile is not overwritten. */
+/** The text to write. `replaces` is the `sha256` that `machine.file` gave for the text before the
+ * edit: a file that has changed since then is not overwritten. */
 export interface NewMachineFile {
   text: string;
   replaces: string;
@@ -619,8 +623,8 @@ export interface QueueFile {
   path: string;
 }
 
-/** Whether the next print starts by itself after one that is done: for printers that clear their
- * bed. */
+/** Whether the next print starts by itself after one that is done. Only for a printer that clears
+ * its bed by itself. */
 export interface QueueMode {
   automatic: boolean;
 }
@@ -655,7 +659,7 @@ export interface SettingValue {
   source: string;
 }
 
-/** The file of a shipped machine, a start for one's own. */
+/** The machine file of a shipped machine; copy it to begin your own. */
 export interface ShippedFile {
   name: string;
   text: string;
@@ -746,8 +750,8 @@ export interface TypedLine {
   line: string;
 }
 
-/** Whether a text is a machine file. `questions` are values that are allowed and cannot be right;
- * `notes` say what is worth knowing of the machine. */
+/** Whether a text is a valid machine file. `questions` are values that are allowed but are
+ * probably wrong; `notes` are facts about the machine that its owner should know. */
 export interface Validation {
   ok: boolean;
   problems: MachineProblem[];

@@ -30,17 +30,18 @@ class TypedLine(Struct, forbid_unknown_fields=True):
 _ERRORS = (
     *codes_of("input"),
     *("card.absent", "card.not-found", "card.name", "card.directory", "card.changed"),
+    "output.unwritable",
 )
 
 
 @operation("explain.file", "GET", "/explain", Role.VIEWER, errors=_ERRORS)
 async def explain_file(call: Call, query: LineOfFile) -> Explanation:
-    """What a line of a file of the card becomes, as `passo explain` shows it: the print runs on a
-    simulated board until the line is done, which takes seconds for a late line of a long file."""
+    """What a line of a file of the card becomes, as `passo explain` shows it. A simulated board
+    prints the file until the line is done, which takes seconds for a late line of a long file."""
     return await call.bridge.explain(confined(query.path), query.line)
 
 
 @operation("explain.line", "POST", "/explain", Role.VIEWER, errors=_ERRORS)
 async def explain_line(call: Call, body: TypedLine) -> Explanation:
-    """What a line becomes that starts with all axes at 0. Nothing moves."""
+    """What one line becomes if all axes are at 0 before it. Nothing moves."""
     return await call.bridge.explain_line(body.line)

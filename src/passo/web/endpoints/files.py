@@ -122,9 +122,9 @@ async def metadata(call: Call, query: FilePath) -> Metadata:
     produces="application/octet-stream",
 )
 async def toolpath(call: Call, query: FilePath) -> Response:
-    """The path of a file as this printer would print it, move by move, for a viewer; the format is
-    that of docs/reference/toolpath.md. Waits until the file is planned. A file that cannot be
-    printed as it is has none: `files.metadata` says why."""
+    """The toolpath of a file, move by move, as this printer would print it; its format is in
+    docs/reference/toolpath.md. The answer comes when the file is planned. A file that cannot be
+    printed as it is has no toolpath: `files.metadata` says why."""
     path = confined(query.path)
     place = await call.site.metadata.toolpath(path)
     if place is None:

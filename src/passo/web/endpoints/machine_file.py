@@ -29,9 +29,9 @@ _CONFIG_ERRORS = codes_of("config")
 
 
 class MachineFile(Struct):
-    """The text of the machine file. `path` is null where there is no file that may be changed: a
-    shipped machine, or one that a program made; `sha256` is that of the text, for
-    `machine.apply`."""
+    """The text of the machine file. `path` is null if there is no file that may be changed: for a
+    shipped machine, or one that a program made. `sha256` is the SHA-256 of the text;
+    `machine.apply` needs it."""
 
     path: str | None
     text: str
@@ -39,22 +39,22 @@ class MachineFile(Struct):
 
 
 class MachineText(Struct, forbid_unknown_fields=True):
-    """A machine file as a text, in TOML. What it names beside it, files of boards and sensors, is
-    looked for in the folder of the printer's own machine file."""
+    """The text of a machine file, in TOML. Relative paths in it, of data dictionaries and tables of
+    sensors, begin at the folder of the printer's own machine file."""
 
     text: Annotated[str, Meta(max_length=500_000)]
 
 
 class NewMachineFile(MachineText, forbid_unknown_fields=True):
-    """The text to write. `replaces` is the `sha256` of the text that was edited: a file that has
-    changed meanwhile is not overwritten."""
+    """The text to write. `replaces` is the `sha256` that `machine.file` gave for the text before
+    the edit: a file that has changed since then is not overwritten."""
 
     replaces: str
 
 
 class MachineProblem(Struct):
-    """What is wrong with a machine file: `line` is 1 where no line is known; `key` is empty where
-    the text is not TOML; `action` is what to do next."""
+    """A problem of a machine file: `line` is 1 if the line is not known; `key` is empty if the text
+    is not TOML; `action` is what to do next."""
 
     code: str
     key: str
@@ -64,8 +64,8 @@ class MachineProblem(Struct):
 
 
 class Validation(Struct):
-    """Whether a text is a machine file. `questions` are values that are allowed and cannot be
-    right; `notes` say what is worth knowing of the machine."""
+    """Whether a text is a valid machine file. `questions` are values that are allowed but are
+    probably wrong; `notes` are facts about the machine that its owner should know."""
 
     ok: bool
     problems: list[MachineProblem]
@@ -74,17 +74,18 @@ class Validation(Struct):
 
 
 class Difference(Struct):
-    """`changes` are the keys that differ from the machine as it runs, with the values of the files
-    that the text names; `text` is what differs from the machine file, as `diff -u` shows it."""
+    """`changes` are the keys whose values differ from those of the running machine; values from
+    files that the text names are included. `text` is the difference from the machine file, as
+    `diff -u` shows it."""
 
     changes: list[KeyChange]
     text: str
 
 
 class Applied(Struct):
-    """What became of a machine file that was written. `live` are changed keys that act now;
+    """The effect of a machine file that was written. `live` are the changed keys that act now;
     `overridden` those that a stored setting or a command overrides; `restart` those that act after
-    `machine.restart`. `backup` is the path of the text before."""
+    `machine.restart`. `backup` is the path of a copy of the file before."""
 
     live: list[str]
     overridden: list[str]
@@ -104,7 +105,7 @@ class ShippedMachine(Struct):
 
 
 class ShippedFile(Struct):
-    """The file of a shipped machine, a start for one's own."""
+    """The machine file of a shipped machine; copy it to begin your own."""
 
     name: str
     text: str
@@ -121,8 +122,8 @@ async def read(call: Call) -> MachineFile:
 
 @operation("machine.keys", "GET", "/machine/keys", Role.VIEWER, errors=_CONFIG_ERRORS)
 async def keys(call: Call) -> list[KeyValue]:
-    """All keys of the machine file with their values, each with where it comes from, and the
-    setting that overrides it. Secrets are not shown."""
+    """All keys of the machine file with their values, the source of each value, and the setting
+    that overrides it. Secrets are not shown."""
     source, machine = call.bridge.machine_source, call.bridge.machine
 
     def found() -> list[KeyValue]:
@@ -148,7 +149,7 @@ async def described(_: Call) -> dict[str, Any]:
 
 @operation("machine.validate", "POST", "/machine/validate", Role.ADMIN)
 async def validate(call: Call, body: MachineText) -> Validation:
-    """Checks a text as `passo check` does: all problems at once."""
+    """Checks a text as `passo check` does, and reports all problems at once."""
     try:
         loaded = await _loaded(call, body.text)
     except ConfigError as error:
@@ -159,7 +160,7 @@ async def validate(call: Call, body: MachineText) -> Validation:
 
 @operation("machine.diff", "POST", "/machine/diff", Role.ADMIN, errors=_CONFIG_ERRORS)
 async def diff(call: Call, body: MachineText) -> Difference:
-    """Compares a text with the machine that runs, and with its file."""
+    """Compares a text with the running machine, and with its file."""
     source, machine = call.bridge.machine_source, call.bridge.machine
     loaded = await _loaded(call, body.text)
     before = await asyncio.to_thread(file.read, source, machine)
@@ -175,9 +176,9 @@ async def diff(call: Call, body: MachineText) -> Difference:
     errors=("machine.no-file", "machine.file-changed", "output.unwritable", *_CONFIG_ERRORS),
 )
 async def apply(call: Call, body: NewMachineFile) -> Applied:
-    """Writes the machine file, whole or not at all, if the text has no errors; the one before stays
-    beside it as FILE.toml.bak. Changes that commands can make act at once; the answer names those
-    that need a restart."""
+    """Writes the machine file, whole or not at all, if the text has no errors. A copy of the file
+    before is kept as FILE.toml.bak. Changes that commands can make act at once; the answer names
+    those that need a restart."""
     source, machine = call.bridge.machine_source, call.bridge.machine
     path = file.path_of(source)
     if path is None:
@@ -204,8 +205,9 @@ async def apply(call: Call, body: NewMachineFile) -> Applied:
 )
 async def restart(call: Call) -> None:
     """Ends the printer, and starts it again with the machine file as it is now: heaters go off, and
-    axes are not homed. Consoles and this connection are closed; connect again after some seconds.
-    Log-ins last if the printer has a folder for them (`--state`)."""
+    axes are not homed. The commands RESTART and M999 do not read the machine file. Consoles and
+    this connection are closed; connect again after some seconds. Log-ins stay valid if the printer
+    has a folder for them (`--state`)."""
     await call.bridge.restart_program()
 
 
@@ -254,8 +256,8 @@ def _problem(problem: Problem) -> MachineProblem:
 
 
 async def _act(call: Call, change: KeyChange, held: object, applied: Applied) -> list[str]:
-    """Makes a change if that is possible; the list of `applied` that it belongs to. `held` is the
-    value that the file had before, None if it stays."""
+    """Makes a change if a command can; returns the list of `applied` that it belongs to. `held` is
+    the value in the file before, None if the file has not changed it."""
     at = setting_of(change.key)
     setting = await _setting(call, at) if at and change.acts == "live" else None
     if at is None or setting is None:

@@ -22,16 +22,16 @@ class QueueFile(Struct, forbid_unknown_fields=True):
 
 
 class QueueMode(Struct, forbid_unknown_fields=True):
-    """Whether the next print starts by itself after one that is done: for printers that clear their
-    bed."""
+    """Whether the next print starts by itself after one that is done. Only for a printer that
+    clears its bed by itself."""
 
     automatic: bool
 
 
 class ClearBed(Struct, forbid_unknown_fields=True):
-    """The user confirms that the bed is clear."""
+    """The user confirms that no print is left on the bed."""
 
-    bed_clear: Annotated[bool, Meta(description="true, or nothing starts")]
+    bed_clear: Annotated[bool, Meta(description="must be true, else no print starts")]
 
 
 _NUMBER = ("queue.unknown", "queue.unwritable")
@@ -40,8 +40,8 @@ _CARD = ("card.absent", "card.not-found", "card.directory", "card.name")
 
 @operation("queue.get", "GET", "/queue", Role.VIEWER)
 async def get(call: Call) -> Queue:
-    """The prints that wait, the next one first. It lasts over a restart if the printer has a folder
-    for it (`--state`)."""
+    """The prints that wait, the next one first. The queue survives a restart if the printer has a
+    folder for it (`--state`)."""
     return await call.bridge.queue()
 
 
@@ -53,13 +53,13 @@ async def get(call: Call) -> Queue:
     errors=("queue.full", "queue.unwritable", *_CARD),
 )
 async def add(call: Call, body: QueueFile) -> QueuedPrint:
-    """Puts a file of the card at the end."""
+    """Adds a file of the card at the end of the queue."""
     return await call.bridge.queue_print(confined(body.path))
 
 
 @operation("queue.remove", "DELETE", "/queue/prints/{number}", Role.OPERATOR, errors=_NUMBER)
 async def remove(call: Call, number: int) -> None:
-    """Takes a print out."""
+    """Removes a print from the queue."""
     await call.bridge.unqueue_print(number)
 
 
@@ -67,13 +67,13 @@ async def remove(call: Call, number: int) -> None:
     "queue.move", "PUT", "/queue/prints/{number}/place/{place}", Role.OPERATOR, errors=_NUMBER
 )
 async def move(call: Call, number: int, place: int) -> None:
-    """Moves a print: to place 0 to be the next one, to a place beyond the end to be the last."""
+    """Moves a print to another place: 0 is the next print; a place beyond the end is the last."""
     await call.bridge.move_queued_print(number, place)
 
 
 @operation("queue.mode", "PUT", "/queue/mode", Role.OPERATOR, errors=("queue.unwritable",))
 async def mode(call: Call, body: QueueMode) -> None:
-    """Whether the next print waits for `queue.start`, as it does by default."""
+    """Sets whether the next print starts by itself, or waits for `queue.start` (the default)."""
     await call.bridge.set_queue_mode(automatic=body.automatic)
 
 
@@ -92,7 +92,7 @@ async def mode(call: Call, body: QueueMode) -> None:
     ),
 )
 async def start(call: Call, body: ClearBed) -> None:
-    """Starts the next print, and takes it out of the queue."""
+    """Starts the next print, and removes it from the queue."""
     if not body.bed_clear:
         raise CommandError.of("queue.bed")
     await call.bridge.start_queued_print()

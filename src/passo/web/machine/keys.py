@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _ABSENT = object()
-# Keys whose values commands set too: the command and its word.
+# Keys whose values commands set, too: the command and its word.
 _SETTINGS = (
     (re.compile(r"axes\.(.)\.speed_mm_s"), "M203", ""),
     (re.compile(r"axes\.(.)\.accel_mm_s2"), "M201", ""),
@@ -33,10 +33,10 @@ _SETTINGS = (
 
 
 class KeyValue(Struct):
-    """A key with its value. `source` is `file` (with the line there), `board` (the file of a board
-    or sensor that the machine file names), or `default`. `setting` is the command with the word
-    that sets the value too, empty of most keys; `setting_value` is the one that it has in force,
-    and `setting_source` says where that comes from: `file`, `stored` (M500), or `command`."""
+    """A key with its value. `source` is `file` (then `line` is its line), `board` (the file of a
+    board or sensor that the machine file names), or `default`. `setting` is the command and the
+    word that also set the value; it is empty for most keys. `setting_value` is the value in force,
+    and `setting_source` is where that comes from: `file`, `stored` (M500), or `command`."""
 
     key: str
     value: Any
@@ -48,8 +48,8 @@ class KeyValue(Struct):
 
 
 class KeyChange(Struct):
-    """A key that differs; a value is null where the key is missing. `acts` says when the change has
-    an effect: at once, or after a restart."""
+    """A key whose value differs; a value is null if the key is missing. `acts` says when the change
+    has an effect: at once (`live`), or after a `restart`."""
 
     key: str
     before: Any

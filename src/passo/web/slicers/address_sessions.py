@@ -37,7 +37,7 @@ class AddressSessions:
         return caller
 
     def renew(self, address: str, caller: Caller) -> None:
-        """A request of this caller took long: its session goes on, if it has one."""
+        """A long request of this caller has ended: its session continues, if it has one."""
         if (found := self._found.get(address)) is not None and found[0].key == caller.key:
             self._found[address] = (found[0], self._now_s())
 
