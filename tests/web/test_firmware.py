@@ -114,6 +114,14 @@ def test_build_of_a_text_with_errors_is_refused(web):
     assert (answer.status_code, answer.json()["error"]["code"]) == (404, "firmware.board")
 
 
+def test_build_for_a_machine_without_a_file_needs_a_text():
+    bridge = FakeBridge()
+    bridge.machine_source = ""  # a program made it
+    with client(site(bridge)) as web:
+        answer = web.post(f"{API}/build", json={})
+    assert (answer.status_code, answer.json()["error"]["code"]) == (409, "machine.no-file")
+
+
 def test_machine_text_becomes_an_image(web):
     web.post(f"{API}/build", json={"text": config.shipped_text("i3")})
     found = last(web)

@@ -1,6 +1,7 @@
 """The machine file over HTTP: read, checked, compared, written."""
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from tests.web.fake_bridge import FakeBridge
@@ -107,6 +108,14 @@ def test_file_with_errors_or_changed_by_another_is_not_written(web, path):
     answer = web.put(f"{API}/file", json={"text": TEXT, "replaces": "0"})
     assert (answer.status_code, answer.json()["error"]["code"]) == (409, "machine.file-changed")
     assert path.read_text() == TEXT
+
+
+def test_of_two_changes_of_the_same_text_one_is_written(web, path):
+    body = {"text": TEXT + "\n", "replaces": web.get(f"{API}/file").json()["sha256"]}
+    with ThreadPoolExecutor(2) as pool:
+        answers = list(pool.map(lambda _: web.put(f"{API}/file", json=body), range(2)))
+    assert sorted(answer.status_code for answer in answers) == [200, 409]
+    assert path.with_name("mine.toml.bak").read_text() == TEXT
 
 
 def test_shipped_machine_has_no_file_to_write():

@@ -99,3 +99,22 @@ def test_refusals_name_what_is_wrong(tmp_path):
         (404, "queue.unknown"),
         (409, "queue.empty"),
     ]
+
+
+def test_print_that_cannot_leave_the_queue_does_not_start(tmp_path):
+    card, state = files(tmp_path, "a.gcode", "b.gcode"), tmp_path / "state"
+
+    async def main():
+        async with Printer("i3", card=card, state=str(state)) as printer:
+            web = local_client(printer._bridge)
+            for name in ("a.gcode", "b.gcode"):
+                await asyncio.to_thread(web.post, API, json={"path": name})
+            await asyncio.to_thread(web.put, f"{API}/prints/1/place/{10**30}")
+            (state / "queue.json").unlink()
+            (state / "queue.json").mkdir()  # which no file replaces
+            start = await asyncio.to_thread(web.post, f"{API}/start", json={"bed_clear": True})
+            left = (await asyncio.to_thread(web.get, API)).json()
+            return start.json()["error"]["code"], paths(left), printer.status.state.name
+
+    waiting = ["/b.gcode", "/a.gcode"]
+    assert run(main(), clock=100) == ("queue.unwritable", waiting, "IDLE")
