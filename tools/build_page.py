@@ -102,7 +102,8 @@ def _install(npm: list[str], environment: dict[str, str], *, with_tests: bool) -
     print("Installing what builds the page ...", flush=True)
     left_out = [] if with_tests else ["--omit=dev"]
     command = [*npm, "ci", "--ignore-scripts", "--loglevel=error", *left_out]
-    subprocess.run(command, cwd=SOURCES, env=environment, check=True)
+    if subprocess.run(command, cwd=SOURCES, env=environment, check=False).returncode:
+        sys.exit("npm could not install the packages that build the page: its message is above.")
     (every if with_tests else few).write_text(wanted)
 
 

@@ -26,7 +26,19 @@ def machine_text(machine: MachineConfig) -> str:
     """Each value that is not a default as a line of TOML, `key.key = value`, those of the files of
     boards and sensors included. Passwords, tokens, users in URLs and the UUID are not shown."""
     values = machine.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
+    _add_kinds(values, machine.model_dump(mode="json"))
     return "".join(f"{line}\n" for line in _lines(values, ()))
+
+
+def _add_kinds(values: dict[str, object], whole: Mapping[str, object]) -> None:
+    """`kind` says which keys a table has, so it stays where it is the default of its table."""
+    for key, value in values.items():
+        if isinstance(value, dict):
+            content = cast("dict[str, object]", value)
+            of_whole = cast("Mapping[str, object]", whole[key])
+            if "kind" in of_whole:
+                content.setdefault("kind", of_whole["kind"])
+            _add_kinds(content, of_whole)
 
 
 def _lines(values: Mapping[str, object], path: tuple[str | int, ...]) -> Iterator[str]:
