@@ -10,7 +10,7 @@ BUILDS = {
     "x86-64 baseline": ["-DPASSO_NO_CLONES"],
     "x86-64 with AVX2": ["-DPASSO_NO_CLONES", "-march=x86-64-v3"],
     "address and undefined behaviour sanitizers": [
-        "-g",
+        "-O1",  # it compiles in half of the time
         "-fsanitize=address,undefined",
         "-fno-sanitize-recover=all",
     ],
