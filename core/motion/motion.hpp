@@ -185,7 +185,8 @@ class Motion {
   void resume_plan(std::vector<Move>& moves, double speed2, double clock);
   // After a cut. While moves are held, the plan ends with the stop.
   void continue_plan(std::vector<Move>& moves, double speed2);
-  // Cuts the plan at `ticks`, lets `change` change what follows the braking distance, then continues.
+  // Cuts the plan at `ticks`, lets `change` change what follows the braking distance, and
+  // continues.
   void change_from(double ticks, const std::function<void(std::vector<Move>&)>& change);
   // After a stop: the next move starts where the held plan would have continued, for each extruder
   // where its own moves would.
