@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 
 import passo
-from passo import Machine
+from passo import Machine, catalogue
 from passo.board.faults import BoardResetError, BoardSilentError
 from passo.board.trinamic.driver import DriverFailure
-from passo.catalogue import ExitStatus
+from passo.catalogue import CATALOGUE, Entry, ExitStatus
 from passo.errors import InputError, PassoError, Problem
 from passo.levelling.least_squares import RankError
 from passo.web.answers import Fault
@@ -37,6 +37,16 @@ MADE: dict[type[BaseException], Callable[[], BaseException]] = {
     RankError: lambda: RankError(2, 3),
     RequestError: lambda: RequestError(404, FAULT),
 }
+
+
+def test_code_is_in_one_file_of_the_catalogue() -> None:
+    tables: list[dict[str, Entry]] = [
+        table
+        for found in pkgutil.iter_modules(catalogue.__path__, "passo.catalogue.")
+        for table in vars(importlib.import_module(found.name)).values()
+        if isinstance(table, dict) and all(isinstance(row, Entry) for row in table.values())
+    ]
+    assert sorted(code for table in tables for code in table) == sorted(CATALOGUE)
 
 
 def public_errors() -> Iterator[type[BaseException]]:

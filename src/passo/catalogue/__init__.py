@@ -1,0 +1,52 @@
+"""The error catalogue: what may go wrong, said once, the same on every console, page and log.
+
+An entry names the part of Passo or of the printer that it concerns, the sentence (with the measured
+value and the limit in it), the next action of the user, and the exit status. A file holds the codes
+of one subject, or of a few that belong together: `heat.runaway` is in heat.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.card import CARD
+from passo.catalogue.command import COMMAND
+from passo.catalogue.config import CONFIG
+from passo.catalogue.driver import DRIVER
+from passo.catalogue.entry import Entry, ExitStatus
+from passo.catalogue.firmware import FIRMWARE
+from passo.catalogue.heat import HEAT
+from passo.catalogue.input import INPUT
+from passo.catalogue.job import JOB
+from passo.catalogue.levelling import LEVELLING
+from passo.catalogue.link import LINK
+from passo.catalogue.machine import MACHINE
+from passo.catalogue.macro import MACRO
+from passo.catalogue.probe import PROBE
+from passo.catalogue.settings import SETTINGS
+from passo.catalogue.web import WEB
+
+__all__ = ["CATALOGUE", "Entry", "ExitStatus", "codes_of"]
+
+CATALOGUE: Mapping[str, Entry] = {
+    **CONFIG,
+    **INPUT,
+    **CARD,
+    **WEB,
+    **JOB,
+    **SETTINGS,
+    **MACRO,
+    **COMMAND,
+    **MACHINE,
+    **LINK,
+    **PROBE,
+    **HEAT,
+    **DRIVER,
+    **FIRMWARE,
+    **LEVELLING,
+}
+
+
+def codes_of(subject: str) -> tuple[str, ...]:
+    """All codes that begin with `subject.`."""
+    return tuple(code for code in CATALOGUE if code.startswith(f"{subject}."))

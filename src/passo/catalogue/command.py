@@ -1,0 +1,50 @@
+"""Errors of commands that the printer refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.entry import Entry, bad_input
+
+COMMAND: Mapping[str, Entry] = {
+    "command.no-mains": bad_input(
+        "command", "the power supply is off", "Switch it on (M80), then send the command again"
+    ),
+    "command.fixed": bad_input(
+        "command",
+        "{value} is fixed while the printer runs",
+        "Change it in the machine file and start again",
+    ),
+    "command.real-board": bad_input(
+        "command",
+        "the boards of this machine are real, and no fault can be simulated on them",
+        'Start with a machine file whose [board] table has link = "simulated"',
+    ),
+    "command.no-fault": bad_input(
+        "command", "{value} is not a fault of this machine: expected {limit}", "Name one of these"
+    ),
+    "command.fault-order": bad_input(
+        "command", "{value} is not understood: expected {limit}", "Write it like that"
+    ),
+    "command.failed": bad_input(
+        "command", "{value}", "Remove the cause, then send the command again"
+    ),
+    "command.halted": bad_input(
+        "command",
+        "the board is stopped and reports nothing: {value}",
+        "Make the printer safe, then send M999",
+    ),
+    "command.aside": bad_input(
+        "command",
+        "{value} changes scales, in which the moves of the paused print are counted",
+        "Resume (M24) or cancel (M524), then send the command again",
+    ),
+    "command.value": bad_input(
+        "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
+    ),
+    "command.nothing-moves": bad_input(
+        "command",
+        "unknown axis {axis}; this machine has {limit}",
+        "Send the command with one of these letters",
+    ),
+}

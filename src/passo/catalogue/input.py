@@ -1,0 +1,187 @@
+"""Errors of G-code and of other files that Passo reads or writes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.entry import Entry, bad_input
+
+INPUT: Mapping[str, Entry] = {
+    "input.unreadable": bad_input(
+        "file", "cannot be read: {value}", "Check the path and permissions"
+    ),
+    "input.pipe": bad_input(
+        "file", "can be read only once, and not again", "Save it to a file first"
+    ),
+    "input.empty": bad_input("file", "holds no command", "Slice the model again"),
+    "input.no-known-command": bad_input(
+        "file", "holds no command that is known", "Give a sliced file, not a model or a text"
+    ),
+    "input.garbage": bad_input(
+        "gcode", "this is not G-code: {value}", "Give a sliced text file, not a model or a binary"
+    ),
+    "input.character": bad_input(
+        "gcode",
+        "{axis} in {value!r} is not a character of G-code",
+        "Replace it by an ASCII character, or put a ; before a comment",
+    ),
+    "input.decimal-comma": bad_input(
+        "gcode", "{value!r} has a decimal comma", "Write a decimal point in its place"
+    ),
+    "input.comma": bad_input(
+        "gcode", "{value!r} has a comma", "Put blanks, not commas, between words"
+    ),
+    "input.decimal-points": bad_input(
+        "gcode", "{value!r} has two decimal points", "Write one decimal number"
+    ),
+    "input.parameter": bad_input(
+        "gcode",
+        "{value!r} is a parameter, an expression or a placeholder, which are not evaluated",
+        "Write the number itself, or let the slicer or CAM program write plain G-code",
+    ),
+    "input.utf-16": bad_input(
+        "gcode", "the text is UTF-16, not UTF-8", "Save the file as UTF-8 or ASCII"
+    ),
+    "input.hole": bad_input(
+        "gcode",
+        "text follows the zero bytes of line {value}: a part of the file is missing",
+        "Copy or slice the file again",
+    ),
+    "input.after-end": bad_input(
+        "gcode",
+        "a command follows the Ctrl-Z of line {value}, which ends a text",
+        "Remove the Ctrl-Z, or what follows it",
+    ),
+    "input.number": bad_input(
+        "gcode",
+        "the word {value!r} has no valid number",
+        "Write a decimal number of at most 1e9 without exponent",
+    ),
+    "input.repeated": bad_input(
+        "gcode",
+        "the command has more than one {value}",
+        "Remove the word that is not meant. In place of an exponent, write a decimal number",
+    ),
+    "input.out-of-range": bad_input(
+        "motion",
+        "{axis} {value:.{decimals}f} mm is beyond the limit of {limit:.{decimals}f} mm",
+        "Move the model on the bed, or choose the right machine",
+    ),
+    "input.unreachable": bad_input(
+        "geometry",
+        "the point {value} mm cannot be reached by this machine: {limit}",
+        "Move the model on the bed, or choose the right machine",
+    ),
+    "input.actuator": bad_input(
+        "geometry",
+        "motor {axis} would go to {value:.{decimals}f}{unit}, beyond its limit of"
+        " {limit:.{decimals}f}{unit}",
+        "Move the model on the bed, or choose the right machine",
+    ),
+    "input.too-long": bad_input(
+        "motion",
+        "extruder {axis} would move {value:.0f} mm of filament in one move, of at most {limit:.0f}",
+        "Correct E, which counts from G92 unless M83 is in force, or use several moves",
+    ),
+    "input.too-slow": bad_input(
+        "motion",
+        "the move would take {value:.3g} s (limit {limit:,.0f} s): {axis} is too slow",
+        "Correct F, T, M203 or the speeds of the machine file, or use several moves",
+    ),
+    "input.feedrate": bad_input(
+        "gcode", "the feed rate F{value:g} must be above 0", "Give the speed in mm per minute"
+    ),
+    "input.arc": bad_input(
+        "gcode",
+        "the arc has no circle: {value} does not fit its end",
+        "Give the centre, or an R of at least half the distance",
+    ),
+    "input.centre": bad_input(
+        "gcode",
+        "the arc has neither a centre nor a radius: {value} are missing, or 0",
+        "Give the centre from where the arc begins, or the radius R",
+    ),
+    "input.radii": bad_input(
+        "gcode",
+        "the arc begins {value:.3f} mm from its centre and ends {limit:.3f} mm from it",
+        "Correct I, J or K, which count from where the arc begins, or its end",
+    ),
+    "input.checksum": bad_input(
+        "gcode",
+        "the checksum {value} is wrong: the line's is *{limit}",
+        "Send the line again",
+    ),
+    "input.no-line": bad_input(
+        "file", "there is no line {value}: the file has {limit}", "Name a line of the file"
+    ),
+    "input.point": bad_input(
+        "heat",
+        "{value!r} is no pair of temperatures from 0 to 400 °C",
+        "Write the shown and the true temperature as 200:187",
+    ),
+    "input.point-far": bad_input(
+        "heat",
+        "{value:g} °C is too far from the {key:g} °C that is shown: expected {limit}",
+        "Look at the thermometer, and whether the machine file names the right thermistor",
+    ),
+    "input.point-order": bad_input(
+        "heat",
+        "{value:g} °C where {key:g} °C is shown is no more than the {limit:g} °C at {before:g} °C",
+        "Measure again, from the lower of the two",
+    ),
+    "input.other-answers": bad_input(
+        "file",
+        "it begins with {value!r}, not with {limit!r}",
+        "Delete it, or start elsewhere",
+    ),
+    "input.missing-tool": bad_input(
+        "printer",
+        "tool T{value} does not exist: the machine has {limit} tool(s)",
+        "Choose a machine with this tool, or slice without it",
+    ),
+    "input.cold": bad_input(
+        "heat",
+        "cold extrusion prevented: the hotend is too cold for filament to move",
+        "Heat it first (M109), or allow it (M302 P1)",
+    ),
+    "input.missing-word": bad_input(
+        "gcode",
+        "{axis} needs {value}",
+        "Add the word to the command, or to one before it in the cycle",
+    ),
+    "input.call": bad_input(
+        "gcode",
+        "{axis} cannot be carried out: {value}",
+        "Correct the call, or put O and the number before the sub-program and M99 at its end",
+    ),
+    "input.unknown-moves": bad_input(
+        "gcode",
+        "{value} is unknown here; on other firmware it may move or heat the machine",
+        "Replace it by the commands that it stands for",
+    ),
+    "input.no-macro": bad_input(
+        "gcode",
+        "{value} is unknown here; it is usually a macro, and the machine file has no"
+        " [macros.{value}]",
+        "Add this section with its gcode to the machine file",
+    ),
+    "input.no-levelling": bad_input(
+        "gcode",
+        "{value} levels the bed, and this machine has no probe",
+        "Remove it from the file and level the bed by hand",
+    ),
+    "input.unsaved": bad_input(
+        "moves", "no position was saved as {value}", "Save one with G60 first"
+    ),
+    "input.not-homed": bad_input(
+        "homing",
+        "axis {axis} is not homed",
+        "Home it (G28), or set its position (G92)",
+    ),
+    "input.homing": bad_input(
+        "homing", "{axis} has to wait until all axes are homed", "Send it again when G28 is done"
+    ),
+    "output.unwritable": bad_input(
+        "file", "cannot be written: {value}", "Check the path, its permissions and the free space"
+    ),
+}

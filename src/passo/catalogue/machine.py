@@ -1,0 +1,165 @@
+"""Errors that halt the machine or end a connection to its boards, and refusals to change it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.entry import Entry, ExitStatus
+
+
+def _config(says: str, action: str) -> Entry:
+    return Entry("config", says, action, ExitStatus.BAD_CONFIG)
+
+
+MACHINE: Mapping[str, Entry] = {
+    "machine.no-file": _config(
+        "{value} is not a file that can be changed: it comes with Passo, or a program made it",
+        "Save the text as a file of your own, and start with --machine FILE.toml",
+    ),
+    "machine.file-changed": _config(
+        "the machine file has changed since it was read", "Read it again, and compare the two"
+    ),
+    "machine.no-restart": _config(
+        "this printer cannot be restarted from the web: a program opened it, or it has --stdin",
+        "Stop Passo and start it again",
+    ),
+    "machine.switch-missed": Entry(
+        "homing",
+        "{axis} was not homed: {value} was not triggered within {limit} towards {position}",
+        "Check that the axis moved towards it, and what M119 reports while you press it",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.switch-lost": Entry(
+        "homing",
+        "{axis} was not homed: {value} and a motor of it are on boards that lost each other",
+        "Look at the cables of the boards, and at how busy this computer is",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.switch-stuck": Entry(
+        "homing",
+        "{axis} was not homed: {value} is still triggered {limit} away from {position}",
+        "Check its wiring and the ! in front of its pin, or raise its retract distance",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.emergency-stop": Entry(
+        "job",
+        "emergency stop by M112",
+        "Take it out of the file, or end the program there with M2",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.restart": Entry(
+        "printer",
+        "the printer restarts, as RESTART or FIRMWARE_RESTART asks",
+        "Home it before you move it",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.stopped": Entry(
+        "job",
+        "the print was stopped by M410",
+        "Take it out of the file, or end the program there with M2",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.slow-heater": Entry(
+        "heat",
+        "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",
+        "Check its cartridge, its supply, and that its sensor is seated",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.unreachable": Entry(
+        "board",
+        "the board cannot be reached at {axis}: {value}",
+        "Check its cable and supply, and link and port in the machine file",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.silent": Entry(
+        "board",
+        "the board does not answer {value}",
+        "Check its supply, the baud rate, and that its firmware is Passo's or Klipper's",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.dictionary": Entry(
+        "board",
+        "the board's dictionary does not fit the machine file: {value}",
+        "Choose the right board and firmware in the machine file, or build the firmware for it",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.no-reset": Entry(
+        "board",
+        "{value} is in use and cannot be restarted by a command",
+        "Switch its supply off and on (restart the program klipper_mcu of a Linux computer), then"
+        " try again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.old-firmware": Entry(
+        "board",
+        "the board's firmware is older than this program",
+        "Build and flash it again: passo firmware flash",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.closed": Entry(
+        "board",
+        "the connection to the board has ended",
+        "Check its cable and supply, and start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.link-failed": Entry(
+        "board",
+        "the connection to the board was ended: {value}",
+        "Check that its firmware is Passo's or Klipper's and fits the machine file",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.alone": Entry(
+        "board",
+        "the board ran out of commands and braked to a stop",
+        "End other programs on the computer, use a shorter or faster link, or start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.began-anew": Entry(
+        "board",
+        "{value} restarted (reset or power failure); position lost",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.place-unknown": Entry(
+        "board",
+        "the board does not report where it stopped when the link was lost",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.displaced": Entry(
+        "board",
+        "motor {axis} stopped at {value} steps when the link was lost, not at {limit}",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.no-power": Entry(
+        "board",
+        "the power supply is off, and a motor was to move",
+        "Make the printer safe, switch the power supply on (M80), then send M999",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.idle": Entry(
+        "job",
+        "idle for {value:g} s (M85)",
+        "Make the printer safe, then send M999",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.unstopped": Entry(
+        "board",
+        "the emergency stop has not reached {value}, which may heat for up to a minute",
+        "Cut the printer's power, or bring the link back",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.program": Entry(
+        "program",
+        "a fault of the program, {value}",
+        "Report it, with the last lines that the host has sent",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.shutdown": Entry(
+        "board",
+        "the board shut down: {value}",
+        "Remove the cause, then start again or send M999",
+        ExitStatus.MACHINE_FAULT,
+    ),
+}

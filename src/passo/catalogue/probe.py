@@ -1,0 +1,49 @@
+"""Errors of probes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.entry import Entry, ExitStatus
+
+
+def _probe(says: str, action: str) -> Entry:
+    return Entry("probe", says, action, ExitStatus.MACHINE_FAULT)
+
+
+PROBE: Mapping[str, Entry] = {
+    "probe.none": _probe("this machine has no probe", "Describe it in [probe] of the machine file"),
+    "probe.out-of-reach": _probe(
+        "{axis} is out of reach: with the probe at {value} the nozzle is at {position},"
+        " and {limit}",
+        "Move the point, or correct offset_mm of [probe]",
+    ),
+    "probe.triggered": _probe(
+        "{axis} was not measured: the probe is triggered at {value} with the nozzle at {position},"
+        " also after a lift by {limit}",
+        "Look whether something touches the probe, at its cable, and at the ! in front of its pin",
+    ),
+    "probe.missed": _probe(
+        "{axis} was not measured: the probe was not triggered at {value} down to {limit} of the"
+        " nozzle, which was at {position}",
+        "Look at the cable of the probe, at what M119 reports while you trigger it, and at the"
+        " height of the bed",
+    ),
+    "probe.early": _probe(
+        "{axis} was not measured: the probe was triggered at {value} with the nozzle at {position},"
+        " less than {limit} below the start of the descent",
+        "Look at the cable of the probe; a sensor that is shaken needs settle_s",
+    ),
+    "probe.apart": _probe(
+        "{axis} was not measured: at {value} two descents differ by {position}, of at most {limit}",
+        "Clean the nozzle and the bed, and look whether the probe is loose",
+    ),
+    "probe.unsteady": _probe(
+        "{axis} was not measured: at {value} the samples differ by {position}, of at most {limit}",
+        "Clean the nozzle and the bed, look whether the probe is loose, or raise tolerance_mm",
+    ),
+    "probe.lost": _probe(
+        "{axis} was not measured: the boards of the probe and of a motor lost each other",
+        "Look at the cables of the boards, and at how busy this computer is",
+    ),
+}

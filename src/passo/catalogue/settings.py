@@ -1,0 +1,34 @@
+"""Errors of stored settings and of the folder of --state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.entry import Entry, bad_input
+
+SETTINGS: Mapping[str, Entry] = {
+    "settings.nowhere": bad_input(
+        "settings", "there is no place to store settings", "Start with --state DIRECTORY"
+    ),
+    "settings.none": bad_input("settings", "no settings are stored", "Store them first (M500)"),
+    "settings.unreadable": bad_input(
+        "settings",
+        "the stored settings are not used: {value}",
+        "Store new ones (M500); until then the machine file's hold",
+    ),
+    "settings.unwritable": bad_input(
+        "settings",
+        "the settings were not stored: {value}",
+        "Check the directory, its permissions and the free space on the disk",
+    ),
+    "state.busy": bad_input(
+        "printer",
+        "another printer keeps its prints and settings there",
+        "Stop that one, or give each a folder of its own (--state)",
+    ),
+    "option.unknown": bad_input(
+        "settings",
+        "UnknownOption: there is no option {value}",
+        "Name one as APrinter does, such as XStepsPerUnit",
+    ),
+}
