@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from tests.console.test_card import numbered
+from tests.support.numbered_lines import numbered
 from tests.support.scenario import Host, Scenario
 
 from passo.errors import CardError
