@@ -12,6 +12,7 @@ from passo.web import openapi
 from passo.web.access import Access, Binding
 from passo.web.answers import JSON
 from passo.web.feed import serve_feed
+from passo.web.feeds import Feeds
 from passo.web.files.metadata import MetadataReader
 from passo.web.files.uploads import Uploads
 from passo.web.firmware.builds import Builds
@@ -49,14 +50,14 @@ def web_app(
     access, metadata = Access(accounts, binding), MetadataReader(bridge, state)
     uploads = Uploads(bridge, metadata.want)
     site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, Builds())
-    messages = Messages()
+    feeds, messages = Feeds(bridge), Messages()
     described = openapi.encoded(OPERATIONS)
 
     async def description(_: Request) -> Response:
         return Response(described, media_type=JSON)
 
     async def feed(websocket: WebSocket) -> None:
-        await serve_feed(site, messages, websocket)
+        await serve_feed(site, feeds, messages, websocket)
 
     app = Starlette(
         routes=[

@@ -3,14 +3,14 @@ misses states."""
 
 from __future__ import annotations
 
+import asyncio
 from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import msgspec
-from anyio import Event as Signal
-from anyio import create_task_group, fail_after, move_on_after
+from anyio import create_task_group
 from msgspec import Meta, Struct
 from starlette.websockets import WebSocketDisconnect
 
@@ -25,18 +25,15 @@ if TYPE_CHECKING:
 
     from passo.events import Event
     from passo.printer.console_lines import ConsoleLine
-    from passo.web.bridge import Snapshot
     from passo.web.deltas import Tree
+    from passo.web.feeds import Feeds
     from passo.web.messages import Messages
     from passo.web.operation import Caller
     from passo.web.site import Site
 
 _MAX_WAITING = 1000  # events, and as many lines, for a slow client
 _MAX_SCRIPTS = 16  # of one client under way
-_TIMEOUT_S = 5.0  # of a client that does not read
-_RIGHTS_EVERY_S = 5.0  # how often an idle feed looks whether its log-in goes on
-_TOO_SLOW = 1013  # "try again later" (IANA, WebSocket close codes)
-_NOT_ALLOWED = 1008  # "policy violation"
+_NOT_ALLOWED = 1008  # "policy violation" (IANA, WebSocket close codes)
 
 
 class Script(Struct, tag_field="type", tag="script", forbid_unknown_fields=True):
@@ -62,7 +59,7 @@ class BuildLine:
     line: str
 
 
-async def serve_feed(site: Site, messages: Messages, websocket: WebSocket) -> None:
+async def serve_feed(site: Site, feeds: Feeds, messages: Messages, websocket: WebSocket) -> None:
     """Serves a client if it may see the printer; nothing is sent before that is certain."""
     try:
         caller = site.access.caller(websocket, writes=False)
@@ -70,50 +67,57 @@ async def serve_feed(site: Site, messages: Messages, websocket: WebSocket) -> No
     except PassoError as error:
         await websocket.send_denial_response(refusal(error))
         return
-    await Feed(site, messages, websocket, caller).run()
+    await Feed(site, feeds, messages, websocket, caller).run()
 
 
 class Feed:
     """Messages are JSON objects with a `type`: docs/reference/http.md lists them."""
 
     def __init__(
-        self, site: Site, messages: Messages, websocket: WebSocket, caller: Caller
+        self,
+        site: Site,
+        feeds: Feeds,
+        messages: Messages,
+        websocket: WebSocket,
+        caller: Caller,
     ) -> None:
-        self._site, self._messages = site, messages
+        self._site, self._feeds, self._messages = site, feeds, messages
         self._websocket, self._caller = websocket, caller
-        self._snapshot: Snapshot | None = None  # newer than the one that was sent
         self._waiting: deque[Event | ConsoleLine | BuildLine] = deque()
         self._answers: deque[Tree] = deque()
         self._lost = 0
-        self._sent = site.bridge.latest()
-        self._news = Signal()
+        self._news = asyncio.Event()
         self._scripts = 0
         self._end_lines = lambda: None
 
-    def on_snapshot(self, snapshot: Snapshot) -> None:
-        """As `Listener.on_snapshot`."""
-        self._snapshot = snapshot
+    def wake(self) -> None:
+        """As `Woken.wake`."""
         self._news.set()
 
     def on_event(self, event: Event) -> None:
-        """As `Listener.on_event`."""
-        self._queue(event)
+        """As `Woken.on_event`."""
+        self._keep(event)
 
-    def _queue(self, one: Event | ConsoleLine | BuildLine) -> None:
+    def _keep(self, one: Event | ConsoleLine | BuildLine) -> None:
         if len(self._waiting) == _MAX_WAITING:
             self._waiting.popleft()
             self._lost += 1
         self._waiting.append(one)
+
+    def _queue(self, one: ConsoleLine | BuildLine) -> None:
+        self._keep(one)
         self._news.set()
 
     async def run(self) -> None:
         """Serves the client until it leaves, does not read, or may not see the printer any more."""
         await self._websocket.accept()
-        end = self._site.bridge.listen(self)
+        end = self._feeds.join(self)
+        self._sent = self._feeds.snapshot
         try:
             async with create_task_group() as group:
                 group.start_soon(self._receive, group)
-                await self._send_all()
+                with suppress(WebSocketDisconnect):  # it may leave at any time
+                    await self._send_all()
                 group.cancel_scope.cancel()
         finally:
             end()
@@ -176,26 +180,20 @@ class Feed:
     # -- to the client ----------------------------------------------------------------------------
 
     async def _send_all(self) -> None:
-        self._sent = self._site.bridge.latest()
-        try:
-            await self._send(self._messages.status(self._sent))
-            while True:
-                with move_on_after(_RIGHTS_EVERY_S):
-                    await self._news.wait()
-                if not self._site.access.holds(self._caller):
-                    await self._websocket.close(_NOT_ALLOWED)
-                    return
-                self._news = Signal()
-                await self._send_news()
-        except TimeoutError:
-            await self._websocket.close(_TOO_SLOW)
+        await self._send(self._messages.status(self._sent))
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            if not self._site.access.holds(self._caller):
+                await self._websocket.close(_NOT_ALLOWED)
+                return
+            await self._send_news()
 
     async def _send_news(self) -> None:
         if (lost := self._lost) > 0:
             self._lost = 0
             await self._send(text("lost", events=lost))
-        snapshot, self._snapshot = self._snapshot, None
-        if snapshot is not None:
+        if (snapshot := self._feeds.snapshot) is not self._sent:
             changed, self._sent = self._messages.changes(self._sent, snapshot), snapshot
             if changed:
                 await self._send(changed)
@@ -211,5 +209,5 @@ class Feed:
             await self._send(text("answer", **self._answers.popleft()))
 
     async def _send(self, message: str) -> None:
-        with fail_after(_TIMEOUT_S):
-            await self._websocket.send_text(message)
+        """Waits while the client does not read; `web/protocol.py` ends that."""
+        await self._websocket.send_text(message)

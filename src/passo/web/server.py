@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import uvicorn
 
 from passo.errors import InputError
-from passo.web.protocol import LimitedProtocol
+from passo.web.protocol import LimitedProtocol, LimitedWebSocket
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -21,6 +21,23 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 _FRAME = 1 << 16  # bytes of a WebSocket message
 _BACKLOG = 128
+
+
+def configuration(app: ASGIApp) -> uvicorn.Config:
+    """How uvicorn serves an application."""
+    return uvicorn.Config(
+        app,
+        http=LimitedProtocol,
+        lifespan="off",
+        ws=LimitedWebSocket,
+        ws_per_message_deflate=False,
+        ws_max_size=_FRAME,
+        access_log=False,
+        log_config=None,
+        server_header=False,
+        proxy_headers=False,
+        timeout_graceful_shutdown=1,
+    )
 
 
 class _Server(uvicorn.Server):
@@ -71,20 +88,7 @@ class WebThread:
 
     def serve(self, app: ASGIApp, listening: socket.socket) -> None:
         """Serves an application on a socket that listens."""
-        config = uvicorn.Config(
-            app,
-            http=LimitedProtocol,
-            lifespan="off",
-            ws="websockets-sansio",
-            ws_per_message_deflate=False,
-            ws_max_size=_FRAME,
-            access_log=False,
-            log_config=None,
-            server_header=False,
-            proxy_headers=False,
-            timeout_graceful_shutdown=1,
-        )
-        server = _Server(config)
+        server = _Server(configuration(app))
         self._closers.append(lambda: setattr(server, "should_exit", True))
         self.start(server.serve(sockets=[listening]))
 

@@ -62,9 +62,10 @@ class Body:
             if message["type"] == "http.disconnect":
                 self._more = False
                 raise ClientDisconnect
-            self._more = message.get("more_body", False)
-            data = message.get("body", b"")
+            data, more = message.get("body", b""), message.get("more_body", False)
+            self._more = False  # of a sender that is too slow, no more is read
             pace.received(current_time(), len(data))
+            self._more = more
             if data:
                 yield data
 
