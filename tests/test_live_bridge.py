@@ -1,6 +1,7 @@
 """What crosses between a printer and the web, in one loop in virtual time."""
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
 
@@ -44,7 +45,7 @@ def test_snapshots_count_up_and_show_what_was_done(tmp_path):
         assert await bridge.run("G28\nG1 X50 F6000\nM400") == ()
         await asyncio.sleep(0.5)
         versions = [snapshot.version for snapshot in heard.snapshots]
-        assert versions == list(range(versions[0], versions[0] + len(versions)))
+        assert versions == sorted(set(versions))
         assert heard.snapshots[-1] is bridge.latest()
         assert bridge.latest().status.position_mm["x"] == 50.0
         assert bridge.latest().status.homed == frozenset("xyz")
@@ -174,6 +175,71 @@ def test_a_file_that_is_printed_stays_as_it_is(tmp_path):
         await asyncio.sleep(0.5)
         assert bridge.latest().status.files.selected == ""
         assert (tmp_path / "games" / "part.gcode").read_text() == MOVES
+
+    bridged(test, tmp_path)
+
+
+class StuckLoop(asyncio.SelectorEventLoop):
+    """The loop of a web whose thread does nothing any more; counts what waits for it."""
+
+    waiting = 0
+
+    def call_soon_threadsafe(self, callback, *args, context=None):
+        self.waiting += 1
+
+
+def printed_beside_a_stuck_web(tmp_path, listeners):
+    """A print with a console that asks 20 times a second: when each `ok` came and where the machine
+    was, and how many calls wait for the web, which has so many listeners and never runs."""
+    (tmp_path / "part.gcode").write_text(MOVES)
+    oks, stuck = [], StuckLoop()
+
+    async def add():
+        for _ in range(listeners):
+            bridges[0].listen(Heard())
+
+    bridges = []
+
+    async def main():
+        async with passo.Printer("i3", card=str(tmp_path)) as printer:
+            bridges.append(printer._bridge)
+            with ThreadPoolExecutor() as pool:
+                pool.submit(stuck.run_until_complete, add()).result()
+            await printer.send("M302 P1")
+            await bridges[0].start_print("/part.gcode")
+            loop = asyncio.get_running_loop()
+            for _ in range(400):
+                await printer.send("M105")
+                status = printer.status
+                oks.append((loop.time(), status.job.line, status.position_mm))
+                await asyncio.sleep(0.05)
+
+    passo.run(main(), clock="virtual")
+    stuck.close()
+    return oks, stuck.waiting
+
+
+def test_a_web_that_is_stuck_delays_no_ok_and_no_step(tmp_path):
+    oks, waiting = printed_beside_a_stuck_web(tmp_path, 0)
+    assert oks[-1][1] > 10  # the machine has moved
+    assert waiting == 0
+    of_one = printed_beside_a_stuck_web(tmp_path, 1)
+    assert of_one[0] == oks
+    assert 80 <= of_one[1] <= 100 + 30  # a tick each 0.25 s, and events
+    assert printed_beside_a_stuck_web(tmp_path, 50) == of_one
+
+
+def test_many_scripts_make_no_more_snapshots_than_ticks(tmp_path):
+    async def test(bridge: LiveBridge, heard):
+        await bridge.start_print("/part.gcode")
+        await asyncio.sleep(12)
+        before = len(heard.snapshots)
+        for _ in range(200):
+            await bridge.run("M105")
+            await asyncio.sleep(0.02)
+        assert 15 <= len(heard.snapshots) - before <= 18  # in 4 s
+        await bridge.run("M220 S90")
+        assert bridge.latest().status.speed_factor == 0.9  # before listeners get it
 
     bridged(test, tmp_path)
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from passo.job.live.print_queue import QueuedPrint
     from passo.learn.explanation import Explanation
     from passo.printer.console_lines import ConsoleLine
+    from passo.printer.status import PrinterState
     from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
@@ -72,7 +73,7 @@ class LiveBridge:
         self._line_listeners: list[
             tuple[asyncio.AbstractEventLoop, Callable[[ConsoleLine], None]]
         ] = []  # changed in the printer's loop
-        self._latest = self._snapshot(0)
+        self._latest = self._told = self._snapshot(0)
         self._ends = [
             observer.on_status(lambda _: self._tick(), every_s=TICK_S),
             observer.on_event(self._event),
@@ -98,12 +99,23 @@ class LiveBridge:
     def _snapshot(self, version: int) -> Snapshot:
         return Snapshot(version, time.monotonic(), self._assembly.status.read())
 
-    def _tick(self) -> None:
+    def _refresh(self) -> None:
         snapshot = self._snapshot(self._latest.version + 1)
-        if snapshot.status == self._latest.status:
-            return
-        self._latest = snapshot
-        self._tell(lambda listener: listener.on_snapshot(snapshot))
+        if snapshot.status != self._latest.status:
+            self._latest = snapshot
+
+    def _tick(self) -> None:
+        self._refresh()
+        if (snapshot := self._latest) is not self._told:
+            self._told = snapshot
+            self._tell(lambda listener: listener.on_snapshot(snapshot))
+
+    def _called(self) -> None:
+        """A call shows in `latest`. Listeners get it with the next tick, so that many callers do
+        not cause many messages; at once only if the printer or the print has another state."""
+        self._refresh()
+        if _does(self._latest) != _does(self._told):
+            self._tick()
 
     def _tell(self, tell: Callable[[Listener], None]) -> None:
         """Crosses once to each loop, however many listeners it has."""
@@ -114,7 +126,7 @@ class LiveBridge:
         try:
             return await self._carry_out(script, heard, sender)
         finally:
-            self._tick()
+            self._called()
 
     async def _carry_out(self, script: str, heard: Hearer | None, sender: str) -> tuple[str, ...]:
         lines = script.splitlines()
@@ -160,7 +172,7 @@ class LiveBridge:
             try:
                 return action()
             finally:
-                self._tick()
+                self._called()
 
         return await self._cross(run())
 
@@ -377,6 +389,10 @@ class LiveBridge:
             return await asyncio.wrap_future(work)
         finally:
             ended.set()
+
+
+def _does(snapshot: Snapshot) -> tuple[PrinterState, bool]:
+    return snapshot.status.state, snapshot.status.job is None
 
 
 def _explain(
