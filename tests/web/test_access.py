@@ -9,8 +9,10 @@ from starlette.websockets import WebSocketDisconnect
 from tests.web.fake_bridge import FakeBridge
 from tests.web.local_site import HOST, Clock, accounts, client, local_client, site
 
+from passo.web import openapi
 from passo.web.accounts.accounts import FRESH_S, IDLE_S, MAX_AGE_S
 from passo.web.operations import OPERATIONS
+from passo.web.pages import page_routes
 from passo.web.roles import Role
 
 API = "/api/v1"
@@ -75,9 +77,8 @@ def by_role(served):
 @pytest.mark.parametrize("operation", OPERATIONS, ids=lambda operation: operation.name)
 def test_operation_is_for_its_role_and_above(served, by_role, operation):
     for role in (Role.PUBLIC, *ROLES):
-        if operation.verb in ("log_out", "stop"):
-            continue
-        status = request(by_role[role], operation).status_code
+        web = served.as_role(role) if operation.verb == "log_out" else by_role[role]
+        status = request(web, operation).status_code
         if role >= operation.role:
             assert status not in (401, 403), role
         else:
@@ -87,6 +88,13 @@ def test_operation_is_for_its_role_and_above(served, by_role, operation):
         status = request(client(served.app()), operation, headers=headers).status_code
         allowed = role >= operation.role and not operation.fresh
         assert (status not in (401, 403)) == allowed, role
+
+
+def test_every_route_is_an_operation_the_feed_or_a_file_of_the_page():
+    application = site(FakeBridge())._app
+    paths = {route.path for route in application.routes}
+    page = {route.path for route in page_routes()}
+    assert paths == {o.path for o in OPERATIONS} | page | {openapi.PATH, f"{API}/feed"}
 
 
 def test_every_operation_but_the_first_log_in_needs_one():
