@@ -2,7 +2,7 @@
 
 500 WebSocket clients that only listen, and 50 that run a script a second, on one printer that
 prints from its card. Prints the delay of `ok` on a TCP console, without and with the clients, how
-long a status takes, and the late commands that the printer has counted.
+long a status takes, and what the link has counted by then (M122): late frames, and its least slack.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -34,6 +35,7 @@ def served(folder: Path) -> tuple[subprocess.Popen[str], str, int]:
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     line = next(line for line in process.stderr if line.startswith("Serving"))
+    threading.Thread(target=process.stderr.read, daemon=True).start()  # what it logs
     tcp, web = (part.strip(" .\n") for part in line.rpartition(" on ")[2].split(","))
     return process, web, int(tcp.rpartition(":")[2])
 
@@ -51,6 +53,16 @@ async def oks(port: int) -> list[float]:
         await asyncio.sleep(PACE_S)
     writer.close()
     return found
+
+
+async def link_report(port: int) -> str:
+    """The line of M122 that has the late frames since the start."""
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    writer.write(b"M122\n")
+    while not (line := (await reader.readline()).decode()).startswith("Link"):
+        pass
+    writer.close()
+    return line.strip()
 
 
 async def listen(place: str, answers: list[float], *, active: bool) -> None:
@@ -94,11 +106,13 @@ async def measure(web: str, port: int) -> None:
     await asyncio.sleep(1)
     shown("ok, no web clients", await oks(port))
     shown("status, no web clients", await statuses(web))
+    print(await link_report(port), flush=True)
     # In a process of their own: what these clients do is not what is measured.
     load = subprocess.Popen([sys.executable, __file__, web])
     await asyncio.sleep(5)
     shown(f"ok, {IDLE} idle and {ACTIVE} active", await oks(port))
     shown(f"status, {IDLE} idle and {ACTIVE} active", await statuses(web))
+    print(await link_report(port), flush=True)
     load.wait()
     status = (await client.status.get()).status
     print(f"state {status.state.name}, faults {len(status.faults)}")
