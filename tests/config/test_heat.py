@@ -89,7 +89,7 @@ def test_gains_of_another_unit_are_questioned(i3_text, tmp_path, heater, gains, 
     line = f"control = {{ kind = 'pid', {gains} }}\n"
     file = tmp_path / "my.toml"
     file.write_text(i3_text.replace(head, head + line))
-    machine, (question,) = config.load_and_question(file)
+    machine, (question,), _ = config.load_and_question(file)
     assert getattr(machine.heaters[heater].control, key) > 0
     assert question.place == f"{file}:{i3_text[: i3_text.index(head)].count(chr(10)) + 2}"
     assert f"heaters.{heater}.control.{key} is " in str(question)

@@ -181,6 +181,7 @@ INPUT: Mapping[str, Entry] = {
     "input.homing": bad_input(
         "homing", "{axis} has to wait until all axes are homed", "Send it again when G28 is done"
     ),
+    "output.exists": bad_input("file", "exists already", "Choose another name"),
     "output.unwritable": bad_input(
         "file", "cannot be written: {value}", "Check the path, its permissions and the free space"
     ),

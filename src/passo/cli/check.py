@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     from passo.config.notes import notes, unchecked_boards
 
     try:
-        machine, questions = config.load_and_question(arguments.file)
+        machine, questions, _ = config.load_and_question(arguments.file)
     except ConfigError as error:
         if not arguments.json:
             raise

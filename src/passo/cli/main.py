@@ -32,7 +32,10 @@ COMMANDS: dict[str, str] = {
     "calibrate": "find a thermistor's β from what a thermometer says",
     "machines": "list the machines that come with Passo",
     "firmware": "list boards, build and flash their firmware",
+    "init": "make a machine file: ask about the printer, and write what was answered",
     "check": "check a machine file and report everything that is wrong with it",
+    "config": "explain a key of the machine file: meaning, value, and where it is set",
+    "schema": "print the JSON Schema of the machine file, for editors",
 }
 
 

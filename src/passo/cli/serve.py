@@ -192,7 +192,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Serves until interrupted, by Ctrl-C or SIGTERM; heaters and laser are off then."""
     from passo import config
 
-    machine, questions = config.load_and_question(arguments.machine)
+    machine, questions, _ = config.load_and_question(arguments.machine)
     for question in questions:
         print(question, file=sys.stderr)
     if machine.board.link != "simulated" and arguments.clock != 1.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date, time
@@ -10,6 +11,8 @@ from math import isfinite
 from typing import Any, cast
 
 from passo.config.toml_lines import Path
+
+_PART = re.compile(r"(?:^|\.)([^.\[\]]+)|\[(\d+)\]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +39,11 @@ def key_text(path: Path) -> str:
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
     return text
+
+
+def path_of(key: str) -> Path:
+    """The path of a key that is written as `key_text` writes it."""
+    return tuple(int(index) if index else name for name, index in _PART.findall(key))
 
 
 class _Written(str):

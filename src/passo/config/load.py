@@ -21,10 +21,11 @@ from passo.config.geometry_kinds import KINDS
 from passo.config.heat_checks import check_sensors
 from passo.config.home_checks import check_home, check_home_sides, check_park, check_scales
 from passo.config.machine import MachineConfig
+from passo.config.origins import Origins
 from passo.config.probing_checks import check_probe
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
-from passo.config.toml_lines import Path, key_lines, line_of
+from passo.config.toml_lines import Path, line_of
 from passo.errors import ConfigError, Problem
 
 _HERE = FilePath(__file__).parent
@@ -54,10 +55,12 @@ def machine_path(name_or_path: str) -> FilePath | None:
 
 
 class Loaded(NamedTuple):
-    """A machine, and what its file may not mean: values that are allowed and cannot be right."""
+    """A machine, the values of its file that are allowed and cannot be right, and the files that it
+    came from."""
 
     machine: MachineConfig
     questions: tuple[Problem, ...]
+    origins: Origins
 
 
 def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
@@ -70,7 +73,8 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 
 
 def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
-    """As `load`, with a question for each value that the file cannot mean, each with its line."""
+    """As `load`, with a question for each value that the file cannot mean, each with its line, and
+    with the files that values come from."""
     name = os.fspath(name_or_path)
     path = machine_path(name)
     if path is not None:
@@ -105,7 +109,7 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
 
 
 def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
-    """As `load_text`, with a question for each value that the text cannot mean."""
+    """As `load_text`, with all that `load_and_question` returns."""
     try:
         return _machine(text, file)
     except RecursionError:  # in the parser, or in what walks through its tables
@@ -125,7 +129,7 @@ def _machine(text: str, file: str) -> Loaded:
         reason = "an integer has too many digits"
         raise ConfigError.of("config.syntax", file, value=reason) from None
     if beyond := [*_beyond_64_bits(data)]:
-        raise ConfigError(_problems(beyond, text, file, []))
+        raise ConfigError(_problems(beyond, Origins(file, text)))
     folder = FilePath(file).parent
     sources: list[Source] = []
     findings = [*put_boards(data, folder, sources), *put_sensor_names(data)]
@@ -155,9 +159,10 @@ def _machine(text: str, file: str) -> Loaded:
             *check_probe(machine),
         ]
         findings += check_sensors(machine)
+    origins = Origins(file, text, tuple(sources))
     if findings or machine is None:
-        raise ConfigError(_problems(findings, text, file, sources))
-    return Loaded(machine, tuple(_problems(question_gains(machine), text, file, sources)))
+        raise ConfigError(_problems(findings, origins))
+    return Loaded(machine, tuple(_problems(question_gains(machine), origins)), origins)
 
 
 def _odd_character(lines: list[str]) -> str:
@@ -184,31 +189,17 @@ def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:
         yield Finding("config.value", path, size, "an integer of at most 64 bits")
 
 
-def _problems(
-    findings: Iterable[Finding], text: str, file: str, sources: list[Source]
-) -> list[Problem]:
+def _problems(findings: Iterable[Finding], origins: Origins) -> list[Problem]:
     """Problems in the order of the lines, each path once."""
-    lines = key_lines(text)
     problems: dict[tuple[object, ...], Problem] = {}
     for finding in findings:
-        limit = finding.limit
+        limit, at = finding.limit, line_of(origins.lines, finding.path)
         if finding.owner:
-            owner, place = key_text(finding.owner), _place(finding.owner, lines, file, sources)
-            limit += f" {owner} ({place})"
+            nearest = f"{origins.file}:{line_of(origins.lines, finding.owner)}"
+            limit += f" {key_text(finding.owner)} ({origins.place(finding.owner) or nearest})"
         missing = finding.code == "config.missing-key"
         value = None if missing else as_written(finding.value)
         values = {"key": finding.key, "value": value, "limit": limit}
-        at = line_of(lines, finding.path)
-        problems.setdefault(finding.path, Problem(finding.code, file, at, values, finding.hint))
+        problem = Problem(finding.code, origins.file, at, values, finding.hint)
+        problems.setdefault(finding.path, problem)
     return sorted(problems.values(), key=lambda problem: problem.line or 0)
-
-
-def _place(path: Path, lines: dict[Path, int], file: str, sources: list[Source]) -> str:
-    """File and line of a key: of the machine file, or of one of the boards beneath it."""
-    if path in lines:
-        return f"{file}:{line_of(lines, path)}"
-    for source in sources:
-        beneath, depth = key_lines(source.text), len(source.path)
-        if path[:depth] == source.path and path[depth:] in beneath:
-            return f"{source.file}:{beneath[path[depth:]]}"
-    return f"{file}:{line_of(lines, path)}"

@@ -102,9 +102,8 @@ def tables() -> Iterator[Table]:
 
 
 def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
-    helps = field_help(model)
     keys = [
-        Key(name, unit_of(name, helps[name]), _range(field), _default(field), _text(helps[name]))
+        key_of(model, name)
         for name, field in model.model_fields.items()
         if not (path == "" and models_of(field.annotation))
     ]
@@ -116,6 +115,12 @@ def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
     for name, field in model.model_fields.items():
         for inner in models_of(field.annotation):
             yield from _tables(inner, _path(path, name, field.annotation))
+
+
+def key_of(model: type[BaseModel], name: str) -> Key:
+    """A key of a model, in Markdown. KeyError if it has none of that name."""
+    field, text = model.model_fields[name], field_help(model)[name]
+    return Key(name, unit_of(name, text), _range(field), _default(field), _text(text))
 
 
 @cache

@@ -44,24 +44,28 @@ def _add_kinds(values: dict[str, object], whole: Mapping[str, object]) -> None:
 def _lines(values: Mapping[str, object], path: tuple[str | int, ...]) -> Iterator[str]:
     for key, value in values.items():
         here = (*path, key)
-        if is_secret(key):
-            yield f"{key_text(here)} = {HIDDEN}"
-        elif isinstance(value, dict):
-            yield from _lines(cast("dict[str, object]", value), here)
+        if is_secret(key) or not isinstance(value, dict):
+            yield f"{key_text(here)} = {shown_toml(here, value)}"
         else:
-            yield f"{key_text(here)} = {_USER_IN_URL.sub('', _toml(value))}"
+            yield from _lines(cast("dict[str, object]", value), here)
 
 
-def _toml(value: object) -> str:
-    """A value other than a table; tables in an array are inline."""
+def shown_toml(path: tuple[str | int, ...], value: object) -> str:
+    """The value of a key as TOML, without secrets."""
+    return HIDDEN if is_secret(path[-1]) else _USER_IN_URL.sub("", toml_value(value))
+
+
+def toml_value(value: object) -> str:
+    """A value as TOML; tables are inline."""
     if isinstance(value, list):
-        return f"[{', '.join(_toml(item) for item in cast('list[object]', value))}]"
+        return f"[{', '.join(toml_value(item) for item in cast('list[object]', value))}]"
     if isinstance(value, dict):
         content = cast("dict[str, object]", value)
         shown = (
-            f"{key} = {HIDDEN if is_secret(key) else _toml(item)}" for key, item in content.items()
+            f"{key} = {HIDDEN if is_secret(key) else toml_value(item)}"
+            for key, item in content.items()
         )
-        return f"{{ {', '.join(shown)} }}"
+        return f"{{ {', '.join(shown)} }}" if content else "{}"
     if isinstance(value, float):
         return str(value)  # inf and nan are words of TOML
     return json.dumps(value, ensure_ascii=False)

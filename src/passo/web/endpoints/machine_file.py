@@ -12,6 +12,7 @@ from msgspec import Meta, Struct
 from passo import config
 from passo.catalogue import codes_of
 from passo.config.load import Loaded
+from passo.config.machine_schema import schema
 from passo.config.notes import notes
 from passo.errors import ConfigError, PassoError, Problem
 from passo.gcode.command import numeral
@@ -20,7 +21,6 @@ from passo.web.bridge import SettingValue
 from passo.web.call import Call
 from passo.web.machine import file
 from passo.web.machine.keys import KeyChange, KeyValue, key_changes, key_values, setting_of
-from passo.web.machine.schema import schema
 from passo.web.operation import operation
 from passo.web.roles import Role
 

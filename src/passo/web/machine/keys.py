@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from msgspec import Struct
 
 from passo.config.findings import key_text
+from passo.config.key_settings import setting_of
 from passo.config.machine_text import HIDDEN, is_secret
 from passo.config.toml_lines import Path, key_lines
 
@@ -16,20 +16,6 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _ABSENT = object()
-# Keys whose values commands set, too: the command and its word.
-_SETTINGS = (
-    (re.compile(r"axes\.(.)\.speed_mm_s"), "M203", ""),
-    (re.compile(r"axes\.(.)\.accel_mm_s2"), "M201", ""),
-    (re.compile(r"axes\.(.)\.jerk_mm_s"), "M205", ""),
-    (re.compile(r"extruders\.(e)\.speed_mm_s"), "M203", ""),
-    (re.compile(r"extruders\.(e)\.accel_mm_s2"), "M201", ""),
-    (re.compile(r"limits\.print_accel_mm_s2"), "M204", "P"),
-    (re.compile(r"limits\.travel_accel_mm_s2"), "M204", "T"),
-    (re.compile(r"limits\.retract_accel_mm_s2"), "M204", "R"),
-    (re.compile(r"limits\.junction_deviation_mm"), "M205", "J"),
-    (re.compile(r"limits\.speed_mm_s"), "SET_VELOCITY_LIMIT", "VELOCITY="),
-    (re.compile(r"limits\.minimum_cruise_ratio"), "SET_VELOCITY_LIMIT", "MINIMUM_CRUISE_RATIO="),
-)
 
 
 class KeyValue(Struct):
@@ -84,14 +70,6 @@ def key_changes(before: MachineConfig, after: MachineConfig) -> list[KeyChange]:
         live = setting_of(key) is not None and isinstance(becomes, int | float)
         found.append(KeyChange(key, shown[0], shown[1], "live" if live else "restart"))
     return found
-
-
-def setting_of(key: str) -> tuple[str, str] | None:
-    """The command and the word that set the value of a key too; None of most keys."""
-    for pattern, command, word in _SETTINGS:
-        if match := pattern.fullmatch(key):
-            return command, word or match[1].upper()
-    return None
 
 
 def leaves(value: object, path: Path = ()) -> Iterator[tuple[Path, object]]:

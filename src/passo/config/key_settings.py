@@ -1,0 +1,28 @@
+"""The keys of a machine file whose values commands set, too."""
+
+from __future__ import annotations
+
+import re
+
+# The command and its word.
+_SETTINGS = (
+    (re.compile(r"axes\.(.)\.speed_mm_s"), "M203", ""),
+    (re.compile(r"axes\.(.)\.accel_mm_s2"), "M201", ""),
+    (re.compile(r"axes\.(.)\.jerk_mm_s"), "M205", ""),
+    (re.compile(r"extruders\.(e)\.speed_mm_s"), "M203", ""),
+    (re.compile(r"extruders\.(e)\.accel_mm_s2"), "M201", ""),
+    (re.compile(r"limits\.print_accel_mm_s2"), "M204", "P"),
+    (re.compile(r"limits\.travel_accel_mm_s2"), "M204", "T"),
+    (re.compile(r"limits\.retract_accel_mm_s2"), "M204", "R"),
+    (re.compile(r"limits\.junction_deviation_mm"), "M205", "J"),
+    (re.compile(r"limits\.speed_mm_s"), "SET_VELOCITY_LIMIT", "VELOCITY="),
+    (re.compile(r"limits\.minimum_cruise_ratio"), "SET_VELOCITY_LIMIT", "MINIMUM_CRUISE_RATIO="),
+)
+
+
+def setting_of(key: str) -> tuple[str, str] | None:
+    """The command and the word that set the value of a key too; None of most keys."""
+    for pattern, command, word in _SETTINGS:
+        if match := pattern.fullmatch(key):
+            return command, word or match[1].upper()
+    return None
