@@ -9,6 +9,7 @@ void bind_board(nanobind::module_& m);
 void bind_wire(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
+void bind_gcode(nanobind::module_& m);
 void bind_job(nanobind::module_& m);
 
 NB_MODULE(_core, m) {
@@ -21,5 +22,6 @@ NB_MODULE(_core, m) {
   bind_chips(m);
   bind_geometry(m);
   bind_motion(m);
+  bind_gcode(m);
   bind_job(m);
 }

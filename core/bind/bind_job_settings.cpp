@@ -44,7 +44,7 @@ void check_flow(const JobView& self, size_t extruder, double flow) {
 
 }  // namespace
 
-void bind_job_settings(nb::class_<JobView>& job) {
+void bind_job_settings(JobClass& job) {
   job.def(
          "set_steps_per_unit",
          [](JobView& self, size_t stepper, double value) {

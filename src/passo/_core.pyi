@@ -1246,37 +1246,6 @@ class Motion:
     def ideal_piece_ticks(self, seconds: float, coefficients: Sequence[Sequence[float]], stepper: int, count: int, extruder: int = 0) -> tuple[list[float], int]:
         """The same for one piece that starts at tick 0."""
 
-LOAD_MM_S: float = 6.0
-
-UNLOAD_MM_S: float = 20.0
-
-LONGEST_CHANGE_MM: float = 5000.0
-
-class JobStatus(enum.Enum):
-    NEED_INPUT = 0
-
-    EVENT = 1
-
-    MACRO = 2
-
-    ERROR = 3
-
-    FULL = 4
-
-    END = 5
-
-class Within(enum.Enum):
-    """What a move outside of any program must keep to."""
-
-    LIMITS = 0
-    """The machine's limits."""
-
-    REACH = 1
-    """What its actuators reach: it has been there."""
-
-    ANYTHING = 2
-    """Nothing: it does not know where it is."""
-
 class Fault(enum.Enum):
     NUMBER = 0
 
@@ -1330,6 +1299,36 @@ class Fault(enum.Enum):
 
     CALL = 25
 
+class CallFault(enum.IntEnum):
+    """Why M98 or M99 cannot be carried out."""
+
+    UNREADABLE = 1
+
+    MISSING = 2
+
+    NESTED = 3
+
+    UNENDED = 4
+
+    IDLE = 5
+
+    NO_FILE = 6
+
+def without_exponents(text: str) -> str:
+    """
+    A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
+    """
+
+def split_text(text: str) -> list[tuple[str, float | None, str | None]]:
+    """
+    The words of a command's text, in order: the letter in upper case, or another character that begins no word; its number, not a number for `nan`, or None; the number as it is written, or what stands in quotes. Comments in parentheses are left out.
+    """
+
+def find_stray(text: str, any: bool) -> tuple[str, int]:
+    """
+    The first character of a command's text that is not G-code: what stands around it, and its code (0: there is none; below 0: a byte that is not UTF-8). Not `any`: only one that changes what the text means.
+    """
+
 class ObjectAction(enum.Enum):
     """What a command says about the objects of a print."""
 
@@ -1364,40 +1363,83 @@ def object_orders(code: str, text: str) -> list[tuple[ObjectAction, int, str]]:
     (action, number, name) of M486 or EXCLUDE_OBJECT…, by what follows the code. The number is -1 where the object is meant by its name. What cannot be read is left out.
     """
 
-class CallFault(enum.IntEnum):
-    """Why M98 or M99 cannot be carried out."""
+class Survey:
+    """The commands of a program, found before it runs."""
 
-    UNREADABLE = 1
+    def __init__(self, spec: dict) -> None: ...
 
-    MISSING = 2
+    def feed(self, data: bytes) -> None: ...
 
-    NESTED = 3
+    def finish(self) -> None:
+        """No more input will come."""
 
-    UNENDED = 4
+    @property
+    def commands(self) -> list[tuple[int, str, int, int, str, str]]:
+        """
+        (line, letter, number, minor, name, text) of each command that is no move, once for each code.
+        """
 
-    IDLE = 5
+    @property
+    def bad_calls(self) -> list[tuple[int, str, CallFault]]:
+        """
+        (line, text, fault) of each M98 that cannot be carried out, once it is finished.
+        """
 
-    NO_FILE = 6
+    @property
+    def moves(self) -> bool:
+        """The program moves the machine."""
 
-def without_exponents(text: str) -> str:
-    """
-    A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
-    """
+LOAD_MM_S: float = 6.0
 
-def split_text(text: str) -> list[tuple[str, float | None, str | None]]:
-    """
-    The words of a command's text, in order: the letter in upper case, or another character that begins no word; its number, not a number for `nan`, or None; the number as it is written, or what stands in quotes. Comments in parentheses are left out.
-    """
+UNLOAD_MM_S: float = 20.0
 
-def find_stray(text: str, any: bool) -> tuple[str, int]:
-    """
-    The first character of a command's text that is not G-code: what stands around it, and its code (0: there is none; below 0: a byte that is not UTF-8). Not `any`: only one that changes what the text means.
-    """
+LONGEST_CHANGE_MM: float = 5000.0
+
+class JobStatus(enum.Enum):
+    NEED_INPUT = 0
+
+    EVENT = 1
+
+    MACRO = 2
+
+    ERROR = 3
+
+    FULL = 4
+
+    END = 5
+
+class Within(enum.Enum):
+    """What a move outside of any program must keep to."""
+
+    LIMITS = 0
+    """The machine's limits."""
+
+    REACH = 1
+    """What its actuators reach: it has been there."""
+
+    ANYTHING = 2
+    """Nothing: it does not know where it is."""
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""
 
     def __init__(self, spec: dict, with_steps: bool = True, clamp: bool = False, ignore_tools: bool = False) -> None: ...
+
+    def advance(self, horizon: float = float('inf'), most: int = 1048576, to_boundary: bool = False) -> JobStatus:
+        """
+        Reads on until something wants the caller, or the plan reaches a clock or a number of messages; or no further than to the end of the line that it is in.
+        """
+
+    def adopt(self, other: Job) -> None:
+        """
+        Takes the state of a program that another job has read up to where this machine stands.
+        """
+
+    @property
+    def messages(self) -> MessageQueue:
+        """The main board's."""
+
+    def messages_of(self, board: int) -> MessageQueue: ...
 
     def feed(self, data: bytes) -> None: ...
 
@@ -1428,21 +1470,8 @@ class Job:
         """Bytes of the selected source that were read."""
 
     @property
-    def queued(self) -> int:
-        """Moves that are not settled."""
-
-    @property
-    def queued_ticks(self) -> float:
-        """Ticks that these moves take at least."""
-
-    @property
     def program_position(self) -> list[float]:
         """Where the program is, in its own coordinates: the axes, then E."""
-
-    def advance(self, horizon: float = float('inf'), most: int = 1048576, to_boundary: bool = False) -> JobStatus:
-        """
-        Reads on until something wants the caller, or the plan reaches a clock or a number of messages; or no further than to the end of the line that it is in.
-        """
 
     @property
     def event(self) -> tuple[int, str, int, int, str, str]:
@@ -1504,6 +1533,69 @@ class Job:
         What `clamp` has changed: for each axis the first target that was moved to the limit, as `error`, and how many were; then the same of the moves that were left out.
         """
 
+    def use_survey(self, survey: Survey) -> None:
+        """
+        Of the program that it reads next: its sub-programs, its objects, and the comments that mark layers.
+        """
+
+    @property
+    def calls(self) -> bool:
+        """The program has sub-programs."""
+
+    @property
+    def ignore_calls(self) -> bool:
+        """M98 of a sub-program that is missing is an event, not an error."""
+
+    @ignore_calls.setter
+    def ignore_calls(self, arg: bool, /) -> None: ...
+
+    @property
+    def commands(self) -> int:
+        """How many were read, unknown ones too."""
+
+    @property
+    def line(self) -> int: ...
+
+    @property
+    def layer(self) -> int: ...
+
+    @property
+    def tool(self) -> int: ...
+
+    @property
+    def feature_names(self) -> list[str]: ...
+
+    @property
+    def objects(self) -> list[tuple[str, bool, str, str]]:
+        """
+        (name, cancelled, centre, outline) of each object of the program, by number; centre and outline as they are written, or empty.
+        """
+
+    @property
+    def objects_version(self) -> int:
+        """Another value after each change of `objects`, and for each program."""
+
+    def object_of_line(self, line: int) -> int:
+        """
+        The object that a line of the main program belongs to, of those read lately; -1: none.
+        """
+
+    def find_objects(self, name: str) -> list[int]:
+        """Numbers of the objects of this name, in any case."""
+
+    def cancel_object(self, number: int, cancelled: bool = True) -> None:
+        """
+        Moves of the object that are read from now on are left out, or are not left out.
+        """
+
+    @property
+    def queued(self) -> int:
+        """Moves that are not settled."""
+
+    @property
+    def queued_ticks(self) -> float:
+        """Ticks that these moves take at least."""
+
     def record(self, target: int, value: int) -> None:
         """
         A timed record for output `target`, due between the moves before and after.
@@ -1526,11 +1618,16 @@ class Job:
     def pop_mark(self) -> None:
         """Removes the next mark, if there is one: the host carries it out."""
 
+    def set_laser(self, target: int, full: int) -> None:
+        """This output is a laser, fully on at `full`."""
+
+    def follow_speed(self, share: float) -> None:
+        """
+        The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
+        """
+
     def flush(self) -> None:
         """Settles all for a stop."""
-
-    def settle_position(self) -> None:
-        """After homing: stop, and be where the program says."""
 
     def wait_until(self, ticks: float) -> None:
         """The machine stands until then; only after flush."""
@@ -1581,15 +1678,50 @@ class Job:
     @property
     def suspended(self) -> bool: ...
 
+    def resume(self) -> None:
+        """
+        Goes on with what was suspended; the machine must be back at stop_position.
+        """
+
+    def forget_suspended(self) -> None: ...
+
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
+        """
+        From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
+        """
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """
+        The same behind all moves so far; False if that is out of range, see error.
+        """
+
+    def passed(self, ticks: float) -> None:
+        """
+        Time has passed to this clock, or nothing before it will be planned anew.
+        """
+
+    @property
+    def held(self) -> int: ...
+
+    @property
+    def clock(self) -> float:
+        """End of the settled plan, ticks."""
+
+    @property
+    def rests(self) -> bool:
+        """The settled plan ends at rest: what is queued may begin later."""
+
+    @property
+    def handed_out(self) -> int:
+        """Clock of the last message, ticks."""
+
+    def settle_position(self) -> None:
+        """After homing: stop, and be where the program says."""
+
     @property
     def stop_position(self) -> list[float]:
         """
         Where a suspended job goes on: X, Y, Z, E and further axes, in machine mm.
-        """
-
-    def resume(self) -> None:
-        """
-        Goes on with what was suspended; the machine must be back at stop_position.
         """
 
     def use_tool(self, tool: int) -> None:
@@ -1597,20 +1729,10 @@ class Job:
         This tool is in use, with its offset, as if the program had selected it; nothing moves. Tool 0 may be named without tools, too.
         """
 
-    def forget_suspended(self) -> None: ...
-
     @property
     def machine_position(self) -> list[float]:
         """
         End of the plan: X, Y, Z, E of the tool in use and further axes, in machine mm.
-        """
-
-    def set_laser(self, target: int, full: int) -> None:
-        """This output is a laser, fully on at `full`."""
-
-    def follow_speed(self, share: float) -> None:
-        """
-        The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
         """
 
     def move_to(self, target: Sequence[float], feed_mm_s: float, within: Within = Within.LIMITS) -> bool:
@@ -1641,21 +1763,6 @@ class Job:
     @property
     def locked_axes(self) -> list[int]: ...
 
-    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
-        """
-        From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
-        """
-
-    def shift(self, axis: int, mm: float) -> bool:
-        """
-        The same behind all moves so far; False if that is out of range, see error.
-        """
-
-    def adopt(self, other: Job) -> None:
-        """
-        Takes the state of a program that another job has read up to where this machine stands.
-        """
-
     def line_at(self, ticks: float) -> int:
         """
         Line of the program's move that is under way, or was last, at a clock (0: none). Clocks must not go back.
@@ -1671,77 +1778,6 @@ class Job:
         """
         Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.
         """
-
-    def passed(self, ticks: float) -> None:
-        """
-        Time has passed to this clock, or nothing before it will be planned anew.
-        """
-
-    @property
-    def held(self) -> int: ...
-
-    @property
-    def clock(self) -> float:
-        """End of the settled plan, ticks."""
-
-    @property
-    def rests(self) -> bool:
-        """The settled plan ends at rest: what is queued may begin later."""
-
-    @property
-    def handed_out(self) -> int:
-        """Clock of the last message, ticks."""
-
-    @property
-    def commands(self) -> int:
-        """How many were read, unknown ones too."""
-
-    @property
-    def line(self) -> int: ...
-
-    @property
-    def layer(self) -> int: ...
-
-    @property
-    def tool(self) -> int: ...
-
-    @property
-    def messages(self) -> MessageQueue:
-        """The main board's."""
-
-    def messages_of(self, board: int) -> MessageQueue: ...
-
-    def keep_moves(self, on: bool) -> None: ...
-
-    def take_moves(self) -> list[Move]: ...
-
-    def keep_toolpath(self) -> None:
-        """From now on keeps the path of all moves, instead of the moves."""
-
-    def take_toolpath(self) -> tuple[int, list[float], float, float, list[tuple[int, float, float, int]], bytes] | None:
-        """
-        The path that was kept, as toolpath.py describes it; None of none. It is kept no more.
-        """
-
-    def keep_ideal(self, on: bool) -> None:
-        """From now on keeps the ideal time of every step, see take_ideal."""
-
-    def take_ideal(self, stepper: int) -> bytes:
-        """
-        Ideal ticks (float64) of the steps made into commands since the last call.
-        """
-
-    @property
-    def limit_names(self) -> list[str]: ...
-
-    @property
-    def feature_names(self) -> list[str]: ...
-
-    def statistics(self) -> dict[str, Any]: ...
-
-    def steppers(self) -> list[dict[str, Any]]: ...
-
-    def cpu(self) -> dict[str, float]: ...
 
     def set_steps_per_unit(self, stepper: int, value: float) -> None:
         """Another scale of a motor, while the machine stands."""
@@ -1846,67 +1882,31 @@ class Job:
         Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.
         """
 
-    @property
-    def objects(self) -> list[tuple[str, bool, str, str]]:
+    def keep_moves(self, on: bool) -> None: ...
+
+    def take_moves(self) -> list[Move]: ...
+
+    def keep_toolpath(self) -> None:
+        """From now on keeps the path of all moves, instead of the moves."""
+
+    def take_toolpath(self) -> tuple[int, list[float], float, float, list[tuple[int, float, float, int]], bytes] | None:
         """
-        (name, cancelled, centre, outline) of each object of the program, by number; centre and outline as they are written, or empty.
+        The path that was kept, as toolpath.py describes it; None of none. It is kept no more.
         """
 
-    @property
-    def objects_version(self) -> int:
-        """Another value after each change of `objects`, and for each program."""
+    def keep_ideal(self, on: bool) -> None:
+        """From now on keeps the ideal time of every step, see take_ideal."""
 
-    def object_of_line(self, line: int) -> int:
+    def take_ideal(self, stepper: int) -> bytes:
         """
-        The object that a line of the main program belongs to, of those read lately; -1: none.
-        """
-
-    def find_objects(self, name: str) -> list[int]:
-        """Numbers of the objects of this name, in any case."""
-
-    def cancel_object(self, number: int, cancelled: bool = True) -> None:
-        """
-        Moves of the object that are read from now on are left out, or are not left out.
-        """
-
-    def use_survey(self, survey: Survey) -> None:
-        """
-        Of the program that it reads next: its sub-programs, its objects, and the comments that mark layers.
+        Ideal ticks (float64) of the steps made into commands since the last call.
         """
 
     @property
-    def calls(self) -> bool:
-        """The program has sub-programs."""
+    def limit_names(self) -> list[str]: ...
 
-    @property
-    def ignore_calls(self) -> bool:
-        """M98 of a sub-program that is missing is an event, not an error."""
+    def statistics(self) -> dict[str, Any]: ...
 
-    @ignore_calls.setter
-    def ignore_calls(self, arg: bool, /) -> None: ...
+    def steppers(self) -> list[dict[str, Any]]: ...
 
-class Survey:
-    """The commands of a program, found before it runs."""
-
-    def __init__(self, spec: dict) -> None: ...
-
-    def feed(self, data: bytes) -> None: ...
-
-    def finish(self) -> None:
-        """No more input will come."""
-
-    @property
-    def commands(self) -> list[tuple[int, str, int, int, str, str]]:
-        """
-        (line, letter, number, minor, name, text) of each command that is no move, once for each code.
-        """
-
-    @property
-    def bad_calls(self) -> list[tuple[int, str, CallFault]]:
-        """
-        (line, text, fault) of each M98 that cannot be carried out, once it is finished.
-        """
-
-    @property
-    def moves(self) -> bool:
-        """The program moves the machine."""
+    def cpu(self) -> dict[str, float]: ...

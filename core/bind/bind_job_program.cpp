@@ -1,0 +1,207 @@
+// A job's program: its text, where it is, and what it asks the caller for.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bind/bind_job.hpp"
+#include "bind/bind_program.hpp"
+#include "gcode/survey.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+
+namespace {
+
+using ErrorTuple =
+    std::tuple<uint32_t, Fault, std::string, double, double, std::tuple<double, double, double>>;
+
+ErrorTuple as_tuple(const GcodeError& e) {
+  return {e.line, e.fault, e.word, e.value, e.limit, {e.point[0], e.point[1], e.point[2]}};
+}
+
+void bind_objects(JobClass& job) {
+  job.def_prop_ro(
+         "objects",
+         [](const JobView& self) {
+           std::vector<std::tuple<std::string, bool, std::string, std::string>> list;
+           for (const PrintObject& o : self.job.interpreter.objects().all())
+             list.emplace_back(o.name, o.cancelled, o.centre, o.outline);
+           return list;
+         },
+         "(name, cancelled, centre, outline) of each object of the program, by number; centre and "
+         "outline as they are written, or empty.")
+      .def_prop_ro(
+          "objects_version",
+          [](const JobView& self) { return self.job.interpreter.objects().version(); },
+          "Another value after each change of `objects`, and for each program.")
+      .def(
+          "object_of_line",
+          [](const JobView& self, uint32_t line) {
+            return self.job.interpreter.object_of_line(line);
+          },
+          "line"_a,
+          "The object that a line of the main program belongs to, of those read lately; -1: none.")
+      .def(
+          "find_objects",
+          [](const JobView& self, const std::string& name) {
+            return self.job.interpreter.objects().find(name);
+          },
+          "name"_a, "Numbers of the objects of this name, in any case.")
+      .def(
+          "cancel_object",
+          [](JobView& self, int number, bool cancelled) {
+            Objects& objects = self.job.interpreter.objects();
+            if (number < 0 || objects.numbered(number) < 0) throw nb::index_error("no such object");
+            objects.cancel(number, cancelled);
+          },
+          "number"_a, "cancelled"_a = true,
+          "Moves of the object that are read from now on are left out, or are not left out.");
+}
+
+}  // namespace
+
+void bind_job_program(JobClass& job) {
+  job.def(
+         "feed",
+         [](JobView& self, const nb::bytes& data) {
+           self.job.interpreter.feed(data.c_str(), data.size());
+         },
+         "data"_a)
+      .def(
+          "finish", [](JobView& self) { self.job.interpreter.finish(); },
+          "No more input will come.")
+      .def(
+          "select", [](JobView& self, bool console) { self.job.interpreter.select(console); },
+          "console"_a, "Reads on from the console's lines, or the program's; only at a boundary.")
+      .def_prop_ro(
+          "at_boundary", [](JobView& self) { return self.job.interpreter.at_boundary(); },
+          "No line is under way.")
+      .def(
+          "restart",
+          [](JobView& self, uint32_t first_line) {
+            self.job.interpreter.restart(first_line);
+            self.job.motion.lines().forget();
+          },
+          "first_line"_a = 1,
+          "Forgets the unread text of the selected source; its lines count from this one again.")
+      .def(
+          "abandon", [](JobView& self) { self.job.abandon(); },
+          "After an error: forgets the rest of the line and goes on from where the plan ends.")
+      .def_prop_ro(
+          "offset", [](JobView& self) { return self.job.interpreter.offset(); },
+          "Bytes of the selected source that were read.")
+      .def_prop_ro(
+          "program_position",
+          [](JobView& self) {
+            const Interpreter& i = self.job.interpreter;
+            std::vector<double> p;
+            for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+              p.push_back(i.logical(slot_of_axis(int(a))));
+            p.push_back(i.logical(kE));
+            return p;
+          },
+          "Where the program is, in its own coordinates: the axes, then E.")
+      .def_prop_ro(
+          "event", [](const JobView& self) { return as_tuple(self.job.interpreter.event()); },
+          "(line, letter, number, minor, name, text) of the event or the macro that advance "
+          "stopped at.")
+      .def(
+          "insert",
+          [](JobView& self, const nb::bytes& text) {
+            self.job.interpreter.insert(std::string_view(text.c_str(), text.size()));
+          },
+          "text"_a,
+          "After MACRO: the lines that the call becomes. They are read next, with the line number "
+          "of the call, and then the rest of its line.")
+      .def_prop_ro(
+          "macro_depth", [](const JobView& self) { return self.job.interpreter.macro_depth(); },
+          "How many macros of the selected source are under way within each other.")
+      .def_prop_ro(
+          "modal",
+          [](const JobView& self) {
+            const auto modal = self.job.interpreter.modal();
+            return std::make_tuple(modal.absolute, modal.absolute_e, modal.feed_mm_s);
+          },
+          "(G90, M82, feedrate in mm/s): the modal state of what is read; the feedrate is infinite "
+          "while none was given.")
+      .def_prop_rw(
+          "plain", [](JobView& self) { return self.job.interpreter.plain; },
+          [](JobView& self, bool plain) { self.job.interpreter.plain = plain; },
+          "No macro is called: the commands that they replace are carried out.")
+      .def(
+          "forget_macros", [](JobView& self) { self.job.interpreter.forget_macros(); },
+          "What is left of a console's macros is not carried out.")
+      .def(
+          "listen", [](JobView& self, uint32_t line) { self.job.interpreter.listen(line); },
+          "line"_a, "Before this line of the program is read: notes its commands, see heard.")
+      .def_prop_ro(
+          "heard",
+          [](const JobView& self) {
+            const Heard& heard = self.job.interpreter.heard();
+            std::vector<std::tuple<std::string, std::vector<std::string>, std::string>> commands;
+            for (const auto& c : heard.commands) commands.emplace_back(c.code, c.words, c.text);
+            return std::make_tuple(heard.number, heard.checked, commands);
+          },
+          "(number, whether it had a checksum, [(code, words, text), …]) of the line "
+          "listened to. The code is empty for a move in the way of the last one, the text is what "
+          "follows the code.")
+      .def_prop_ro(
+          "ends_in_move", [](JobView& self) { return self.job.interpreter.ends_in_move(); },
+          "All was read, and the last line is a move without an end of line.")
+      .def_prop_ro(
+          "error", [](const JobView& self) { return as_tuple(self.job.error()); },
+          "(line, fault, word, value, limit, point) of the error that advance stopped at.")
+      .def_prop_ro(
+          "clamped",
+          [](const JobView& self) {
+            std::vector<std::pair<ErrorTuple, uint64_t>> all;
+            const Job& job = self.job;
+            for (int j = 0; j < kAxes; ++j)
+              if (const auto& c = job.interpreter.clamped(j); c.times > 0)
+                all.emplace_back(as_tuple(c.first), c.times);
+            if (job.left_out.times > 0)
+              all.emplace_back(as_tuple(job.left_out.first), job.left_out.times);
+            return all;
+          },
+          "What `clamp` has changed: for each axis the first target that was moved to the limit, "
+          "as "
+          "`error`, and how many were; then the same of the moves that were left out.")
+      .def(
+          "use_survey",
+          [](JobView& self, const Survey& survey) {
+            self.job.interpreter.subprograms = survey.subprograms();
+            self.job.interpreter.layers.expect(survey.layer_mark());
+            self.job.interpreter.objects().learn(survey.objects());
+          },
+          "survey"_a,
+          "Of the program that it reads next: its sub-programs, its objects, and the comments that "
+          "mark layers.")
+      .def_prop_ro(
+          "calls",
+          [](JobView& self) {
+            const auto& all = self.job.interpreter.subprograms;
+            return all && !all->labels.empty();
+          },
+          "The program has sub-programs.")
+      .def_prop_rw(
+          "ignore_calls", [](JobView& self) { return self.job.interpreter.ignore_calls; },
+          [](JobView& self, bool ignore) { self.job.interpreter.ignore_calls = ignore; },
+          "M98 of a sub-program that is missing is an event, not an error.")
+      .def_prop_ro(
+          "commands", [](JobView& self) { return self.job.interpreter.commands(); },
+          "How many were read, unknown ones too.")
+      .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
+      .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers.count(); })
+      .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
+      .def_prop_ro("feature_names", [](JobView& self) { return self.job.interpreter.features(); });
+  bind_objects(job);
+}

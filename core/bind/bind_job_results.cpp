@@ -1,0 +1,169 @@
+// What a job has done: statistics, moves, the path, ideal step times.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bind/bind_job.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+
+namespace {
+
+using Table = nb::typed<nb::dict, nb::str, nb::any>;
+
+nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
+  const Job& job = self.job;
+  nb::dict d;
+  d["parse"] = job.cpu_parse;
+  d["plan"] = job.cpu_plan;
+  d["steps"] = job.motion.cpu().steps;
+  d["compress"] = job.motion.cpu().compress;
+  return nb::typed<nb::dict, nb::str, nb::float_>(d);
+}
+
+Table statistics(JobView& self) {
+  Job& job = self.job;
+  const PlanStatistics& plan = job.motion.plan();
+  const Machine& machine = job.motion.machine();
+  nb::dict d, limits, features;
+  d["lines"] = job.interpreter.line();
+  d["moves"] = plan.moves;
+  d["arcs"] = job.interpreter.arcs();
+  d["move_s"] = plan.move_s;
+  d["dwell_s"] = plan.dwell_s;
+  d["travel_mm"] = plan.travel_mm;
+  d["print_mm"] = plan.print_mm;
+  d["filament_mm"] = plan.filament_mm;
+  d["layers"] = job.interpreter.layers.count();
+  d["layer_s"] = plan.layer_s;
+  const auto& names = job.motion.planner().constraints().names;
+  for (size_t i = 0; i < plan.limit_s.size(); ++i)
+    if (plan.limit_s[i] > 0) limits[names[i].c_str()] = plan.limit_s[i];
+  d["limit_s"] = limits;
+  nb::dict loads;
+  auto exceed = [&](const char* name, const PlanStatistics::Load& load) {
+    if (load.share > 1) loads[name] = std::make_tuple(load.line, load.share);
+  };
+  exceed("steps", plan.most_steps);
+  exceed("commands", plan.most_commands);
+  d["loads"] = loads;
+  nb::dict densest;
+  auto put = [&](const char* name, const PlanStatistics::Peak& p) {
+    densest[name] = std::make_tuple(p.line, p.most);
+  };
+  put("steps_s", plan.steps_s);
+  put("commands_s", plan.commands_s);
+  put("ahead", plan.ahead);
+  d["densest"] = densest;
+  d["widened_s"] = plan.widened_s;
+  d["widest_ticks"] = plan.widest_ticks;
+  for (size_t i = 0; i < plan.feature_s.size(); ++i) {
+    if (plan.feature_s[i] <= 0) continue;
+    const std::string& name = job.interpreter.features()[i];
+    features[name.empty() ? "other" : name.c_str()] = plan.feature_s[i];
+  }
+  d["feature_s"] = features;
+  std::vector<double> position;
+  for (size_t i = 0; i < machine.axes.size(); ++i)
+    position.push_back(job.motion.planner().position()[slot_of_axis(int(i))]);
+  for (size_t i = 0; i < machine.extruders.size(); ++i)
+    position.push_back(job.motion.planner().extruder_position(i));
+  d["position_mm"] = position;
+  return Table(d);
+}
+
+using LayerTuple = std::tuple<uint32_t, double, double, uint16_t>;
+using ToolpathTuple =
+    std::tuple<uint32_t, std::vector<double>, double, double, std::vector<LayerTuple>, nb::bytes>;
+
+std::optional<ToolpathTuple> take_toolpath(JobView& self) {
+  if (!self.toolpath) return std::nullopt;
+  self.job.motion.on_move = nullptr;
+  const Toolpath path = *std::exchange(self.toolpath, std::nullopt);
+  const Toolpath::Scale scale = path.scale();
+  std::vector<LayerTuple> layers;
+  for (const Toolpath::Layer& layer : path.layers())
+    layers.emplace_back(layer.row, layer.z_mm, layer.start_s, layer.number);
+  const std::string data = path.encoded();
+  return ToolpathTuple(uint32_t(path.rows()), {scale.origin, scale.origin + 3}, scale.unit_mm,
+                       path.end_s(), std::move(layers), nb::bytes(data.data(), data.size()));
+}
+
+nb::typed<nb::list, Table> steppers(JobView& self) {
+  nb::typed<nb::list, Table> list;
+  Motion& motion = self.job.motion;
+  for (size_t i = 0; i < motion.machine().steppers.size(); ++i) {
+    const StepStatistics& s = motion.stream().statistics(i);
+    nb::dict d;
+    d["name"] = motion.machine().steppers[i].name;
+    d["steps_per_unit"] = motion.machine().steppers[i].steps_per_unit;
+    d["steps"] = s.steps;
+    d["net"] = s.net;
+    d["count"] = motion.stream().count(i);
+    d["expected_net"] = motion.stream().expected_net(i);
+    d["commands"] = s.commands;
+    d["dropped_pairs"] = s.dropped_pairs;
+    d["error_max_ticks"] = s.error_max;
+    d["error_square_ticks2"] = s.error_square;
+    list.append(d);
+  }
+  return list;
+}
+
+}  // namespace
+
+void bind_job_results(JobClass& job) {
+  job.def(
+         "keep_moves",
+         [](JobView& self, bool on) {
+           if (on)
+             self.job.motion.on_move = [&self](const Move& move) { self.moves.push_back(move); };
+           else
+             self.job.motion.on_move = nullptr;
+         },
+         "on"_a)
+      .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
+      .def(
+          "keep_toolpath",
+          [](JobView& self) {
+            self.toolpath.emplace(self.job.motion.machine().clock_hz);
+            self.job.motion.on_move = [&self](const Move& move) { self.toolpath->add(move); };
+          },
+          "From now on keeps the path of all moves, instead of the moves.")
+      .def("take_toolpath", &take_toolpath,
+           "The path that was kept, as toolpath.py describes it; None of none. It is kept no more.")
+      .def(
+          "keep_ideal",
+          [](JobView& self, bool on) {
+            for (size_t i = 0; i < self.job.motion.machine().steppers.size(); ++i)
+              self.job.motion.stream().compressor(i).keep_ideal(on);
+          },
+          "on"_a, "From now on keeps the ideal time of every step, see take_ideal.")
+      .def(
+          "take_ideal",
+          [](JobView& self, size_t stepper) {
+            if (stepper >= self.job.motion.machine().steppers.size())
+              throw nb::index_error("no such stepper");
+            std::vector<double>& ideal = self.job.motion.stream().compressor(stepper).ideal();
+            nb::bytes bytes(reinterpret_cast<const char*>(ideal.data()),
+                            ideal.size() * sizeof(double));
+            ideal.clear();
+            return bytes;
+          },
+          "stepper"_a, "Ideal ticks (float64) of the steps made into commands since the last call.")
+      .def_prop_ro("limit_names",
+                   [](JobView& self) { return self.job.motion.planner().constraints().names; })
+      .def("statistics", &statistics)
+      .def("steppers", &steppers)
+      .def("cpu", &cpu);
+}

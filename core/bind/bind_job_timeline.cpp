@@ -1,0 +1,183 @@
+// A job's timeline: records, cuts, holds, stops and commits.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <optional>
+#include <tuple>
+
+#include "bind/bind_job.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+
+void bind_job_timeline(JobClass& job) {
+  job.def_prop_ro(
+         "queued", [](JobView& self) { return self.job.motion.planner().queued(); },
+         "Moves that are not settled.")
+      .def_prop_ro(
+          "queued_ticks", [](JobView& self) { return self.job.motion.planner().queued_ticks(); },
+          "Ticks that these moves take at least.")
+      .def(
+          "record",
+          [](JobView& self, uint16_t target, uint32_t value) {
+            self.job.motion.record(target, value);
+          },
+          "target"_a, "value"_a,
+          "A timed record for output `target`, due between the moves before and after.")
+      .def(
+          "record_at",
+          [](JobView& self, double ticks, uint16_t target, uint32_t value) {
+            self.job.motion.record_at(ticks, target, value);
+          },
+          "ticks"_a, "target"_a, "value"_a,
+          "A record for output `target` at this clock, whatever moves are planned; it cannot be "
+          "revoked.")
+      .def(
+          "mark",
+          [](JobView& self, uint16_t target, uint32_t value) {
+            self.job.motion.record(uint16_t(Motion::kMark + target), value);
+          },
+          "target"_a, "value"_a, "A timed record for the host itself, see next_mark.")
+      .def_prop_ro(
+          "next_mark",
+          [](const JobView& self) -> std::optional<std::tuple<int64_t, int, uint32_t>> {
+            const auto& marks = self.job.motion.marks();
+            if (marks.empty()) return std::nullopt;
+            const auto& r = marks.front();
+            return std::make_tuple(r.clock, r.target - Motion::kMark, r.value);
+          },
+          "(clock, target, value) of the earliest mark whose clock is known by now; None without "
+          "one. A mark after a cut of the plan gets another clock.")
+      .def(
+          "pop_mark",
+          [](JobView& self) {
+            auto& marks = self.job.motion.marks();
+            if (!marks.empty()) marks.pop_front();
+          },
+          "Removes the next mark, if there is one: the host carries it out.")
+      .def(
+          "set_laser",
+          [](JobView& self, uint16_t target, uint32_t full) {
+            self.job.motion.set_laser(target, full);
+          },
+          "target"_a, "full"_a, "This output is a laser, fully on at `full`.")
+      .def(
+          "follow_speed", [](JobView& self, double share) { self.job.motion.follow_speed(share); },
+          "share"_a,
+          "The laser's share of full power, at the feed rate of the moves that follow; it is less "
+          "where they are slower, and none while nothing moves. 0: records alone set it.")
+      .def(
+          "flush",
+          [](JobView& self) {
+            nb::gil_scoped_release released;
+            self.job.motion.flush();
+          },
+          "Settles all for a stop.")
+      .def(
+          "wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); },
+          "ticks"_a, "The machine stands until then; only after flush.")
+      .def(
+          "replan_from",
+          [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
+      .def(
+          "skip_dwell_from",
+          [](JobView& self, double ticks) { return self.job.motion.skip_dwell_from(ticks); },
+          "ticks"_a,
+          "Ends the dwell that is under way at this clock; returns the clock of the cut, None if "
+          "there is no dwell.")
+      .def(
+          "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
+          "ticks"_a)
+      .def(
+          "use_commits",
+          [](JobView& self, int64_t period, size_t most) {
+            self.job.motion.flush();
+            self.job.motion.use_commits(period, most);
+          },
+          "period"_a, "most"_a,
+          "Messages come in commits of at most so many ticks and messages from now on; only while "
+          "the machine stands.")
+      .def(
+          "stop_commits",
+          [](JobView& self) {
+            self.job.motion.flush();
+            self.job.motion.stream().stop_commits();
+          },
+          "Messages come as they are; only while the machine stands.")
+      .def(
+          "recover_from",
+          [](JobView& self, uint32_t serial) { return self.job.motion.recover_from(serial); },
+          "serial"_a,
+          "The boards have stopped behind this commit by themselves: what was to follow is held "
+          "until `release`. Returns its clock; None, and nothing is changed, if it is not known.")
+      .def(
+          "between_stops",
+          [](JobView& self, uint32_t serial, uint32_t next) {
+            return self.job.motion.stream().between_stops(serial, next);
+          },
+          "serial"_a, "next"_a,
+          "Net steps by which each motor is further where it has stopped behind the commit `next` "
+          "than where it would have behind `serial`, the one before; None if they are not known, "
+          "or "
+          "do not follow each other.")
+      .def_prop_ro(
+          "holds", [](JobView& self) { return self.job.motion.held() > 0; },
+          "Moves wait for `release`.")
+      .def("release", [](JobView& self) { self.job.motion.release(); })
+      .def(
+          "stop_from",
+          [](JobView& self, double ticks, bool program) {
+            return self.job.stop_from(ticks, program);
+          },
+          "ticks"_a, "program"_a = true,
+          "Brakes to a stop from this clock on and forgets what was to follow; returns the clock "
+          "of "
+          "the cut.")
+      .def(
+          "suspend", [](JobView& self, bool hand_over_macro) { self.job.suspend(hand_over_macro); },
+          "hand_over_macro"_a = false,
+          "After hold_from: other moves may come before what is held. What is left of a macro of "
+          "the program is read as a console's if it is handed over.")
+      .def_prop_ro("suspended", [](JobView& self) { return self.job.motion.suspended(); })
+      .def(
+          "resume",
+          [](JobView& self) {
+            if (!self.job.motion.suspended()) throw nb::value_error("nothing is suspended");
+            self.job.resume();
+          },
+          "Goes on with what was suspended; the machine must be back at stop_position.")
+      .def("forget_suspended", [](JobView& self) { self.job.forget_suspended(); })
+      .def(
+          "shift_from",
+          [](JobView& self, double ticks, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift_from(ticks, axis, mm);
+          },
+          "ticks"_a, "axis"_a, "mm"_a,
+          "From this clock on all lies so much further; returns the clock of the cut, None if that "
+          "is out of range, see error.")
+      .def(
+          "shift",
+          [](JobView& self, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift(axis, mm);
+          },
+          "axis"_a, "mm"_a,
+          "The same behind all moves so far; False if that is out of range, see error.")
+      .def(
+          "passed", [](JobView& self, double ticks) { self.job.motion.pass(ticks); }, "ticks"_a,
+          "Time has passed to this clock, or nothing before it will be planned anew.")
+      .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
+      .def_prop_ro(
+          "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
+          "End of the settled plan, ticks.")
+      .def_prop_ro(
+          "rests", [](JobView& self) { return self.job.motion.planner().rests(); },
+          "The settled plan ends at rest: what is queued may begin later.")
+      .def_prop_ro(
+          "handed_out", [](JobView& self) { return self.job.motion.stream().handed_out(); },
+          "Clock of the last message, ticks.");
+}
