@@ -53,7 +53,7 @@ registry.load_with(lambda: import_module("passo.command_modules"))
 
 
 def __getattr__(name: str) -> Any:
-    """The library's names, loaded at first use so that the command line starts at once."""
+    """The library's names, loaded at first use so that the command line starts quickly."""
     if name in _MODULES:
         return getattr(import_module(f"passo.{_MODULES[name]}"), name)
     raise AttributeError(f"module 'passo' has no attribute {name!r}")

@@ -65,10 +65,11 @@ def assembled(
     reports: str | None = None,
     skips: Skips = NOTHING,
 ) -> Assembly:
-    """A printer with all that `passo serve` has but the consoles; `reports` begins the paths of the
-    reports of halts, which are in `state` otherwise; `skips` are commands that its prints may leave
-    out. Within a running event loop. Raises MachineError, CardError if `card`
-    cannot be used, and InputError if another one has `state`; the board is let go then."""
+    """A printer with all that `passo serve` has, except the consoles. `reports` is the beginning of
+    the paths of halt reports; without it they are written to `state`. `skips` are commands that its
+    prints may leave out. Call it within a running event loop. Raises MachineError, CardError if
+    `card` cannot be used, and InputError if another process uses `state`; the board is released
+    then."""
     printer = Printer(machine, free=free, skips=skips)
     listen = printer.state.unheard.append
     printer.state.listeners.append(listen)
@@ -143,7 +144,7 @@ def _furnish(
 
 
 def _keep_variables(printer: Printer, folder: Path | None) -> None:
-    """Macros have the variables of SAVE_VARIABLE that are stored in the folder."""
+    """Gives macros the variables of SAVE_VARIABLE that are stored in the folder."""
     macros = printer.rig.macros
     file = SavedVariables(None if folder is None else folder / "variables.json")
     macros.keep = file.save

@@ -24,7 +24,7 @@ _STATUS = {
     ExitStatus.BAD_INPUT: "the G-code or another input is wrong",
     ExitStatus.MACHINE_FAULT: "the machine or its board failed",
 }
-# What stands in a sentence, by the name of the value.
+# The values in a sentence, by their names.
 _VALUES = {"axis": "name", "key": "key", "value": "value", "limit": "limit", "held": "time"}
 # A sentence that begins like this continues the name of a file.
 _OF_A_FILE = ("begins", "can", "cannot", "exists", "has", "holds", "is", "needs", "was", "would")

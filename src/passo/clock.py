@@ -1,8 +1,8 @@
 """Time for everything that waits. Host time is the event loop's own: `loop.time()`, in seconds.
 
-Three loops keep it: real; scaled (so many times as fast as real); and virtual, which jumps to the
-next deadline whenever all tasks wait, so that hours pass in moments and twice the same. Code that
-waits uses asyncio's own timers and never asks which loop it runs on.
+There are three loops: real; scaled (a multiple of real time); and virtual, which jumps to the next
+deadline whenever all tasks wait, so that hours pass in moments and each run is the same. Code that
+waits uses asyncio's own timers and never depends on which loop it runs on.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ class _Scaled(selectors.DefaultSelector):
         self._scale = scale
 
     def select(self, timeout: float | None = None) -> Any:
-        """What is ready within `timeout` seconds of the loop; None: within any time."""
+        """The events that become ready within `timeout` seconds of the loop; None: without
+        limit."""
         return super().select(timeout if timeout is None else timeout / self._scale)
 
 
@@ -42,19 +43,19 @@ class ScaledLoop(asyncio.SelectorEventLoop):
             raise ValueError("the scale of time must be above 0")
 
     def time(self) -> float:
-        """Seconds of this loop since it was made."""
+        """Seconds of this loop since its creation."""
         return (time.monotonic() - self._start) * self.scale
 
 
 class _Jumping(selectors.DefaultSelector):
-    """Never waits: if nothing is ready, time goes on at once."""
+    """Never waits: if nothing is ready, time jumps ahead."""
 
     def __init__(self, pass_time: Callable[[float], None]) -> None:
         super().__init__()
         self._pass_time = pass_time
 
     def select(self, timeout: float | None = None) -> Any:
-        """What is ready now; if nothing is, `timeout` seconds pass at once."""
+        """The events that are ready now; if there are none, `timeout` seconds pass at once."""
         ready = super().select(0)
         if not ready and timeout is None:
             return super().select(None)  # only a signal or another thread can end this
@@ -64,10 +65,10 @@ class _Jumping(selectors.DefaultSelector):
 
 
 class _AtOnce(ThreadPoolExecutor):
-    """No threads: a call is done when it is submitted, in no virtual time."""
+    """No threads: a call is executed when it is submitted, in no virtual time."""
 
     def submit(self, fn: Callable[_P, _T], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_T]:
-        """Calls the function; returns its result or what it has raised."""
+        """Calls the function; returns its result or raises its exception."""
         done: Future[_T] = Future()
         try:
             done.set_result(fn(*args, **kwargs))
@@ -77,8 +78,8 @@ class _AtOnce(ThreadPoolExecutor):
 
 
 class VirtualLoop(asyncio.SelectorEventLoop):
-    """An event loop in virtual time, from 0 s on. What asyncio would give to a thread runs at once,
-    so that each run is the same."""
+    """An event loop in virtual time, from 0 s on. Calls that asyncio would run in a thread run at
+    once, so that each run is the same."""
 
     def __init__(self) -> None:
         self._virtual_s = 0.0
@@ -86,7 +87,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self.set_default_executor(_AtOnce())
 
     def pass_time(self, seconds: float) -> None:
-        """So much time passes at once, in which no task runs: as while the program computes."""
+        """So much time passes at once, in which no task runs, as while the program computes."""
         self._virtual_s += seconds
 
     def time(self) -> float:
@@ -95,7 +96,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
 
 
 def time_scale() -> float:
-    """How many times as fast as real the running loop keeps time; 1 where no loop runs or time is
+    """How many times faster than real time the running loop is; 1 if no loop runs or time is
     virtual."""
     try:
         loop = asyncio.get_running_loop()

@@ -1,4 +1,4 @@
-"""What is raised where something goes wrong: problems, each of a row of the catalogue."""
+"""The exceptions of Passo: each holds problems, and each problem is a row of the catalogue."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, Self
 from passo.catalogue import CATALOGUE, Entry, ExitStatus
 
 _LOGGED = ("axis", "value", "limit")  # of a problem's values
-_LONGEST_VALUE = 500  # characters; people write lines of any length
+_LONGEST_VALUE = 500  # characters; users write lines of any length
 _STEERS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # C0 and C1 (ECMA-48), but tab and line feed
 
 
@@ -20,8 +20,8 @@ def _escaped(character: re.Match[str]) -> str:
 
 
 class _Sentence(Formatter):
-    """Puts values into a sentence: of long ones only the beginning, and without what would steer a
-    terminal (a compiler may tell several lines)."""
+    """Puts values into a sentence: only the beginning of long ones, and without terminal control
+    characters (a compiler may print several lines)."""
 
     def format_field(self, value: object, format_spec: str) -> str:
         """The value as text, at most `_LONGEST_VALUE` characters and an ellipsis."""
@@ -31,7 +31,7 @@ class _Sentence(Formatter):
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One thing that is wrong: a code of the catalogue, where it stands, and its values."""
+    """One problem: a code of the catalogue, its position in a file, and its values."""
 
     code: str
     file: str = ""
@@ -46,12 +46,12 @@ class Problem:
 
     @property
     def sentence(self) -> str:
-        """What is wrong, with its values."""
+        """The problem as a sentence, with its values."""
         return _Sentence().vformat(self.entry.says, (), self.values)
 
     @property
     def place(self) -> str:
-        """`file:line`, as editors understand it; empty where there is no file."""
+        """`file:line`, as editors understand it; empty without a file."""
         if not self.file or self.line is None:
             return self.file
         return f"{self.file}:{self.line}"
@@ -101,7 +101,7 @@ class PassoError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickles the problems."""
-        # The text alone would not do: an error crosses to another process with its problems.
+        # The text alone is not enough: an error passes to another process with its problems.
         return _restored, (type(self), self.problems), self.__dict__
 
     @classmethod
@@ -120,7 +120,7 @@ class PassoError(Exception):
 
 
 def _restored(cls: type[PassoError], problems: Sequence[Problem]) -> PassoError:
-    """An error as it was before it was pickled, whatever its class takes."""
+    """An error as it was before it was pickled, whatever arguments its class has."""
     error = cls.__new__(cls)
     PassoError.__init__(error, problems)
     return error
@@ -131,7 +131,7 @@ class ConfigError(PassoError):
 
 
 class InputError(PassoError):
-    """A G-code file is unreadable, garbage, or asks for what the machine cannot do."""
+    """A G-code file is unreadable, not G-code, or demands what the machine cannot do."""
 
 
 class CommandError(PassoError):
@@ -144,7 +144,7 @@ class CommandError(PassoError):
 
 
 class WordError(CommandError):
-    """A word of a command is none: its number is missing or beyond what a number may be."""
+    """A word of a command is invalid: its number is missing or too large."""
 
 
 class MachineError(PassoError):
@@ -152,11 +152,11 @@ class MachineError(PassoError):
 
 
 class FirmwareError(PassoError):
-    """Firmware cannot be built or brought onto a board."""
+    """Firmware cannot be built or flashed."""
 
 
 class CardError(PassoError):
-    """A card or a file on it cannot be used as asked."""
+    """A card or a file on it cannot be used as requested."""
 
 
 class WebError(PassoError):
@@ -164,7 +164,8 @@ class WebError(PassoError):
 
 
 def in_words(error: BaseException) -> PassoError:
-    """A PassoError as it is; any other error as a fault of the program, which is its cause."""
+    """A PassoError unchanged; any other error as a fault of the program, with the error as its
+    cause."""
     if isinstance(error, PassoError):
         return error
     fault = MachineError.of("machine.program", value=f"{type(error).__name__}: {error}")

@@ -13,7 +13,7 @@ Outcome: TypeAlias = Literal["done", "cancelled", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class StateChanged:
-    """The printer does something else now. `halted` says why a halted printer is halted."""
+    """The printer has changed its state. `halted` says why a halted printer is halted."""
 
     state: PrinterState
     before: PrinterState
@@ -40,7 +40,7 @@ class LayerChanged:
 
 @dataclass(frozen=True, slots=True)
 class ProgressChanged:
-    """A print has come further by a whole percent."""
+    """The progress of a print has risen by a whole percent."""
 
     job: JobStatus
 
@@ -66,7 +66,7 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A line that goes to all consoles, as it stands there."""
+    """A line that goes to all consoles, as they receive it."""
 
     text: str
 

@@ -1,4 +1,4 @@
-"""All boards of one machine, as one: each part of it is on one of them."""
+"""All boards of one machine as one; each part of the machine is on one of them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 
-# Until the clocks of several boards are known well enough, and so much longer for each second by
-# which answers usually are late; never longer than the last.
+# The time until the clocks of several boards are known well enough, with so much more for each
+# second by which answers are usually late; at most the last.
 SETTLING_S = 4.0
 _SETTLING_PER_JITTER = 6000.0
 _LONGEST_SETTLING_S = 30.0
 _LOOK_S = 0.02  # longest delay before a fault of one live board among several is reported
 _NEWS_S = 0.05  # until all boards have been told that one is lost
-_TOLERANCE_S = 1e-6  # of a step on a further board, beside what the plan allows
+_TOLERANCE_S = 1e-6  # tolerance of a step on a further board, in addition to that of the plan
 
 
 class Boards:
@@ -43,8 +43,8 @@ class Boards:
             connection.faults = self.faults
 
     def connect(self, *, adopt: bool = False) -> None:
-        """Identifies and configures every board, and puts their clocks on one timeline. If all have
-        outlived another host, they may be adopted."""
+        """Identifies and configures every board, and puts their clocks on one timeline. If all
+        boards have survived the loss of another host, they may be adopted."""
         adopt = adopt and all(connection.left_alone() for connection in self.connections)
         for connection in self.connections:
             connection.begin(adopt=adopt)
@@ -64,33 +64,33 @@ class Boards:
 
     @property
     def now(self) -> int:
-        """The main board's clock."""
+        """The clock of the main board."""
         return self.main.now
 
     @property
     def live(self) -> bool:
-        """Real time passes at the boards, even if no caller waits."""
+        """Whether real time passes at the boards, even if no caller waits."""
         return self.main.port.live
 
     @property
     def survives(self) -> bool:
-        """All boards can stop by themselves when a link is lost."""
+        """Whether all boards can stop by themselves when a link is lost."""
         return all(connection.survives for connection in self.connections)
 
     @property
     def move_count(self) -> int:
-        """The moves that each board can hold."""
+        """The number of moves that each board can hold."""
         return min(connection.move_count for connection in self.connections)
 
     @property
     def delivered(self) -> bool:
-        """Everything of the job so far is at the boards."""
+        """Whether all messages of the job so far have been delivered to the boards."""
         return all(connection.link.delivered for connection in self.connections)
 
     @property
     def unheard_s(self) -> float:
-        """For how long the first of what a board has not acknowledged has been on its way, seconds;
-        the longest of all boards, 0 if they have acknowledged all."""
+        """The age of the oldest message that a board has not acknowledged, in seconds; the maximum
+        of all boards, 0 if they have acknowledged all."""
         return max(c.link.unheard_s(c.board_clock) for c in self.connections)
 
     def keep_frames(self) -> None:
@@ -104,25 +104,25 @@ class Boards:
             connection.use_commits(horizon_s)
 
     def arm(self, on: bool) -> None:
-        """Whether the boards brake by themselves when they are left alone; else axes are to home.
-        Only while the machine stands, and if they all `survive`."""
+        """Whether the boards brake by themselves when their link is lost; otherwise axes may be
+        homed. Only at standstill, and only if all boards `survive`."""
         for connection in self.connections:
             connection.command("survive_arm" if on else "survive_home")
             connection.link.begin_commits(on)
 
     @property
     def heaters(self) -> dict[str, _core.Heater]:
-        """The loops of all heaters."""
+        """The control loops of all heaters."""
         loops = {n: h for c in self.connections for n, h in c.heaters.items()}
         return {h.name: loops[h.name] for h in self.board.heaters if h.name in loops}
 
     @property
     def adopted(self) -> bool:
-        """The boards go on as another host has left them."""
+        """Whether the boards continue with the state that another host left."""
         return self.main.adopted
 
     def set_on_fault(self, on_fault: Callable[[str, HeaterFault], None] | None) -> None:
-        """What is called for each heater that fails; it may raise. None: the fault is raised."""
+        """Sets the callback for each heater that fails; it may raise. None: the fault is raised."""
         for connection in self.connections:
             connection.on_fault = on_fault
 
@@ -136,12 +136,12 @@ class Boards:
         return base
 
     def stop_job(self) -> None:
-        """Sends none of the job's messages any more."""
+        """Stops sending the job's messages."""
         for connection in self.connections:
             connection.link.stop_job()
 
     def emergency_stop(self) -> None:
-        """Tells all boards to shut down; it leaves when time next passes."""
+        """Sends all boards the command to shut down; it leaves when time next passes."""
         for connection in self.connections:
             connection.command("emergency_stop")
 
@@ -158,13 +158,12 @@ class Boards:
                 return
 
     def wait(self, until_clock: int) -> None:
-        """As `live_on`. Raises MachineError when a board has shut down."""
+        """As `live_on`, but raises MachineError when a board has shut down."""
         self.live_on(until_clock)
         self._look_for_shutdown()
 
     def live_on(self, until_clock: int) -> None:
-        """Lets time pass until `until_clock`, whichever links are lost and boards are shut
-        down."""
+        """Lets time pass until `until_clock`, even if links are lost or boards are shut down."""
         for connection in self.connections:
             main = connection is self.main
             with suppress(LinkLostError):
@@ -172,13 +171,13 @@ class Boards:
                 connection.take_faults()
 
     def stand_by(self, until_clock: int) -> None:
-        """All boards are shut down, and time passes at simulated ones until `until_clock`: what is
-        hot cools down, and a heater that is stuck on does not."""
+        """Lets time pass at simulated boards until `until_clock` while all boards are shut down:
+        heaters cool down, but a heater that is stuck on does not."""
         if isinstance(self.main.wire, _core.Pump):
             self.main.wire.sleep(until_clock)
 
     def _look(self) -> None:
-        """At what all boards have told."""
+        """Handles what all boards have reported."""
         for connection in self.connections:
             connection.pass_time(connection.now)
             connection.take_faults()
@@ -195,7 +194,7 @@ class Boards:
         stopped = [c for c in self.connections if c.link.shut_down]
         if not stopped:
             return
-        # The one that was first, not those that were stopped for its sake.
+        # Report the board that failed first, not those that were stopped because of it.
         first = min(stopped, key=lambda c: c.link.stopped_with_others)
         if first.link.stopped_with_others:
             for connection in self.connections:
@@ -205,7 +204,7 @@ class Boards:
 
     def connection_of(self, part: str, name: str) -> Connection:
         """The board that has a part, one of `steppers`, `outputs`, `sensors`, `heaters`,
-        `endstops`. KeyError if none has."""
+        `endstops`. KeyError if no board has it."""
         for connection in self.connections:
             if any(entry.name == name for entry in getattr(connection.board, part)):
                 return connection
@@ -220,8 +219,8 @@ class Boards:
         self.connection_of("heaters", heater).set_target(heater, celsius)
 
     def switch_heaters_off(self) -> None:
-        """Turns every heater off. One that has failed is off, and keeps its set-point, to be read:
-        only while nothing can rearm it."""
+        """Turns every heater off. A heater that has failed is off already and keeps its set-point,
+        which can still be read. Only while nothing can rearm it."""
         for connection in self.connections:
             for heater in connection.heaters.values():
                 if heater.fault is None:
@@ -248,13 +247,13 @@ class Boards:
         return self.connection_of("steppers", stepper).net_steps(stepper)
 
     def close(self) -> None:
-        """Switches heaters and the laser off and lets go of all boards. Raises nothing."""
+        """Switches heaters and the laser off and releases all boards. Raises nothing."""
         for connection in self.connections:
             connection.close()
 
 
 def _check_room(connection: Connection) -> None:
-    """What was planned for more would come late."""
+    """Raises an error if the plan needs more than the boards can take: commands would be late."""
     room = connection.move_count
     if room < connection.board.move_count:
         where = f" of board {connection.name}" if connection.name else ""

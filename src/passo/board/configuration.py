@@ -1,4 +1,4 @@
-"""The commands that turn a bare board into the one that a description asks for."""
+"""The commands that configure a board according to its description."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ SENSOR_PERIOD_S = 0.25
 SENSOR_RANGE_CHECKS = 4
 
 _UART_BAUD = 40_000
-_SLOW_UART_BAUD = 9_000  # the least that the drivers know
+_SLOW_UART_BAUD = 9_000  # the minimum that the drivers support
 _FAST_HZ = 20_000_000
 _SPI_HZ = 100_000
 
 
 @dataclass(frozen=True, slots=True)
 class Oids:
-    """Numbers of the board's objects: steppers, outputs, sensors, endstops, then a trsync for each
-    endstop, on this board or elsewhere: the group of motors here that it stops; UARTs and SPI
-    devices by their wires."""
+    """Numbers of the board's objects, in this order: steppers, outputs, sensors, endstops; a trsync
+    for each endstop, here or on another board, for the group of motors that it stops here; UARTs
+    and SPI devices by their pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -120,8 +120,8 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
 
 
 def uart_bit_ticks(clock_hz: int) -> int:
-    """How long a bit on the drivers' UARTs is: slower on slow boards, and a multiple of the four
-    looks in which the firmware finds the beginning of an answer."""
+    """The length of a bit on the drivers' UARTs: longer on slow boards, and a multiple of the four
+    samples in which the firmware finds the beginning of an answer."""
     baud = _UART_BAUD if clock_hz >= _FAST_HZ else _SLOW_UART_BAUD
     return clock_hz // baud // 4 * 4
 
@@ -156,17 +156,18 @@ def _output(output: Output, oid: int, full: int) -> list[str]:
 
 
 def checksum(lines: list[str]) -> int:
-    """CRC-32 of the configuration's text: a board that reports it is configured alike."""
+    """CRC-32 of the configuration's text. A board that reports the same CRC has the same
+    configuration."""
     return zlib.crc32("\n".join(lines).encode())
 
 
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
-    """Sets what is set once, and starts the reports of every sensor, the first at board clock
-    `clock`, evenly spread, and what blinks."""
+    """Sets values that are set once, and starts the reports of every sensor, evenly spread, the
+    first at board clock `clock`, and the outputs that blink."""
     oids = Oids.of(board)
-    # Older firmware does not ask how many bytes make a report.
+    # Older firmware has no parameter for the number of bytes of a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
-    # Klipper's firmware of before v0.11 does not count faults.
+    # Klipper's firmware before v0.11 has no parameter for the number of faults.
     counts = dictionary.takes("query_thermocouple", "max_invalid_count")
     count = f" max_invalid_count={SENSOR_RANGE_CHECKS}" if counts else ""
     lines = [
@@ -208,7 +209,7 @@ def adc_full(dictionary: Dictionary) -> int:
 def sensor_query(
     board: BoardDescription, sensor: Sensor, dictionary: Dictionary
 ) -> _core.SensorQuery:
-    """How the board is asked to sample a sensor."""
+    """The command that makes the board sample a sensor."""
     if sensor.spi is not None:
         words = _core.converter_words(sensor.converter, sensor.min_ratio, sensor.max_ratio)
         return _core.SensorQuery(

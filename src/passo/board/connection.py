@@ -50,7 +50,7 @@ _RESET_S = 0.05  # a board that was sent `reset` has begun to restart by then
 _REOPEN_S = 5.0  # and its port is back by then
 _RESPONSES_KEPT = 1024
 _MAX_STEPS = 0xFFFF  # of one command
-_SURVIVE = 2  # version of the extension
+_SURVIVE = 2  # The settings that the control loop of a heater needs.
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 

@@ -1,4 +1,4 @@
-"""The drivers of one board that are set up over a wire: configured, watched, set anew."""
+"""The drivers of one board that have registers: it configures, watches and sets them."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from passo.errors import MachineError
 if TYPE_CHECKING:
     from passo.board.connection import Connection
 
-# Once the board has the question. The slowest UART takes 30 ms; of SPI the answer comes before the
-# acknowledgement.
+# The time after the board has the question. The slowest UART takes 30 ms; an answer over SPI comes
+# before the acknowledgement.
 _TIMEOUT_S = 0.3
 _STEP_S = 0.01
-_MAX_LOST = 50  # answers one after the other, while a caller waits for them
+_MAX_LOST = 50  # lost answers in sequence, while a caller waits for them
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 
 @dataclass
 class DriverState:
-    """One driver: what it is to be set to, the `failure` if it is not, and the `reading` when it
-    was last asked, `fresh` until it was read."""
+    """One driver: the settings that it should have, the `failure` if it does not have them, and the
+    `reading` of its last status, `fresh` until it is read."""
 
     link: DriverLink
     settings: DriverSettings
@@ -46,20 +46,20 @@ class DriverState:
 
 @dataclass
 class _Talk:
-    """An exchange that goes on, one question at a time; of one the answer of which has not come by
-    its `deadline` the link has lost it. There is none before the board has the question."""
+    """An exchange in progress, one question at a time. The link has lost an answer that has not
+    come by `deadline`. There is no deadline before the board has the question."""
 
     exchange: Exchange[Any]
     done: Callable[[Any], None]
     failed: Callable[[DriverFailure], None]
     question: str | None = None
     deadline: int | None = None
-    lost: int = 0  # answers, one after the other
+    lost: int = 0  # lost answers in sequence
 
 
 @dataclass
 class _Line:
-    """A wire with the exchanges that wait for it. A `slow` one answers later than it
+    """A wire with the exchanges that wait for it. A `slow` wire answers later than it
     acknowledges."""
 
     slow: bool
@@ -69,8 +69,8 @@ class _Line:
 class Drivers:
     """All drivers of a connection that have registers, by their motors.
 
-    `configure` waits for the answers, before anything moves. After that everything is asked while
-    time passes elsewhere: the caller that lets it pass calls `poll` now and then.
+    `configure` waits for the answers, before any motor moves. After that, questions are asked while
+    time passes elsewhere: the caller that lets time pass calls `poll` from time to time.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -86,12 +86,12 @@ class Drivers:
 
     @property
     def idle(self) -> bool:
-        """Nothing is being asked."""
+        """Whether no question is open."""
         return not any(line.talks for line in self._lines.values())
 
     def configure(self) -> None:
-        """Sets all drivers up. Lets time pass; raises MachineError if the board fails, or if its
-        answers are lost again and again. A driver that fails says so in its state."""
+        """Sets all drivers up. Lets time pass. Raises MachineError if the board fails, or if its
+        answers are lost repeatedly. A driver that fails has a `failure` in its state."""
         for motor in self.states:
             self.begin_configure(motor)
         while not self.idle:
@@ -102,14 +102,14 @@ class Drivers:
             self._connection.run(self._connection.now + int(_STEP_S * self._connection.wire.hz))
 
     def require(self) -> None:
-        """As `configure`, and raises MachineError for drivers that fail, too."""
+        """As `configure`, and raises MachineError also for drivers that fail."""
         self.configure()
         failures = [state.failure for state in self.states.values() if state.failure is not None]
         if failures:
             raise MachineError([failure.problem for failure in failures])
 
     def begin_configure(self, motor: str, settings: DriverSettings | None = None) -> None:
-        """Sets a driver up (anew, or to other settings) as time passes."""
+        """Sets a driver up (again, or to other settings) as time passes."""
         state = self.states[motor]
         if settings is not None:
             state.settings = settings
@@ -120,12 +120,12 @@ class Drivers:
         self._begin(motor, state.link.configure(state.settings), done)
 
     def interrupt(self) -> None:
-        """Ends what is being asked or set, of which much may have been lost on the way."""
+        """Ends all exchanges, because many of their messages may have been lost."""
         for line in self._lines.values():
             line.talks.clear()
 
     def begin_status(self, motor: str) -> None:
-        """Asks a driver how it is as time passes."""
+        """Asks a driver for its status as time passes."""
         state = self.states[motor]
 
         def done(reading: Reading) -> None:
@@ -142,7 +142,7 @@ class Drivers:
         self._lines[self._oids[motor]].talks.append(_Talk(exchange, done, failed))
 
     def poll(self) -> None:
-        """Takes in what the drivers have answered, and asks on. Lets no time pass."""
+        """Handles the answers of the drivers, and sends the next questions. Lets no time pass."""
         if self.idle:
             return
         told = self._connection.link.told  # before its answers are looked for

@@ -10,19 +10,20 @@ from passo.board.description import inverted
 
 _SAMPLE_S = 15e-6  # between the samples that must agree
 _SAMPLES = 4
-_REPORT_S = 0.1  # a group tells its state so often
+_REPORT_S = 0.1  # interval of the state reports of a group
 _REASONS = 127  # told apart, so that a late report of one search does not end the next
 _EXPIRED = 128  # added to the reason: a group of several boards has lost one of them
-_SHARED_REPORT_S = 0.01  # a group of several boards tells its state so often
-_SHARED_TIMEOUT_S = 0.05  # and stops its motors when another part was silent for so long
+_SHARED_REPORT_S = 0.01  # interval of the state reports of a group of several boards
+_SHARED_TIMEOUT_S = 0.05  # and its motors stop when another board was silent for so long
 
 
 class Endstops:
-    """The endstops of a machine's boards. Times in ticks of the main board's clock.
+    """The endstops of a machine's boards. Times are in ticks of the main board's clock.
 
-    A switch stops the motors of its own board by itself. To motors of other boards the links pass
-    it on at once, without Python: they stop later by the way there, and by `_SHARED_TIMEOUT_S` at
-    most if a link fails. Every board counts its steps, so that no step is lost by that.
+    A triggered endstop stops the motors of its own board without the host. The links pass the
+    trigger on to other boards at once, without Python. Motors there stop later by the transmission
+    time, and by at most `_SHARED_TIMEOUT_S` if a link fails. Every board counts its steps, so that
+    no step is lost.
     """
 
     def __init__(self, boards: Boards) -> None:
@@ -37,12 +38,12 @@ class Endstops:
         return self._boards.connection_of("endstops", name)
 
     def _is_low(self, name: str) -> bool:
-        """Whether the switch reads low when pressed."""
+        """Whether the endstop reads low when triggered."""
         pin = next(e.pin for e in self._board(name).board.endstops if e.name == name)
         return inverted(pin)
 
     def pressed(self, name: str) -> bool:
-        """Asks the board. Lets time pass; raises MachineError."""
+        """Asks the board whether the endstop is triggered. Lets time pass; raises MachineError."""
         return bool(self._state(name)["pin_value"]) != self._is_low(name)
 
     def _state(self, name: str) -> Values:
@@ -51,14 +52,14 @@ class Endstops:
         return connection.ask(f"endstop_query_state oid={oid}", "endstop_state")
 
     def arm(self, steppers: Mapping[str, Sequence[str]], clock: int, rest_s: float) -> None:
-        """From a clock on each of these endstops stops its steppers when it is pressed; the board
-        looks every `rest_s` seconds. The motors' clocks must not be set anew after that: it would
-        let a stopped motor go on."""
+        """Makes each of these endstops stop its steppers when it triggers, from a clock on. The
+        board samples every `rest_s` seconds. Do not set the motors' clocks after that: a stopped
+        motor would continue."""
         self._rest_s = rest_s
         self._armed, self.hit, self.expired = {}, {}, set()
         self._reason = self._reason % _REASONS + 1
         for connection in self._boards.connections:
-            # Before it was reset, a board may have told of what it was armed for by another host.
+            # Before its reset, a board may have reported what another host armed it for.
             connection.take_responses("trsync_state")
         for name, stopped in steppers.items():
             own = self._board(name)
@@ -110,7 +111,7 @@ class Endstops:
         )
 
     def all_hit(self) -> bool:
-        """Takes in what the boards have told: whether every armed endstop was hit."""
+        """Handles the reports of the boards. Returns whether every armed endstop was triggered."""
         for connection in self._boards.connections:
             groups = {
                 connection.oids.trsyncs[name]: name
@@ -130,16 +131,16 @@ class Endstops:
         return self.hit.keys() == self._armed.keys()
 
     def hit_clock(self, name: str) -> int:
-        """Clock at which an endstop that was hit, and is still armed, first read as pressed. Asks
-        the board. Lets time pass; raises MachineError."""
+        """The clock at which a triggered endstop, which is still armed, first read as triggered.
+        Asks the board. Lets time pass; raises MachineError."""
         connection = self._board(name)
         rest = int(self._rest_s * connection.board.clock_hz)
         state = self._state(name)
-        # The board tells when it would have looked again.
+        # The board reports when it would have sampled next.
         return connection.main_clock(int(state["next_clock"]) - rest)
 
     def disarm(self) -> None:
-        """None of them stops anything any more."""
+        """Disarms the endstops: they stop nothing any more."""
         self._boards.timeline.disarm()
         for name, boards in self._armed.items():
             own = self._board(name)

@@ -1,4 +1,4 @@
-"""Faults that a board can be made to have: what offers them, and how they are written."""
+"""Faults that can be injected into a board: their interface and their syntax."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ _ORDER = re.compile(rf"\s*([\w-]+)\s*=\s*([\w:.]+?)\s*(?:@\s*{_TIME})?\s*(?:\+\s
 
 
 class FaultInjector(Protocol):
-    """Boards that can be made to fail, part by part; each part has at most one fault at a time."""
+    """Boards into which faults can be injected, part by part; each part has at most one fault at a
+    time."""
 
     @property
     def values(self) -> Mapping[str, tuple[str, ...]]:
@@ -24,7 +25,7 @@ class FaultInjector(Protocol):
 
     @property
     def active(self) -> Mapping[str, str]:
-        """The parts that have a fault now, and which."""
+        """The parts that have a fault now, with the fault."""
         ...
 
     def check(self, part: str, value: str) -> None:
@@ -38,7 +39,8 @@ class FaultInjector(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class FaultOrder:
-    """A fault that a part gets after so many seconds of print time, for so many or for good."""
+    """A fault that a part gets after `start` seconds of print time, for `duration` seconds or
+    permanently."""
 
     part: str
     value: str

@@ -1,4 +1,5 @@
-"""What fails at a board: a heater, as an event and as a sentence; the board itself, as errors."""
+"""Failures at a board: of a heater, as an event and as a message; of the board itself, as
+errors."""
 
 from __future__ import annotations
 
@@ -15,8 +16,9 @@ FaultKind = _core.FaultKind
 class HeaterFault:
     """A protection of a heater has switched it off.
 
-    `celsius` is what its sensor said at board clock `clock`, `limit` what it had to keep to: °C,
-    and of a model deviation a share of full power. `str()` is a sentence with the next action.
+    `celsius` is the temperature of its sensor at board clock `clock`, and `limit` is the limit that
+    it passed: in °C, and for a model deviation a fraction of full power. `str()` is a message with
+    the next action.
     """
 
     heater: str
@@ -27,12 +29,12 @@ class HeaterFault:
 
     @classmethod
     def of(cls, heater: str, fault: _core.HeatFault) -> HeaterFault:
-        """What the core has found at a heater of this name."""
+        """The fault that the core has found at a heater of this name."""
         return cls(heater, fault.kind, fault.celsius, fault.limit, fault.clock)
 
     @property
     def problem(self) -> Problem:
-        """The fault as a problem of the catalogue, `heat.` and its kind being the code."""
+        """The fault as a problem of the catalogue: its code is `heat.` and its kind."""
         code = f"heat.{self.kind.name.lower().replace('_', '-')}"
         # Some sensors read hot when their cable is open, and cold when it is shorted.
         if self.kind == FaultKind.SENSOR_OPEN and self.celsius > self.limit:
@@ -44,13 +46,13 @@ class HeaterFault:
 
     @property
     def halting(self) -> MachineError:
-        """The error where the fault halts the printer, which M999 restarts."""
+        """The error of a fault that halts the printer; M999 restarts the printer."""
         problem = self.problem
         hint = problem.entry.action.replace("M922", "M999")
         return MachineError([replace(problem, hint=hint)])
 
     def __str__(self) -> str:
-        """The sentence of the fault, with the next action."""
+        """The message of the fault, with the next action."""
         return str(self.problem)
 
 
@@ -67,8 +69,9 @@ _OVERLOADED = "Rescheduled timer in the past"
 
 
 def shutdown_error(reason: str, named: str, time_scale: float) -> MachineError:
-    """A board has shut down for this reason; `named` is the reason with the board where there are
-    several. `time_scale` is how many times as fast as real the host keeps time."""
+    """The error of a board that has shut down for this reason. `named` is the reason with the name
+    of the board, if there are several boards. `time_scale` is how many times faster than real time
+    the host runs."""
     clock = f"for --clock {time_scale:g}" if time_scale != 1 else "or too busy"
     action = "a lower --clock" if time_scale != 1 else "a faster computer or a better cable"
     hint = ""
@@ -95,7 +98,7 @@ class BoardAloneError(LinkLostError):
 
 
 class PlaceLostError(MachineError):
-    """Where the motors of a board stand cannot be proved any more; nothing else is wrong."""
+    """The motors of a board have lost their proven positions; nothing else is wrong."""
 
 
 class BoardResetError(PlaceLostError, LinkLostError):

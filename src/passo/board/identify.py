@@ -1,4 +1,5 @@
-"""Asking a board who it is: only bytes in and out, so that it works on any wire."""
+"""Identifies a board: bytes in and bytes out, without input or output of its own, for any
+transport."""
 
 from __future__ import annotations
 
@@ -12,10 +13,10 @@ _RETRY_S = 0.25
 
 
 class Identification:
-    """Reads a board's data dictionary. Give it what arrives (`feed`), send what it says (`poll`).
+    """Reads a board's data dictionary. Pass received bytes to `feed`, and send what `poll` returns.
 
-    Times are seconds of any steady clock. Done when `dictionary` is there; `compressed` are its
-    bytes as the board carries them.
+    Times are seconds of any steady clock. The dictionary is complete when `dictionary` is set;
+    `compressed` are its bytes as the board holds them.
     """
 
     def __init__(self) -> None:
@@ -27,7 +28,7 @@ class Identification:
         self._asked_at: float | None = None
 
     def feed(self, data: bytes) -> None:
-        """Bytes from the board, cut anywhere. Raises DictionaryError if the dictionary is
+        """Takes bytes from the board, split anywhere. Raises DictionaryError if the dictionary is
         damaged."""
         for frame in self._scanner.feed(data):
             if frame is None or self.dictionary is not None:
@@ -55,7 +56,7 @@ class Identification:
             self.dictionary = Dictionary.parse(self.compressed)
 
     def poll(self, now: float) -> tuple[bytes, float]:
-        """What to send now, and when to call again if nothing arrives before."""
+        """The bytes to send now, and the time of the next call if nothing arrives before."""
         if self.dictionary is not None:
             return b"", now + _RETRY_S
         if self._asked_at is not None and now < self._asked_at + _RETRY_S:

@@ -1,4 +1,4 @@
-"""Commands that reach the board with little time to spare, as a sentence with its cause."""
+"""Commands that reach the board with little time to spare, as a message with the cause."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ def problem_of(
     file: str = "",
     line: int | None = None,
 ) -> Problem:
-    """What is to be said of a slack that is known; `line` is the one whose move it concerns.
-    `again`: bytes that were sent again, to any board: none gets a commit before the others."""
+    """The problem to report for a known slack. `line` is the line of its move. `again` is the
+    number of bytes that were sent again, to any board, because no board gets a commit before the
+    others."""
     hz = connection.board.clock_hz
     values = {
         "value": _before(slack.slack / hz),

@@ -1,4 +1,4 @@
-"""Where a board is: in this process, on a serial line, or at a network address."""
+"""Ports to a board: in this process, on a serial line, or at a network address."""
 
 from __future__ import annotations
 
@@ -20,31 +20,31 @@ Simulated: TypeAlias = "_core.Bench | _core.Distant"
 
 
 class LinkLostError(MachineError):
-    """The board cannot be reached, or heard any more."""
+    """The board cannot be reached any more."""
 
 
 class Port(Protocol):
-    """What a link can be attached to. `live`: real time passes at the board, even if no caller
-    waits. A byte takes `byte_s` seconds on the way, where that is known."""
+    """A port that a link can be attached to. `live`: real time passes at the board, even if no
+    caller waits. `byte_s` is the transmission time of a byte in seconds, if it is known."""
 
     live: bool
     byte_s: float
 
     def open(self, timeout_s: float = 0.0) -> None:
-        """Opens the port again for the next `attach`, which else opens it; on a `live` port that
-        may take seconds, and may be done in any thread. Tries again for `timeout_s`: the device of
-        a board that restarts is missing for a while. Raises MachineError."""
+        """Opens the port again for the next `attach`, which otherwise opens it. On a `live` port
+        that may take seconds, and any thread may do it. Tries again for `timeout_s`, because the
+        device of a board that restarts is missing for a while. Raises MachineError."""
         ...
 
     def attach(self, link: _core.Link) -> Wire:
-        """The wire between this port and a link, which carries bytes from now on. Raises
+        """The transport between this port and a link, which carries bytes from now on. Raises
         MachineError."""
         ...
 
 
 class InProcess:
-    """A board of this process, in virtual time from `start_clock` on, ticks of its clock; or in the
-    time of another one, `beside` which it works."""
+    """A board of this process, in virtual time from `start_clock` on, in ticks of its clock; or in
+    the time of another board, `beside`, with which it runs."""
 
     live = False
     byte_s = 0.0
@@ -60,23 +60,23 @@ class InProcess:
         self._link: _core.Link | None = None
 
     def unplug(self) -> None:
-        """Takes the cable away."""
+        """Unplugs the cable."""
         self.unplugged = self._cut = True
         if self._pump is not None:
             self._pump.cut()
 
     def plug(self, clock: int) -> None:
-        """Brings the cable back, when the board has lived on without it until this clock."""
+        """Plugs the cable in again, after the board has run without it until this clock."""
         self.unplugged = False
         self._clock = clock
 
     def open(self, timeout_s: float = 0.0) -> None:
-        """There is nothing to open."""
+        """Does nothing: the port is always open."""
 
     def attach(self, link: _core.Link) -> _core.Pump:
-        """A pump; its time goes on where that of the last one stands, which it is if the link is
-        the same and no cable was taken away. A board beside another one joins that one's pump,
-        which must be attached before."""
+        """A pump. Its time continues from that of the last one; it is the same pump if the link is
+        the same and no cable was unplugged. A board beside another one joins the pump of that
+        board, which must be attached before."""
         if self.unplugged:
             raise _unreachable("the simulated board", OSError("it is unplugged"))
         if self._beside is not None and self._beside._pump is not None:
@@ -95,7 +95,7 @@ def in_process(devices: Sequence[Simulated]) -> list[InProcess]:
 
 
 class LivePort:
-    """A board on a cable: a thread carries the bytes. `opened` gives a new descriptor of it and
+    """A board on a cable: a thread carries the bytes. `opened` returns a new descriptor of it and
     raises MachineError."""
 
     live = True
@@ -124,8 +124,8 @@ class LivePort:
                 time.sleep(_REOPEN_S)
 
     def attach(self, link: _core.Link) -> _core.LiveWire:
-        """A wire with a thread of its own; the port is opened for it unless it just was. Raises
-        MachineError."""
+        """A transport with a thread of its own. Opens the port first unless it was just opened.
+        Raises MachineError."""
         if self._descriptor is None:
             self.open()
         assert self._descriptor is not None
@@ -134,8 +134,8 @@ class LivePort:
 
 
 def serial_port(device: str, baud: int, *, paced: bool = False) -> LivePort:
-    """A board on a serial device. Opening it resets many of them. `paced`: bytes really go at the
-    baud rate, ten bits each; behind a chip's own USB they do not."""
+    """A board on a serial device. Opening the device resets many boards. `paced`: bytes really take
+    ten bits each at the baud rate; through a chip's own USB they do not."""
 
     def opened() -> int:
         try:
@@ -147,7 +147,7 @@ def serial_port(device: str, baud: int, *, paced: bool = False) -> LivePort:
 
 
 def tcp_port(host: str, port: int) -> LivePort:
-    """A board behind a network socket."""
+    """A board at a network socket."""
 
     def opened() -> int:
         try:

@@ -18,9 +18,9 @@ _MAX_LINES = 8000  # of one board
 
 @dataclass(frozen=True, slots=True)
 class RecordedFrames:
-    """What one board was sent and has sent around a halt at the host time `halt_ticks`. `parts` are
-    (host time, clock of the board or 0, from the board, bytes), oldest first; times are ticks of
-    the nominal frequency of the board."""
+    """The frames of one board around a halt at the host time `halt_ticks`. `parts` are (host time,
+    clock of the board or 0, from the board, bytes), oldest first; times are ticks of the nominal
+    frequency of the board."""
 
     name: str
     board: BoardDescription

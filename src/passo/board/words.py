@@ -1,4 +1,4 @@
-"""Words that the host says to a board, or hears of it, once that is configured."""
+"""Messages that the host sends to a configured board, or receives from it."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from passo.board.dictionary import Dictionary, DictionaryError
 
 
 class _Words(NamedTuple):
-    """Names with their parameters; of those between bars a board has one. Reports may go on with
-    others."""
+    """Names with their parameters; a board has one of those between bars. Reports may have further
+    parameters."""
 
     commands: tuple[str, ...]
     reports: tuple[str, ...]
@@ -71,8 +71,9 @@ _SPI = _Words(
 
 
 def check_words(board: BoardDescription, dictionary: Dictionary) -> None:
-    """Raises DictionaryError for a word that is needed to drive the board, and that it does not
-    know, or with other parameters. Configuring it shows whether it knows those of that."""
+    """Raises DictionaryError if the board lacks a message that is needed to drive it, or has it
+    with other parameters. Messages that only configure a board are checked while it is configured.
+    """
     commands, reports = (
         {name: words for _, text in texts for name, *words in (text.split(),)}
         for texts in (dictionary.commands, dictionary.reports)

@@ -1,6 +1,7 @@
-"""The card: a folder of the host, a FAT32 image or a block device, used in the same way.
+"""The SD card: a folder of the host, a FAT32 image or a block device, used in the same way.
 
-`open_card(path)` gives a `Card`; `api.py` says what a card can do. It knows nothing of printers.
+`open_card(path)` returns a `Card`; `api.py` defines its interface. This package does not depend on
+printers.
 """
 
 from pathlib import Path

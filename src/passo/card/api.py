@@ -1,4 +1,4 @@
-"""What a card is to those who use it: entries, readers, writers, and the protocol of all cards."""
+"""The interface of a card: entries, readers, writers, and the protocol of all cards."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PIECE = 1 << 20
 
 
 def is_removed(error: CardError) -> bool:
-    """True if the medium failed: how much of the last step it has kept is unknown."""
+    """True if the medium failed: it is unknown how much of the last step was written."""
     return error.problems[0].code == "card.removed"
 
 
@@ -70,11 +70,11 @@ class Reader(io.RawIOBase):
         self._at = 0
 
     def readable(self) -> bool:
-        """Always."""
+        """Always true: the file is open for reading."""
         return True
 
     def seekable(self) -> bool:
-        """Always."""
+        """Always true: a position can be set."""
         return True
 
     def tell(self) -> int:
@@ -100,11 +100,11 @@ class Reader(io.RawIOBase):
         return count
 
     def read(self, size: int = -1) -> bytes:
-        """`size` bytes from the position on, or as many as are left, which a negative one asks for.
-        Raises CardError, and ValueError after `close`."""
+        """`size` bytes from the position on, or the rest of the file if it is shorter or `size` is
+        negative. Raises CardError, and ValueError after `close`."""
         left = self.size - self._at if size < 0 else size
         data = bytearray()
-        # Piece by piece, so that a damaged card's claim of a size takes no memory.
+        # Read in pieces, so that a wrong size on a damaged card takes no memory.
         while left > 0:
             piece = bytearray(min(left, _PIECE, self.size - self._at))
             if not self.readinto(piece):
@@ -123,8 +123,9 @@ class Reader(io.RawIOBase):
 class Writer(ABC):
     """A file of a card that is being written; it is not on the card before `close` has returned.
 
-    As a context manager it closes at the end of the block, and aborts if the block raised. Once a
-    call has raised CardError the file is given up, and `write` and `close` raise the same again.
+    As a context manager it closes the file at the end of the block, and aborts if the block raised.
+    Once a call has raised CardError, the file is discarded, and `write` and `close` raise the same
+    error again.
     """
 
     def __init__(self) -> None:
@@ -191,13 +192,13 @@ class Writer(ABC):
 
 
 class Card(Protocol):
-    """A place for files, with the names and the manners of an SD card.
+    """A place for files, with the rules of an SD card.
 
-    Paths have `/` between names, with or without one in front; `.` and `..` are resolved within
-    the path and never lead out of the card. A name is looked up as it is written first, then
-    without regard to case, then as an 8.3 name. All calls block for as long as the medium takes:
-    from asyncio, call them through `asyncio.to_thread`; calls from several threads wait for each
-    other. All raise CardError, whose problem's code begins with `card.`.
+    Paths have `/` between names, with or without one in front; `.` and `..` are resolved within the
+    path and never lead out of the card. A name is looked up as it is written first, then without
+    regard to case, then as an 8.3 name. All calls block for as long as the medium takes: from
+    asyncio, call them through `asyncio.to_thread`; calls from several threads wait for each other.
+    All raise CardError, whose problem's code begins with `card.`.
     """
 
     def list(self, directory: str = "/") -> list[Entry]:
@@ -238,7 +239,7 @@ class Card(Protocol):
 
     @property
     def free_bytes(self) -> int:
-        """The room for new files, in bytes."""
+        """The free space for new files, in bytes."""
         ...
 
     def close(self) -> None:

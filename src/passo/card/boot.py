@@ -30,11 +30,11 @@ class Layout:
     sector_bytes: int
     cluster_bytes: int
     table_offsets: tuple[int, ...]
-    """The copies of the table to keep alike; the first is the one to read."""
+    """The copies of the table to keep the same; the first is the one to read."""
     table_bytes: int
     data_offset: int
     clusters: int
-    """How many there are; they are numbered from 2."""
+    """The number of clusters; they are numbered from 2."""
     root: int
     info_offset: int | None
     """The FSInfo sector, where the volume has one."""

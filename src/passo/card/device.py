@@ -1,4 +1,4 @@
-"""The bytes below a file system: an image file or a block device, locked against other programs."""
+"""The bytes under a file system: an image file or a block device, locked against other programs."""
 
 from __future__ import annotations
 
@@ -14,17 +14,19 @@ _PROTECTED = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 
 class Device:
-    """Whole reads and writes at byte offsets; whatever prevents one is CardError `card.removed`."""
+    """Reads and writes complete byte ranges; any failure is CardError `card.removed`."""
 
     def __init__(self, path: str | Path) -> None:
-        """Raises `card.absent`; `card.busy` if it is mounted or another process has it as a card.
+        """Raises `card.absent`, or `card.busy` if it is mounted or another process uses it as a
+        card.
 
-        Where writing is not permitted `read_only` is true.
+        `read_only` is true if writing is not permitted.
         """
         self.path = str(path)
         self.read_only = False
         try:
-            # On a block device O_EXCL means: not while it is mounted or another program has it so.
+            # On a block device, O_EXCL fails while it is mounted or another program has opened it
+            # so.
             mode = Path(path).stat().st_mode
             if not (stat.S_ISBLK(mode) or stat.S_ISREG(mode)):
                 raise CardError.of(
@@ -99,7 +101,7 @@ class Device:
             raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def close(self) -> None:
-        """Lets go of the medium; closing twice is allowed."""
+        """Releases the medium; closing twice is allowed."""
         if self._file is not None:
             os.close(self._file)
             self._file = None

@@ -1,9 +1,9 @@
-"""Directories on the volume, changed so that a power cut leaves them as before or as after.
+"""Directories on the volume, changed so that a power cut leaves the old state or the new one.
 
-A record goes into one sector where it fits, because a sector is what the medium writes as a whole.
-One that needs more (names beyond 195 letters, with sectors of 512 bytes) comes with its 8.3 entry
-last and goes with it first: a cut may leave a part of a long name there, which names nothing.
-Before a record appears all that it points to is on the medium.
+A record is placed in one sector if it fits, because the medium writes a sector as a whole. A record
+that needs more (names of more than 195 letters, with sectors of 512 bytes) is added with its 8.3
+entry last, and deleted with its 8.3 entry first: a cut may leave a part of a long name, which has
+no effect. All that a record points to is on the medium before the record appears.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ _DELETED = b"\xe5"
 
 
 class Directories:
-    """Reads and changes the directories of a volume; one is named by its first cluster."""
+    """Reads and changes the directories of a volume; a directory is named by its first cluster."""
 
     def __init__(self, volume: Volume) -> None:
         self._volume = volume
         self._sector = volume.layout.sector_bytes
 
     def load(self, first: int) -> Slots:
-        """CardError `card.broken` if its chain is not whole or too long."""
+        """Reads a directory. CardError `card.broken` if its chain is incomplete or too long."""
         return parse(*self._volume.read_chain(first, MAX_BYTES))
 
     def insert(self, slots: Slots, record: bytes | bytearray) -> None:
@@ -41,7 +41,7 @@ class Directories:
             self._lengthen(slots, data, start + count)
             for slot in range(begin, start):
                 data[slot * SLOT : (slot + 1) * SLOT] = _DELETED.ljust(SLOT, b"\0")
-            # What follows the old end mark may be anything: the new one stands behind the record.
+            # The bytes after the old end mark are undefined: place the new mark after the record.
             stop = -(-(start + count) // per_sector) * self._sector
             data[(start + count) * SLOT : stop] = bytes(stop - (start + count) * SLOT)
             self._clear_behind(slots, begin, start + count)
@@ -59,8 +59,8 @@ class Directories:
         self._write_sector(slots, data, at // self._sector)
 
     def replace(self, slots: Slots, record: Record, new: bytes | bytearray) -> bool:
-        """Put another record in the place of one, in one write; False if there is no place for it
-        in the one's sector, and nothing has changed then."""
+        """Replaces a record by another one, in one write. Returns False, without any change, if the
+        sector has no space for it."""
         data, per_sector = bytearray(slots.data), self._sector // SLOT
         count, sector = len(new) // SLOT, record.slot // per_sector
         begin, end = record.first_slot, record.slot + 1
@@ -86,7 +86,7 @@ class Directories:
         return True
 
     def delete(self, slots: Slots, record: Record) -> None:
-        """Take a record out: first its 8.3 entry, by which the file goes, then the rest."""
+        """Deletes a record: first its 8.3 entry, which deletes the file, then the rest."""
         data = bytearray(slots.data)
         for slot in range(record.first_slot, record.slot + 1):
             data[slot * SLOT] = _DELETED[0]
@@ -112,7 +112,7 @@ class Directories:
         data.extend(bytes(len(added) * size))
 
     def _clear_behind(self, slots: Slots, begin: int, end: int) -> None:
-        """Make the sectors behind that of the end mark empty, where the record will go on."""
+        """Clears the sectors after that of the end mark, into which the record will extend."""
         for sector in self._sectors(begin, end)[1:]:
             if any(slots.data[sector * self._sector : (sector + 1) * self._sector]):
                 self._write_sector(slots, bytearray((sector + 1) * self._sector), sector)
@@ -122,7 +122,7 @@ class Directories:
         return range(begin * SLOT // self._sector, (end * SLOT - 1) // self._sector + 1)
 
     def _write_sector(self, slots: Slots, data: bytearray, sector: int) -> None:
-        """Write a sector of the directory before anything else that follows."""
+        """Writes a sector of the directory before any later write."""
         per_cluster = self._volume.layout.cluster_bytes // self._sector
         cluster = slots.clusters[sector // per_cluster]
         where = self._volume.layout.offset(cluster) + sector % per_cluster * self._sector

@@ -1,4 +1,4 @@
-"""What the 32-byte slots of a directory say, read and written.
+"""The 32-byte slots of a directory, decoded and encoded.
 
 Source: Microsoft, "FAT: General Overview of On-Disk Format" 1.03 (fatgen103), "FAT Directory
 Structure", "FAT Long Directory Entries".
@@ -54,7 +54,7 @@ class Slots:
 
     @property
     def first_name(self) -> str:
-        """A name that it holds, also one that is not shown; empty if it holds none."""
+        """A name in it, also a hidden one; empty if the directory is empty."""
         for slot in range(self.end):
             name, attributes = (
                 self.data[slot * SLOT : slot * SLOT + 11],
@@ -85,7 +85,8 @@ def checksum(short: bytes) -> int:
 
 
 def parse(data: bytearray, clusters: list[int]) -> Slots:
-    """The records of a directory without `.`, `..`, volume labels and names nobody could type.
+    """The records of a directory without `.`, `..`, volume labels and names that no user could
+    type.
 
     A long name counts if its parts are complete, in order and of the right checksum.
     """
@@ -122,8 +123,8 @@ def parse(data: bytearray, clusters: list[int]) -> Slots:
 
 
 def _with_ascii_names(records: list[Record]) -> list[Record]:
-    """Hosts can name a file by ASCII only, and a card does not say which code page its 8.3 names
-    are of: where one has other characters, another one is made from the long name."""
+    """Gives ASCII names. Hosts can name a file only in ASCII, and a card does not specify the code
+    page of its 8.3 names: if one has other characters, another one is made from the long name."""
     taken = {record.entry.short_name for record in records}
     found: list[Record] = []
     for record in records:
@@ -186,7 +187,7 @@ def _packed(short: str) -> bytes:
 
 
 def build(entry: Entry, attributes: int, cluster: int) -> bytearray:
-    """The slots of a new record: its long name, unless the 8.3 name says it all, and its entry."""
+    """The slots of a new record: its entry, and its long name unless the 8.3 name is the same."""
     short = _packed(entry.short_name)
     data = bytearray()
     if entry.name != entry.short_name:

@@ -208,7 +208,7 @@ class FatCard(Card):
             return self._volume.table.free * self._volume.layout.cluster_bytes
 
     def close(self) -> None:
-        """As `Card.close`: what is being written is given up, and the device is let go."""
+        """As `Card.close`: discards files that are being written, and releases the device."""
         with self._lock:
             for writer in list(self._writers):
                 writer.give_up(
@@ -217,7 +217,7 @@ class FatCard(Card):
             self._device.close()
 
     def _store(self, first: int, where: str, name: str, cluster: int, size: int) -> None:
-        """Name a finished chain: in a new record, or in place of a file's old content."""
+        """Names a finished chain: in a new record, or in place of a file's old content."""
         slots = self._directories.load(first)
         found = self._lookup(slots, name)
         if not found:
@@ -226,7 +226,7 @@ class FatCard(Card):
             return
         full = f"{where}/{found.entry.name}"
         self._check_replaceable(found, full)
-        if found.entry.name != name:  # an 8.3 name that was made up since `create`
+        if found.entry.name != name:  # an 8.3 name that another file got since `create`
             self._files.check(full)
         if found.cluster:
             self._volume.table.check(found.cluster)
@@ -275,7 +275,8 @@ class FatCard(Card):
 
     @contextmanager
     def _file(self, path: str) -> Generator[tuple[int, str, str]]:
-        """The directory and its path, and the name in it as asked for, under the lock."""
+        """The directory and its path, and the name in it as the caller wrote it. Call it with the
+        lock."""
         parts = names.split(path)
         if not parts:
             raise CardError.of("card.directory", "/")

@@ -1,4 +1,4 @@
-"""Files of a FAT32 volume: where their bytes are, and how new ones get there."""
+"""Files of a FAT32 volume: where their bytes are, and how new bytes are written."""
 
 from __future__ import annotations
 
@@ -53,7 +53,8 @@ class Extents:
             try:
                 cluster = next(self._chain, 0)
             except CardError:
-                # Whoever tries again when the card is back needs one that has not ended by this.
+                # A caller that tries again when the card is back needs a file that has not ended
+                # because of this.
                 chain = self._volume.table.chain(self._first)
                 self._chain = islice(chain, self._known, None)
                 raise
@@ -97,7 +98,7 @@ class FatWriter(Writer):
         volume.begin()
 
     def give_up(self, error: CardError) -> None:
-        """End because the card goes: later calls raise `error`."""
+        """Ends the file because the card is unmounted: later calls raise `error`."""
         self.abort()
         self._failure = error
 
@@ -133,14 +134,14 @@ class FatWriter(Writer):
             try:
                 self._put(self._first, self._size)
             except CardError as error:
-                if is_removed(error):  # the record may have reached the medium: its clusters stay
+                if is_removed(error):  # the record may be on the medium: keep its clusters
                     self._first = 0
                 raise
             self._first = 0
             self._finish()
 
     def _discard(self) -> None:
-        # Where the card is gone or damaged, what was written stays behind as lost clusters.
+        # If the card is gone or damaged, the written data remains as lost clusters.
         with self._lock, suppress(CardError):
             try:
                 if self._first:

@@ -1,7 +1,7 @@
 """A folder of the host as a card.
 
-Nothing outside the folder can be reached: every directory on the way is opened from the one before
-it without following symbolic links, and links, devices and pipes are not on the card at all.
+Nothing outside the folder can be reached: every directory is opened relative to the one before it,
+without following symbolic links; links, devices and pipes are not on the card at all.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from passo.card.tree import OpenFiles, lookup
 from passo.errors import CardError
 
 _PARTIAL = ".passo-part-"
-"""Begins the name under which a file is written; it depends on the final name alone, so that what
-a power cut leaves behind is overwritten by the next attempt. Such files are not on the card."""
+"""Prefix of the name under which a file is written. The rest depends only on the final name, so
+that the next attempt overwrites what a power cut has left. Such files are not on the card."""
 
 _NAME_MAX = 255
 _LATEST = 0xFFFFFFFF
-"""The latest time of change that is told, in s since 1970: 2106."""
+"""The latest time of change that is reported, in s since 1970: 2106."""
 
 _DIRECTORY = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
@@ -36,7 +36,7 @@ _NEW = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
 def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
-    """What an error of the host means for the card."""
+    """The card error for an error of the host."""
     value = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return CardError.of("card.full", path, value=needed or "more", limit="none")
@@ -99,9 +99,9 @@ class FolderCard(Card):
             return self._existing(folder, where, parts[-1])
 
     def open(self, path: str) -> Reader:
-        """As `Card.open`: what is read is the file as it was then. Reading raises CardError
-        `card.changed` once it was rewritten in place, and at its beginning once another file has
-        its name; one that was replaced in the midst of being read is still read to its end."""
+        """As `Card.open`: the content is that of the file at this time. Reading raises CardError
+        `card.changed` after the file was rewritten in place, and at its beginning after another
+        file got its name. A file that is replaced while it is read can be read to its end."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             full = f"{where}/{entry.name}"
@@ -135,7 +135,7 @@ class FolderCard(Card):
                     count = os.preadv(file, [into[done:]], offset + done)
                 except OSError as error:
                     raise CardError.of("card.removed", full, value=error.strerror) from error
-                check_unchanged(offset)  # after the read: what was read was there before a change
+                check_unchanged(offset)  # after the read: the data was read before any change
                 if not count:
                     raise CardError.of(
                         "card.removed", full, value=f"it ends at {offset + done} bytes"
@@ -212,7 +212,7 @@ class FolderCard(Card):
             os.fsync(folder)
 
     def remove_directory(self, path: str) -> None:
-        """As `Card.remove_directory`; what interrupted uploads have left there goes too."""
+        """As `Card.remove_directory`; also deletes the remains of interrupted uploads."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             full = f"{where}/{entry.name}"
@@ -234,7 +234,7 @@ class FolderCard(Card):
 
     @property
     def free_bytes(self) -> int:
-        """What the file system leaves to those without privileges, in bytes."""
+        """The free space of the file system for users without privileges, in bytes."""
         with self._directory([]) as (folder, _):
             room = os.fstatvfs(folder)
             return room.f_bavail * room.f_frsize
@@ -314,7 +314,7 @@ class FolderCard(Card):
 
 
 class _FolderWriter(Writer):
-    """Writes beside the file and takes its place at the end."""
+    """Writes to a temporary file, which takes the place of the file at the end."""
 
     def __init__(self, place: _Place, name: str, released: Callable[[], None]) -> None:
         """`released()` is called once, when the writer has ended."""
@@ -350,7 +350,7 @@ class _FolderWriter(Writer):
                 os.fsync(self._file)
                 os.replace(self._partial, self._name, src_dir_fd=folder, dst_dir_fd=folder)
                 os.fsync(folder)
-            except FileNotFoundError:  # its directory has gone, with what was written
+            except FileNotFoundError:  # its directory was deleted, with the data
                 value = "its folder was removed"
                 raise CardError.of("card.removed", self._full, value=value) from None
             except OSError as error:

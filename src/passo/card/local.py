@@ -1,4 +1,4 @@
-"""Files of this computer that are printed as those of a card are, named by their `file:` URI."""
+"""Files of this computer that are printed like files of a card, named by their `file:` URI."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def local_uri(path: str | os.PathLike[str]) -> str:
 
 
 def is_local(path: str) -> bool:
-    """Whether a path is such a URI, and no path on a card."""
+    """Whether a path is such a URI, and not a path on a card."""
     return path.startswith(_SCHEME)
 
 

@@ -101,9 +101,10 @@ def short_name(name: str, taken: Collection[str]) -> str:
 
 
 def stable_short_name(name: str, taken: Collection[str]) -> str:
-    """The 8.3 name made up for a file of a folder.
+    """The 8.3 name that a file of a folder gets.
 
-    It holds a checksum of the name, so that it stays the same whatever files come and go.
+    It holds a checksum of the name, so that it stays the same when other files are added or
+    deleted.
     """
     digest = f"{zlib.crc32(fold(name).encode('utf-8', 'surrogatepass')) & 0xFFFF:04X}"
 

@@ -108,7 +108,7 @@ class Table:
 
     @property
     def free(self) -> int:
-        """The number of free clusters, counted at the first use: FSInfo is only a hint."""
+        """The number of free clusters, counted at the first use, because FSInfo is only a hint."""
         if self._free is None:
             self.commit()
             free, at = 0, 8
@@ -121,9 +121,9 @@ class Table:
         return self._free
 
     def allocate(self, count: int) -> list[int]:
-        """Take free clusters, from the last one taken onward, and make them a chain of their own.
+        """Takes free clusters after the last one taken, and makes them a new chain.
 
-        CardError `card.full` if there are not so many; nothing is taken then.
+        CardError `card.full` if there are not enough; nothing is taken then.
         """
         if count > self.free:
             size = self._layout.cluster_bytes
@@ -143,7 +143,8 @@ class Table:
         return taken
 
     def _free_from(self, cluster: int) -> int:
-        """The first free cluster at or after this one, going round at the end of the volume."""
+        """The first free cluster at or after this one; the search wraps around at the end of the
+        volume."""
         last = self._layout.last_cluster
         if not 2 <= cluster <= last:
             cluster = 2

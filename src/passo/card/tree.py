@@ -29,7 +29,7 @@ def lookup(items: Sequence[Item], name: str, entry: Callable[[Item], Entry]) -> 
 
 
 class OpenFiles:
-    """Which files are being read or written, so that none is removed or replaced meanwhile."""
+    """The files that are being read or written, so that none is removed or replaced."""
 
     def __init__(self) -> None:
         self._read: Counter[str] = Counter()
@@ -50,7 +50,7 @@ class OpenFiles:
             raise CardError.of("card.busy", directory, value=f"{path} is open")
 
     def check_move(self, path: str, to: str, *, is_directory: bool) -> None:
-        """Raise `card.busy` if what is to move is open, and `card.into-itself`."""
+        """Raises `card.busy` if the item to move is open, and `card.into-itself`."""
         if not is_directory:
             self.check(path)
         elif fold(to).startswith(fold(path) + "/"):

@@ -1,4 +1,4 @@
-"""A file that is read in pieces without keeping others from it."""
+"""A file that is read in pieces and kept closed between them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 class Unheld(io.RawIOBase):
     """A file of a card that is open only while a piece is read, so that it may be replaced or
-    removed meanwhile: then the next read raises CardError `card.changed` or `card.not-found`.
+    removed between two reads: then the next read raises CardError `card.changed` or
+    `card.not-found`.
 
     Another thread may close it; the next read raises ValueError then.
     """
@@ -27,11 +28,11 @@ class Unheld(io.RawIOBase):
         self._at = 0
 
     def readable(self) -> bool:
-        """Always."""
+        """Always true: the file is open for reading."""
         return True
 
     def seekable(self) -> bool:
-        """Always."""
+        """Always true: a position can be set."""
         return True
 
     def tell(self) -> int:
@@ -45,7 +46,8 @@ class Unheld(io.RawIOBase):
         return self._at
 
     def readinto(self, buffer: WriteableBuffer) -> int:
-        """Fills the buffer, less only where the file ends. Raises CardError, ValueError."""
+        """Fills the buffer; returns fewer bytes only at the end of the file. Raises CardError,
+        ValueError."""
         if self.closed:
             raise ValueError("the file is closed")
         with self._card.open(self._path) as reader:

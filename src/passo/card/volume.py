@@ -1,9 +1,9 @@
-"""A mounted FAT32 volume: its clusters, and what brackets every change of it.
+"""A mounted FAT32 volume: its clusters, and the marks around every change of it.
 
-While something is being changed the volume is marked as dirty, in bit 27 of the table's entry 1
-(fatgen103, "FAT Data Structure": ClnShutBitMask), and the FSInfo sector is brought up to date
-before the mark goes. A volume that was dirty when it was mounted stays so: what an earlier power
-cut left behind is for a computer to mend.
+While the volume changes it is marked as dirty, in bit 27 of the table's entry 1 (fatgen103, "FAT
+Data Structure": ClnShutBitMask). The FSInfo sector is updated before the mark is removed. A volume
+that was dirty when it was mounted stays dirty: a computer must repair what an earlier power cut
+left.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ class Volume:
         self._info = self._read_info()
 
     def read_chain(self, first: int, max_bytes: int) -> tuple[bytearray, list[int]]:
-        """What a chain holds, and its clusters; `card.broken` if that is more than `max_bytes`."""
+        """The content of a chain, and its clusters; `card.broken` if it has more than
+        `max_bytes`."""
         data, clusters = bytearray(), list[int]()
         for cluster in self.table.chain(first):
             if len(data) >= max_bytes:
@@ -47,7 +48,7 @@ class Volume:
         return data, clusters
 
     def write_clusters(self, clusters: list[int], data: bytes | bytearray | memoryview) -> None:
-        """Fill clusters, the last one up with zeros; neighbours go out in one write."""
+        """Writes clusters, the last one padded with zeros; neighbours are written at once."""
         size = self.layout.cluster_bytes
         view = memoryview(data)
         begin = 0
@@ -62,7 +63,7 @@ class Volume:
                 begin = at
 
     def begin(self) -> None:
-        """A change begins: mark the volume. Each call needs one of `end`."""
+        """Begins a change: marks the volume. Each call needs one of `end`."""
         if self.device.read_only:
             raise CardError.of("card.read-only", self.device.path, value="it is write-protected")
         if not self._changes:
@@ -71,8 +72,8 @@ class Volume:
         self._changes += 1
 
     def end(self) -> None:
-        """A change has ended, well or not: the table and FSInfo go out, then the mark is taken off
-        unless another change is under way."""
+        """Ends a change, successful or not: writes the table and FSInfo, then removes the mark
+        unless another change is in progress."""
         self._changes -= 1
         self.table.commit()
         if not self._changes:
@@ -81,7 +82,7 @@ class Volume:
             self._mark(_CLEAN)
 
     def settle(self) -> None:
-        """A barrier: changes of the table and of clusters so far are on the medium."""
+        """A barrier: all changes of the table and of clusters so far are on the medium."""
         self.table.commit()
         self.device.flush()
 

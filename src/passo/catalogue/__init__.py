@@ -1,4 +1,4 @@
-"""The error catalogue: what may go wrong, said once, the same on every console, page and log.
+"""The error catalogue: each possible error has one text, the same on every console, page and log.
 
 An entry names the part of Passo or of the printer that it concerns, the sentence (with the measured
 value and the limit in it), the next action of the user, and the exit status. A file holds the codes

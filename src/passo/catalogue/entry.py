@@ -27,5 +27,5 @@ class Entry:
 
 
 def bad_input(part: str, says: str, action: str) -> Entry:
-    """A row for what a file, a command or another input of the user has wrong."""
+    """A row for an error in a file, a command or another input of the user."""
     return Entry(part, says, action, ExitStatus.BAD_INPUT)

@@ -1,4 +1,5 @@
-"""What a person answers, kept in a file until the last question: who is cut off goes on there."""
+"""The user's answers, kept in a file until the last question, so that an interrupted session can
+continue."""
 
 from __future__ import annotations
 
@@ -10,8 +11,8 @@ from passo.errors import InputError
 
 
 class Answers:
-    """Answers from standard input. Those that `path` holds from a time that was cut off come first,
-    as if they were typed again. `of` says what they are answers to. Raises InputError if the file
+    """Answers from standard input. Those that `path` holds from an interrupted session come first,
+    as if they were typed again. `of` describes what they answer. Raises InputError if the file
     holds others, or cannot be written."""
 
     def __init__(self, path: Path, of: str) -> None:
@@ -51,7 +52,7 @@ class Answers:
             raise _unwritable(self.path, error) from None
 
     def forget(self) -> None:
-        """All is answered."""
+        """Deletes the stored answers: all questions are answered."""
         self.path.unlink(missing_ok=True)
 
 

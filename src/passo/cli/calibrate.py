@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 _ROUNDS_C = (20, 10, 5)
 _START_C = {"hotend": 160, "bed": 40, "chamber": 40}
-_END_C = 240  # PTFE in a hotend does not last above
-_FAR = 1 / 3  # of what is shown: no β is so wrong
+_END_C = 240  # above this, PTFE in a hotend degrades
+_FAR = 1 / 3  # of the reading: no real β is further off
 _THERE = {"hotend": "into the nozzle", "bed": "onto the bed", "chamber": "into the chamber"}
 
 _GUIDE = """\
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Guides through the rounds, or reckons with given points. Raises ConfigError, InputError."""
+    """Guides through the rounds, or computes from given points. Raises ConfigError, InputError."""
     heater, number = _heater(arguments)
     ntc = _thermistor(arguments, heater)
     if arguments.points:
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _heater(arguments: argparse.Namespace) -> tuple[Heater, int | None]:
-    """The heater that is meant, and its H in commands."""
+    """The heater to calibrate, and its H in commands."""
     from passo import config
     from passo.config.findings import did_you_mean
     from passo.config.heater_numbers import number_of
@@ -113,8 +113,8 @@ def _heats(heater: Heater, number: int | None) -> str:
 
 
 def _point(text: str, advice: str = "") -> Point:
-    """A point, which a thermistor of the wrong β may have made. Raises InputError, with `advice`
-    where it is none at all."""
+    """A point, which may come from a thermistor with a wrong β. Raises InputError, with `advice`,
+    if it cannot be a point."""
     from passo.heat.calibration import Point
 
     try:
@@ -130,7 +130,7 @@ def _point(text: str, advice: str = "") -> Point:
 
 
 def _check_order(before: Point, point: Point) -> None:
-    """Raises InputError where it is shown to be warmer, and is not."""
+    """Raises InputError if the reading rises and the true temperature does not."""
     if point.shown_c > before.shown_c and point.true_c <= before.true_c:
         raise InputError.of(
             "input.point-order",
@@ -142,8 +142,8 @@ def _check_order(before: Point, point: Point) -> None:
 
 
 def _round(answers: Answers, heats: str, ladder: range) -> tuple[list[Point], bool]:
-    """The points of one round, and whether the input has ended. `heats`: see `_heats`. It ends
-    where the true temperature would be above what the ladder ends with."""
+    """The points of one round, and whether the input has ended. `heats`: see `_heats`. The round
+    ends before the true temperature exceeds the end of the ladder."""
     print(f"\nRound in steps of {ladder.step} °C")
     points: list[Point] = []
     at = 0
@@ -191,7 +191,7 @@ def _result(ntc: Ntc, number: int | None, points: list[Point]) -> str:
 
 
 def _chosen(ntc: Ntc, points: list[Point]) -> Ntc:
-    """The thermistor with the fit's β, which the next round starts from."""
+    """The thermistor with the fitted β, from which the next round starts."""
     from dataclasses import replace
 
     from passo.heat.calibration import by_least_squares

@@ -1,4 +1,4 @@
-"""`passo check FILE.toml`: what is wrong with a machine file."""
+"""`passo check FILE.toml`: reports what is wrong with a machine file."""
 
 from __future__ import annotations
 
@@ -26,11 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints one line on success, one for each value that the file cannot mean, and one for each
-    pin that is not the board's own for its part, and for each stored setting that overrides the
-    file. Raises ConfigError with every problem otherwise, and CommandError if what is stored must
-    not be used.
-    """
+    """Prints one line on success, one line for each value that the printer cannot use as written,
+    one for each pin that differs from the board's default, and one for each stored setting that
+    overrides the file. Raises ConfigError with every problem, and CommandError if the stored
+    settings must not be used."""
     from passo import config
     from passo.config.board_defaults import bindings
     from passo.config.notes import notes, unchecked_boards
@@ -77,7 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _stored(machine: MachineConfig, state: str | None) -> tuple[list[str], CommandError | None]:
-    """What is stored in the folder and overrides the file, or why it must not be used."""
+    """The settings that are stored in the folder and override the file, or why they must not be
+    used."""
     if state is None:
         return [], None
     from passo.console.state_check import stored_overrides

@@ -7,7 +7,7 @@ import time
 from math import inf
 
 _LOOK_S = 0.25
-_LEAST = 1e-3  # hours of print time are then weeks; years are more than a computer can wait
+_LEAST = 1e-3  # an hour of print time then takes weeks; years would be too long
 
 
 def add_clock(parser: argparse.ArgumentParser) -> None:
@@ -22,13 +22,13 @@ def add_clock(parser: argparse.ArgumentParser) -> None:
 
 
 def _scale(text: str) -> float | None:
-    """None for virtual time, else print seconds by real second."""
+    """None for virtual time, else print seconds per real second."""
     return None if text == "virtual" else factor(text, "virtual", 1e6)
 
 
 def factor(text: str, other: str, most: float) -> float:
-    """`real`, or so many times as fast, up to `most`; `other` is the third word that is possible.
-    Raises ArgumentTypeError."""
+    """`real`, or a factor up to `most`; `other` is the third word that is allowed. Raises
+    ArgumentTypeError."""
     try:
         times = 1.0 if text == "real" else float(text)
     except ValueError:
@@ -48,11 +48,11 @@ class Pace:
 
     @property
     def every_s(self) -> float:
-        """Print time after which to look again, so that the machine does not work in bursts."""
+        """The print time until the next check, so that the machine does not work in bursts."""
         return inf if self._scale is None else _LOOK_S * self._scale
 
     def keep(self, print_s: float) -> None:
-        """Waits until this print time may have come."""
+        """Waits until this print time is due."""
         if self._scale is None:
             return
         ahead = print_s / self._scale - (time.monotonic() - self._start)

@@ -23,8 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Plans the files and prints a table each, or JSON. A file that fails does not keep the others
-    from being planned; the status is that of the first one that failed."""
+    """Plans the files and prints a table for each, or JSON. If a file fails, the others are planned
+    all the same; the status is that of the first failure."""
     from passo.job.batch.estimate import Estimate
     from passo.machine import Machine
 

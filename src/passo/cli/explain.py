@@ -1,4 +1,4 @@
-"""`passo explain`: what one line of a file becomes, for people who want to see how it works."""
+"""`passo explain`: shows what one line of a file becomes."""
 
 from __future__ import annotations
 

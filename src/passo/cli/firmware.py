@@ -1,4 +1,4 @@
-"""`passo firmware`: the firmware of boards, from the list of boards to the board that answers."""
+"""`passo firmware`: lists boards, builds their firmware, and flashes and verifies a board."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _TARGETS = "a board of `passo firmware list`, or that of a machine file, or its 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declares what follows `passo firmware`."""
+    """Declares the subcommands of `passo firmware`."""
     parts = parser.add_subparsers(dest="part", metavar="list|build|flash", required=True)
     listed = parts.add_parser("list", help="the boards, and how far their firmware is")
     listed.add_argument("--json", action="store_true", help="print one JSON list")
@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Raises FirmwareError, and ConfigError for a machine file with errors."""
+    """Runs the subcommand. Raises FirmwareError, and ConfigError for a machine file with errors."""
     parts = {"list": _list, "build": _build, "flash": _flash}
     return parts[arguments.part](arguments)
 
@@ -132,12 +132,12 @@ def _tell(text: str) -> None:
 
 
 def _wait(text: str) -> None:
-    # That of the event loop would wait for the line.
+    # The handler of the event loop would wait for the line.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         print(f"{text} Then press Enter.", flush=True)
         answer = sys.stdin.readline()
     finally:
         signal.signal(signal.SIGINT, before)
-    if not answer:  # its end is no Enter
+    if not answer:  # the end of input is not Enter
         raise FirmwareError([Problem("firmware.nobody", values={"value": text.rstrip(".")})])

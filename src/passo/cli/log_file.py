@@ -26,15 +26,15 @@ Format = Literal["text", "json"]
 # Whose records are written: asyncio reports what went wrong in a callback.
 _LOGGERS = ("passo", "asyncio")
 _STANDARD = logging.makeLogRecord({}).__dict__.keys() | {"message", "asctime", "taskName"}
-_CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]")  # what steers a terminal, C0 and C1
+_CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]")  # terminal control characters, C0 and C1
 
 
 class LogFile:
-    """A log file, from entering until leaving the `with` block.
+    """A log file, open until the end of the `with` block.
 
-    A thread writes, so that a slow disk delays nothing. `print_time_s` is asked for the print time
-    of each record, in the thread that logs. What the disk does not take is lost; standard error has
-    the reason once, and `on_failure` is called with it, in either thread.
+    A thread writes, so that a slow disk delays nothing. `print_time_s` returns the print time of
+    each record, and is called in the thread that logs. Records that the disk refuses are lost;
+    standard error gets the reason once, and `on_failure` is called with it, in either thread.
     """
 
     def __init__(self, path: str, form: Format, level: str) -> None:
@@ -86,14 +86,14 @@ class LogFile:
 
 
 class _Handler(QueueHandler):
-    """Hands records to the thread that writes; drops them where that is too slow."""
+    """Hands records to the thread that writes; drops them if that thread is too slow."""
 
     def __init__(self, waiting: queue.Queue[Any], failed: Callable[[str], None]) -> None:
         super().__init__(waiting)
         self._failed = failed
 
     def prepare(self, record: logging.LogRecord) -> logging.LogRecord:
-        """The record as it is: it stays in this process."""
+        """Returns the record unchanged: it stays in this process."""
         return record
 
     def enqueue(self, record: logging.LogRecord) -> None:
@@ -105,7 +105,7 @@ class _Handler(QueueHandler):
 
 
 class _Writer(RotatingFileHandler):
-    """Writes records to the file. A full disk ends nothing: the next record is tried again."""
+    """Writes records to the file. After a full disk it tries again with the next record."""
 
     def __init__(self, path: str, failed: Callable[[str], None]) -> None:
         super().__init__(
@@ -113,7 +113,7 @@ class _Writer(RotatingFileHandler):
             maxBytes=MAX_BYTES,
             backupCount=KEPT_FILES,
             encoding="utf-8",
-            errors="backslashreplace",  # bytes of a host that are no text
+            errors="backslashreplace",  # bytes of a host that are not text
         )
         self._failed = failed
 
@@ -124,7 +124,7 @@ class _Writer(RotatingFileHandler):
         self._failed(reason or f"{type(error).__name__}: {error}")
 
     def close(self) -> None:
-        """Closes the file, whatever is left of it on a full disk."""
+        """Closes the file, even if a full disk refuses the rest."""
         try:
             super().close()
         except OSError as error:
@@ -152,8 +152,8 @@ class TextFormatter(logging.Formatter):
 
 
 class JsonFormatter(logging.Formatter):
-    """One JSON object a record: time, print_s, level, logger, message, and what the record has in
-    addition, for example code, part, axis, value, limit, file, console, exception."""
+    """One JSON object per record: time, print_s, level, logger, message, and further fields of the
+    record, for example code, part, axis, value, limit, file, console, exception."""
 
     def format(self, record: logging.LogRecord) -> str:
         """The record as one line."""
@@ -170,7 +170,7 @@ class JsonFormatter(logging.Formatter):
 
 
 def _plain(value: object) -> object:
-    """A value that JSON has; infinity and NaN are text."""
+    """The value if JSON supports it; infinity and NaN become text."""
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
     return value if isinstance(value, bool | int | str) or value is None else str(value)

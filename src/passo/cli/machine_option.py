@@ -57,7 +57,7 @@ def add_skips(parser: argparse.ArgumentParser) -> None:
 
 
 def skips_of(arguments: argparse.Namespace) -> Skips:
-    """What these options let a print leave out."""
+    """The commands that these options let a print leave out."""
     from passo.printer.unfit_commands import Skips
 
     return Skips(unknown=arguments.unknown == "skip", levelling=arguments.levelling == "skip")
@@ -73,7 +73,7 @@ def policy_of(arguments: argparse.Namespace) -> Policy:
 
 
 def replaces_input(arguments: argparse.Namespace) -> bool:
-    """Whether the output would take the place of what is read; then it says so on stderr."""
+    """Whether the output would replace the input file; then it reports that on stderr."""
     output = os.path.realpath(arguments.output)
     for path, what in ((arguments.file, "G-code"), (arguments.machine, "machine file")):
         if output == os.path.realpath(path):

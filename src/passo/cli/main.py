@@ -19,8 +19,8 @@ from pathlib import Path
 import passo
 from passo.errors import ExitStatus, PassoError, Problem
 
-# Modules and models are many objects and no garbage: looking through them every 700 objects, as
-# Python does by itself, is a tenth of the start.
+# Modules and models are many objects and no garbage. A collection every 700 objects, Python's
+# default, takes a tenth of the start.
 _GC_THRESHOLD = 20_000
 COMMANDS: dict[str, str] = {
     "print": "print a file on a simulated board, to the end, and say what came out",
@@ -57,8 +57,8 @@ def _parser(name: str | None) -> argparse.ArgumentParser:
 
 
 def endings() -> list[signal.Signals]:
-    """What else ends a command as Ctrl-C does: SIGTERM, and a terminal that closes, unless whoever
-    started it wants it to outlive that (nohup)."""
+    """The signals that end a command as Ctrl-C does: SIGTERM, and the end of the terminal, unless
+    the program was started to survive it (nohup)."""
     numbers = (signal.SIGTERM, signal.SIGHUP)
     return [number for number in numbers if signal.getsignal(number) != signal.SIG_IGN]
 
@@ -69,9 +69,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     stderr, one line each."""
     gc.set_threshold(_GC_THRESHOLD)
     if argv is None:
-        for number in endings():  # as Ctrl-C, so that no half of a file stays behind
+        for number in endings():  # as Ctrl-C, so that no partial file remains
             signal.signal(number, signal.default_int_handler)
-    if sys.stderr is None:  # closed by who started this: print() would write to standard output
+    if sys.stderr is None:  # closed by the parent process: print() would write to standard output
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     elif argv is None:
         file = io.FileIO(2, "w", closefd=False)
@@ -83,14 +83,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         status = _run(list(sys.argv[1:] if argv is None else argv))
     except OSError as error:
         if (failed := _flush("\n")) is None:
-            raise  # standard output takes a line: it came from elsewhere
-        cause = error.__context__  # what it was about to tell
+            raise  # standard output accepts a line: the error came from elsewhere
+        cause = error.__context__  # the message that it was about to print
         return failed or (cause.status if isinstance(cause, PassoError) else ExitStatus.DONE)
     return _flush() or status
 
 
 class _Telling(io.TextIOWrapper):
-    """Standard error. What it does not take, on a full disk say, is lost, and all else goes on."""
+    """Standard error. Text that it cannot write, on a full disk for example, is lost, and the
+    command continues."""
 
     def write(self, text: str, /) -> int:
         """Writes the text, or drops it and all that follows; returns its length. Raises nothing."""
@@ -119,15 +120,15 @@ def _run(words: list[str]) -> int:
 
 
 def _flush(more: str = "") -> int | None:
-    """Writes what is left for standard output; the exit status if that fails, and then whatever
-    else it is told goes nowhere."""
-    if sys.stdout is None:  # closed by who started this
+    """Flushes standard output. Returns the exit status if that fails; later output is then
+    discarded."""
+    if sys.stdout is None:  # closed by the parent process
         return None
     try:
-        if more:  # nothing at all is not taken by a full disk either
+        if more:  # a full disk refuses even an empty write
             sys.stdout.write(more)
         sys.stdout.flush()
-    except BrokenPipeError:  # the reader, `head` say, has gone: nothing is left to tell it
+    except BrokenPipeError:  # the reader, for example `head`, has closed the pipe: report nothing
         status = ExitStatus.DONE
     except OSError as error:
         values = {"value": error.strerror or str(error)}

@@ -1,4 +1,4 @@
-"""`passo print`: a file, to its end, on a simulated board."""
+"""`passo print`: prints a file to its end on a simulated board."""
 
 from __future__ import annotations
 

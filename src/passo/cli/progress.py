@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 
 class ProgressBar:
-    """Share of the file, layer, time printed, time left, temperatures. Nothing when piped."""
+    """Fraction of the file, layer, time printed, time left, temperatures. Nothing if output is
+    piped."""
 
     def __init__(self, *, quiet: bool) -> None:
         self._bar = None

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints the file on the board and writes the page."""
+    """Prints the file on the simulated board and writes the page."""
     if replaces_input(arguments):
         return ExitStatus.USAGE
     from passo import config

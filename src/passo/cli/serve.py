@@ -158,7 +158,7 @@ def _clients(text: str) -> int:
 
 
 def _state(text: str) -> str:
-    """A folder, or where one can come to be."""
+    """A folder, or a path where a folder can be created."""
     if Path(_path(text)).exists() and not Path(text).is_dir():
         raise argparse.ArgumentTypeError(f"{text} is no folder")
     return text
@@ -255,7 +255,7 @@ async def _serve(
     orders: list[FaultOrder],
     log: LogFile | None,
 ) -> bool:
-    """Serves once; True if the printer is to start again with its machine file as it is then."""
+    """Serves once; True if the printer is to restart with the current machine file."""
     from passo.live import Printer
 
     ours = asyncio.current_task()
@@ -272,10 +272,10 @@ async def _serve(
         skip_unknown=skips.unknown,
         skip_levelling=skips.levelling,
         machine_source=arguments.machine,
-        restarts=not arguments.stdin,  # which ends with its console
+        restarts=not arguments.stdin,  # with --stdin, the program ends with its console
     )
     advanced_ok: bool = arguments.advanced_ok
-    # An interrupt, as Ctrl-C and SIGTERM are, is the usual end.
+    # An interrupt, by Ctrl-C or SIGTERM, is the usual end.
     with contextlib.suppress(asyncio.CancelledError):
         async with printer, _logged(printer, log):
             for text in printer.start_messages:
@@ -312,7 +312,7 @@ async def _serve(
 
 
 def _tell_of_administrator(address: str, code: str, *, kept: bool) -> None:
-    """How the web interface gets its first account."""
+    """Explains how the web interface gets its first account."""
     if ip_address(urlsplit(address).hostname or "").is_loopback:
         text = "has no administrator yet: programs of this computer may do all"
         text = f"{text}. Open {address} to create one"
@@ -323,8 +323,8 @@ def _tell_of_administrator(address: str, code: str, *, kept: bool) -> None:
 
 
 def _web_address(printer: Printer, arguments: argparse.Namespace) -> str:
-    """Opens the web interface; empty without one. Where it was not asked for by name, a printer
-    without it is better than none: a line says why it is missing."""
+    """Opens the web interface; returns an empty text without one. If the user did not ask for it, a
+    failure is only reported on a line, and the printer starts without it."""
     from passo.errors import PassoError
 
     asked: tuple[str, int] | str | None = arguments.http
@@ -358,7 +358,8 @@ def _klippy(printer: Printer, path: str, log_file: str | None) -> str:
 
 @contextlib.asynccontextmanager
 async def _logged(printer: Printer, log: LogFile | None) -> AsyncGenerator[None]:
-    """Records have the print time of this printer, and its consoles show if the log fails."""
+    """Gives log records the print time of this printer, and shows on its consoles if the log
+    fails."""
     if log is None:
         yield
         return
@@ -372,4 +373,4 @@ async def _logged(printer: Printer, log: LogFile | None) -> AsyncGenerator[None]
 
 
 def _go_on_serving() -> None:
-    """Others may still come."""
+    """Continues to serve after a console has ended."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Rows, the heading first, in columns as wide as they need."""
+    """Rows, the heading first, in columns of the needed width."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = (
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
@@ -30,7 +30,7 @@ def rows(pairs: Sequence[tuple[str, str]]) -> str:
 
 
 def shares(parts: Mapping[str, float], most: int = 12) -> list[tuple[str, str]]:
-    """The largest parts with their time and their share of all."""
+    """The largest parts with their time and their fraction of the total."""
     total = sum(parts.values()) or 1.0
     largest = sorted(parts.items(), key=lambda item: -item[1])[:most]
     return [
@@ -45,7 +45,7 @@ def _lengths(parts: Mapping[str, float]) -> str:
 
 
 def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
-    """What the densest place takes; where and why a file is slowed, or its tolerance widened."""
+    """The highest load; where and why the file is slowed, or its tolerance widened."""
     densest = [(f"  {name}", share) for name, share in use.shares()]
     pairs = [("at its densest", ""), *densest] if densest else []
     pairs += [
@@ -61,7 +61,7 @@ def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
 
 
 def print_table(result: PrintResult) -> str:
-    """What a print came to."""
+    """The result of a print."""
     total = sum(result.steps.values())
     right = result.final_steps == result.net_steps_expected
     pairs = [

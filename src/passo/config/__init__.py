@@ -1,4 +1,4 @@
-"""What a printer is: typed machine files in TOML, checked as a whole.
+"""The description of a printer: typed machine files in TOML, checked as a whole.
 
 `load` takes the name of a shipped machine or a path and returns a `MachineConfig`.
 """

@@ -200,8 +200,8 @@ class Board(Model):
 
     def budget_spec(self, pulse_us: float = 0.0) -> dict[str, Any] | None:
         """The budget for the core: rates per second of all motors together, a burst in commands.
-        `bound` is what bounds the rate of commands: the link, the processor's time for "commands",
-        or the slots. `pulse_us` is the longest pulse of its motors. None where nothing bounds
+        `bound` is what limits the rate of commands: the link, the processor's time for "commands",
+        or the move queue. `pulse_us` is the longest pulse of its motors. None if nothing limits
         either rate."""
         steps_s, by_board = self._processor_rates(pulse_us)
         by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
@@ -220,9 +220,9 @@ class Board(Model):
         }
 
     def _processor_rates(self, pulse_us: float) -> tuple[float, float]:
-        """Steps and commands per second that the processor takes; infinite without a budget. It
-        waits while a step's pulse lasts, but for Klipper's: that has each longer pulse end in an
-        event of its own, which costs what a step does."""
+        """Steps and commands per second that the processor can take; infinite without a budget. The
+        processor waits during a step pulse. Klipper's firmware instead ends each longer pulse in an
+        event of its own, which costs as much as a step."""
         budget = self.budget
         if budget is None:
             return inf, inf
@@ -241,21 +241,21 @@ class Board(Model):
 
     @property
     def survives(self) -> bool:
-        """Whether motion comes in commits, as the board can stop by itself: one that runs, or is
-        taken to run, Passo's firmware."""
+        """Whether motion is sent in commits, because the board can stop by itself: it runs, or is
+        assumed to run, Passo's firmware."""
         if self.link == "simulated":
             return self.firmware == "passo"
         return not self.is_klippers
 
     @property
     def ahead_s(self) -> float:
-        """Commands for so long ahead are on the board."""
+        """How far ahead commands are on the board, in seconds."""
         return COMMITTED_S if self.survives else AHEAD_S
 
     @property
     def link_bytes_s(self) -> float:
-        """What the link carries, bytes/s; infinite without a bound. A port of Klipper's firmware
-        may be USB, whose rate is not its baud."""
+        """The rate of the link in bytes/s; infinite without a limit. A port of Klipper's firmware
+        may be USB, whose rate does not follow from its baud rate."""
         serial = BYTES_PER_BAUD * self.baud if self.link == "serial" else inf
         stated = self.budget.link_bytes_s if self.budget else None
         if stated is None:
@@ -264,7 +264,7 @@ class Board(Model):
 
     @property
     def commit_bytes_s(self) -> float:
-        """What commits take of that without their tails, bytes/s: never more than half of it."""
+        """The part of that rate for commits without their tails, in bytes/s: at most half."""
         return min(COMMIT_BYTES / COMMIT_S, self.link_bytes_s / 2) if self.survives else 0.0
 
     @property
@@ -274,18 +274,18 @@ class Board(Model):
 
     @property
     def incomplete(self) -> str:
-        """What a real board of this kind still lacks: `usb`, or nothing."""
+        """What Passo lacks for a real board of this kind: `usb`, or nothing."""
         return "usb" if self.console and self.console.connector == "usb" else ""
 
     def pin(self, name: str) -> str:
-        """The microcontroller's pin behind a name, with the marks of both in front; two inversions
-        are none."""
+        """The microcontroller's pin for a name, with the marks of both in front; two inversions
+        cancel."""
         return pin_behind(self.pins, name)
 
 
 def pin_behind(names: Mapping[str, object], written: str) -> str:
-    """The microcontroller's pin behind a name on a board whose names these are, with the marks of
-    both in front; two inversions are none."""
+    """The microcontroller's pin for a name on a board with these names, with the marks of both in
+    front; two inversions cancel."""
     name = bare(written)
     return joined_marks(written, str(names.get(name, name)))
 

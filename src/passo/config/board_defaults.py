@@ -1,4 +1,4 @@
-"""What the makers of a board meant each pin for, beside what a machine uses it for."""
+"""The purpose that the makers of a board gave each pin, and the pins that a machine uses."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ _TOWERS = {"a": "X", "b": "Y", "c": "Z"}
 @dataclass(frozen=True, slots=True)
 class Binding:
     """A part of a machine and its pin: `name` as the machine file writes it, `pin` the
-    microcontroller's. `original_name` and `original` are the board's own for such a part, None if
-    it has none."""
+    microcontroller's. `original_name` and `original` are the board's default for such a part, or
+    None."""
 
     key: str
     name: str
@@ -37,7 +37,7 @@ class Binding:
 
     @property
     def rebound(self) -> bool:
-        """Whether the machine uses another pin than the board's own, or inverts it otherwise."""
+        """Whether the machine uses another pin than the board's default, or another inversion."""
         if self.original is None:
             return False
         pins = (self.pin, self.original)
@@ -46,8 +46,8 @@ class Binding:
 
 
 def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
-    """Gives heaters and fans of a raw machine file that name no pin the board's own; finds where
-    there is none."""
+    """Gives heaters and fans of a raw machine file that name no pin the board's default; reports
+    those without a default."""
     board = table(data, "board")
     functions, chosen = table(board, "functions"), board.get("variant")
     whose = "the board" if chosen is None else f"the board's variant {chosen}"
@@ -66,13 +66,13 @@ def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
 
 
 def _missing(whose: str, other: str, key: str) -> str:
-    """Why a pin has to be given; nothing of a part whose kind is not known."""
+    """Why a pin has to be given; nothing for a part of unknown kind."""
     return "" if key == "None" else f": {whose} has no {other} for {key}"
 
 
 def put_pullups(data: dict[str, Any]) -> None:
-    """Gives resistive sensors of a raw machine file that name no pull-up resistor the one that
-    their board has, if its file says it."""
+    """Gives resistive sensors of a raw machine file that name no pull-up resistor the value of
+    their board, if the board's file has one."""
     for _, heater in tables(data, "heaters"):
         board = table(data, *section(placed(str(heater.get("sensor_pin")))[0]))
         sensor = table(heater, "sensor") if "sensor" in heater else {"kind": "thermistor"}
@@ -83,7 +83,7 @@ def put_pullups(data: dict[str, Any]) -> None:
 
 
 def _selects(heater: Mapping[str, Any]) -> bool:
-    """Whether its sensor's pin selects a converter: the board's own is a thermistor's."""
+    """Whether its sensor's pin selects a converter: the default pin is that of a thermistor."""
     return table(heater, "sensor").get("kind") in CONVERTERS
 
 
@@ -173,9 +173,9 @@ def bindings(machine: MachineConfig) -> list[Binding]:
 
 
 def _own_sockets(machine: MachineConfig) -> dict[str, str | None]:
-    """The socket that the board's makers meant for each motor: X, Y and Z for the actuators, E or
-    E0 and so on for the extruders, U for an axis u. Where they meant none, as for a second motor of
-    the same actuator or one on another board, it is the one that the motor is in."""
+    """The default socket of the board for each motor: X, Y and Z for the actuators, E or E0 and so
+    on for the extruders, U for an axis u. Without a default, as for a second motor of the same
+    actuator or one on another board, it is the socket that the motor uses."""
     sockets, axes = machine.board.sockets, axis_order(machine.axes)
     meant: dict[Driven | None, str] = {}
     for i, name in enumerate(word for word in sockets if re.fullmatch("E[0-9]*", word)):
@@ -205,7 +205,7 @@ def _socket_pins(machine: MachineConfig, written: str | None) -> dict[str, str]:
 
 
 def _switch(board: Board, axis: str, direction: str) -> str | None:
-    """The board's switch for an end of an axis or for a tower."""
+    """The board's endstop for an end of an axis or for a tower."""
     letter = _TOWERS.get(axis, axis.upper())
     names = (f"{letter}_{direction.upper()}", f"{letter}_STOP")
     return next((name for name in names if name in board.endstops), None)

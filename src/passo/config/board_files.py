@@ -1,5 +1,5 @@
-"""Shipped boards, and the boards of machine files, as plain tables: who stands on whom, and which
-pin is behind which name."""
+"""Shipped boards, and the boards of machine files, as plain tables: which board extends which, and
+which pin has which name."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ Tables = dict[str, Any]
 
 _BOARDS = FilePath(__file__).parent / "boards"
 _NAMED = ("outputs", "thermistors", "endstops", "pins")
-_ANY_CLOCK_HZ = 16_000_000  # in place of one that is not known: no second finding tells of it
+_ANY_CLOCK_HZ = 16_000_000  # in place of an unknown clock, so that it is reported once
 _RESERVES = "RESERVE_PINS_"
 _SOCKET_PINS = {"step": "STEP", "direction": "DIR", "enable": "ENABLE", "select": "SELECT"}
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A file that the board at `path` of the machine file came from: keys of the board stand in it
-    without that path."""
+    """Source: A file that the board at `path` of the machine file came from; in this file, keys of
+    the board have no such path."""
 
     file: str
     text: str
@@ -65,8 +65,8 @@ def load_board(name: str) -> Board:
 
 
 def shipped_tables(name: str) -> tuple[Tables, list[Source]]:
-    """The tables of a shipped board on those of the boards beneath it, and their files, nearest
-    first."""
+    """The tables of a shipped board merged with those of the boards that it extends, and their
+    files, nearest first."""
     text = (_BOARDS / f"{name}.toml").read_text()
     data, sources = tomllib.loads(text), [Source(f"boards/{name}.toml", text)]
     base = data.pop("base", None)
@@ -77,7 +77,7 @@ def shipped_tables(name: str) -> tuple[Tables, list[Source]]:
 
 
 def _merged(beneath: Mapping[str, Any], above: Mapping[str, Any]) -> Tables:
-    """Tables merge, all else above hides what is beneath."""
+    """Merges tables; any other value replaces the one below."""
     result = dict(beneath)
     for key, value in above.items():
         old = result.get(key)
@@ -88,8 +88,8 @@ def _merged(beneath: Mapping[str, Any], above: Mapping[str, Any]) -> Tables:
 
 
 def put_boards(data: Tables, folder: FilePath, sources: list[Source]) -> Iterator[Finding]:
-    """Puts the values of shipped boards under those of the machine file `data`, and pins of the
-    microcontroller behind all names. Appends the shipped files to `sources`."""
+    """Puts the values of shipped boards under those of the machine file `data`, and replaces pin
+    names by pins of the microcontroller. Appends the shipped files to `sources`."""
     if own := table(data, "board"):
         data["board"] = board = dict(own)
         yield from _put_board(board, ("board",), folder, sources)
@@ -109,7 +109,7 @@ def _put_board(
         if base not in shipped_boards():
             hint, limit = did_you_mean(base, shipped_boards()), "the name of a shipped board"
             yield Finding("config.value", (*place, "base"), base, limit, hint)
-            # Any board lets the other checks go on without reporting its own keys as missing.
+            # With any board the other checks can continue without reporting its keys as missing.
             base = meant_board(base) or "ramps"
         beneath, files = shipped_tables(base)
         sources += [replace(file, path=place) for file in files]
@@ -153,8 +153,8 @@ def _is_klippers(board: Tables) -> bool:
 
 
 def _put_klippers_budget(board: Tables, own: Mapping[str, Any]) -> None:
-    """Puts what Klipper's firmware is taken to need under the budget that the machine file states
-    itself; a shipped board's is of Passo's firmware."""
+    """Adds the default budget of Klipper's firmware under the budget of the machine file; the
+    budget of a shipped board holds for Passo's firmware."""
     clock_hz, stated = number(board, "clock_hz"), own.get("budget", {})
     if _is_klippers(board) and clock_hz is not None and isinstance(stated, Mapping):
         board["budget"] = {**klippers_budget(clock_hz), **table(own, "budget")}
@@ -197,7 +197,8 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
 
 
 def _decompressed(raw: bytes) -> bytes:
-    """Raises ValueError for what becomes larger than a file may be, and zlib.error."""
+    """Decompresses. Raises ValueError if the result is larger than a file may be, and
+    zlib.error."""
     stream = zlib.decompressobj()
     content = stream.decompress(raw, MAX_BYTES)
     if not stream.eof:
@@ -206,8 +207,8 @@ def _decompressed(raw: bytes) -> bytes:
 
 
 def _dictionary_pins(names: Mapping[str, Any]) -> dict[str, str]:
-    """Each name of a pin, with the first name of that very pin: a Linux process has `gpio4` and
-    `gpiochip0/gpio4` for one."""
+    """Each pin name, with the first name of the same pin: a Linux process has `gpio4` and
+    `gpiochip0/gpio4` for one pin."""
     numbers: dict[str, int] = {}
     for name, value in names.items():
         if isinstance(value, int):
@@ -235,8 +236,8 @@ def _dictionary_reserves(
 
 
 def resolve_names(board: Tables) -> None:
-    """Fills `pins` with all names of a board, makes every pin the microcontroller's, and puts the
-    chosen variant into `functions`. What has the wrong type is left for the models to report."""
+    """Fills `pins` with all names of a board, replaces every pin by the microcontroller's, and puts
+    the chosen variant into `functions`. The models report values of the wrong type."""
     names: dict[str, str] = {}
     printed = board.get("numbering")
     if isinstance(printed, str) and printed in numberings():
@@ -265,7 +266,7 @@ def resolve_names(board: Tables) -> None:
 
 
 def pin_of(data: Mapping[str, Any], written: str) -> tuple[str, str]:
-    """The board that a pin of a machine file is on, and the microcontroller's pin behind its name,
+    """The board that a pin of a machine file is on, and the microcontroller's pin for its name,
     with the marks of both."""
     board, name = placed(written)
     return board, pin_behind(table(data, *section(board), "pins"), name)

@@ -65,7 +65,7 @@ def _facts(board: Board, chip: Chip) -> Iterator[str]:
 
 
 def _budget(board: Board) -> Iterator[str]:
-    """What the planner counts with when the board is on its serial line."""
+    """The budget that the planner uses when the board is on its serial line."""
     budget = board.budget
     if budget is None:
         return

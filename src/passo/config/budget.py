@@ -1,4 +1,4 @@
-"""What a board's processor and its link can take, for the planner."""
+"""The load that a board's processor and its link can take, for the planner."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from pydantic import Field
 
 from passo.config.types import Model
 
-# Bytes on the wire of a command, with its share of the frame and of changes of direction: 8.05 to
+# Bytes of a command on the transport, with its part of the frame and of direction changes: 8.05 to
 # 8.28 on sliced files of 1.6 million commands.
 COMMAND_BYTES = 8.3
-BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or come late
+BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or late
 COMMIT_S = 0.075  # of print time in a commit
 COMMIT_BYTES = 20.0  # on the wire, without its brake tails: those are commands
-# A burst of so many seconds of commands may come ahead, but never more than half of the slots.
+# A burst of so many seconds of commands may come ahead, but at most half of the move queue.
 BURST_S = 0.1
-# Commands for so long ahead are on the board; the second where motion comes in commits.
+# Commands for so long ahead are on the board; the second value if motion is sent in commits.
 AHEAD_S = 0.15
 COMMITTED_S = 0.2
-# A link needs so long at most to carry one away: commands leave 125 ms before their time and are
-# late with less than 60 ms left. In commits they are needed 75 ms sooner, and leave 50 ms sooner.
+# The maximum time of a link to transmit one command: commands leave 125 ms before their time and
+# are late with less than 60 ms left. In commits they are needed 75 ms sooner, and leave 50 ms
+# sooner.
 LINK_BURST_S = 0.06
-# The plan was measured to keep to this rate of commands, whatever a file asks
-# (docs/explanation/planning.md).
+# Measured: the plan stays within this rate of commands for any file (docs/explanation/planning.md).
 SURE_COMMANDS_S = 600.0
 COMMIT_BURST_S = 0.035
 
@@ -53,16 +53,16 @@ class Budget(Model):
     """The maximum bytes per second of the link. If not given, 95 % of what `baud` allows."""
 
 
-# What Klipper's firmware takes. On an ATmega2560 three motors were measured to need 491 ticks for a
-# step each, four 655. On chips with an ARM core a step with a pulse is two events; Klipper's
-# docs/Benchmarks.md has 60 to 102 cycles an event, but of its quickest kind, which these are not.
-# A command is taken to cost what it does with Passo's firmware on an AVR.
+# The budget of Klipper's firmware. On an ATmega2560 it was measured to need 491 ticks for a step of
+# each of three motors, and 655 for four. On chips with an ARM core a step with a pulse is two
+# events. Klipper's docs/Benchmarks.md has 60 to 102 cycles an event, but of its quickest kind,
+# which these are not. A command is assumed to cost the same as with Passo's firmware on an AVR.
 _AVR_HZ = 20_000_000  # the fastest clock of an AVR
 _AVR_CYCLES_PER_STEP = 164
 _CYCLES_PER_STEP = 300
 _CYCLES_PER_COMMAND = 1950
-_RP2040_HZ = 12_000_000  # what an RP2040 counts; no AVR that Klipper knows has that clock
-_RP2040_CPU_HZ = 120_000_000  # and how fast it runs at least
+_RP2040_HZ = 12_000_000  # the clock that an RP2040 reports; no AVR that Klipper supports has it
+_RP2040_CPU_HZ = 120_000_000  # and its minimum processor clock
 
 
 def klippers_budget(clock_hz: float) -> dict[str, float]:

@@ -24,8 +24,8 @@ _LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
 
 
 def check_link(data: Raw) -> Iterator[Finding]:
-    """A board that is not simulated has an address of the right form, and all boards are real or
-    none is. Only a further, simulated board has a clock that is not the machine's."""
+    """A board that is not simulated has a valid address, and all boards are real or none is. Only a
+    further, simulated board has a clock that differs from the machine's."""
     main = table(data, "board")
     for key in ("drift_ppm", "start_s"):
         if number(main, key):

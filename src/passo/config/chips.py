@@ -23,8 +23,8 @@ _RANGE = re.compile(r"(.*?)(\d+)(?:-(\d+))?")
 
 
 class Timer(Model):
-    """A timer with the pins that each of its channels could pulse, if the firmware did not use it
-    for what `firmware` says."""
+    """A timer with the pins that each of its channels could pulse. `firmware` says what the
+    firmware uses it for instead."""
 
     bits: Literal[8, 16, 32]
     firmware: str = ""
@@ -32,8 +32,8 @@ class Timer(Model):
 
 
 class Uart(Model):
-    """A UART that the firmware can have its console on, and the pins that it can receive and send
-    with. It makes `hz` by whole numbers, an AVR's an eighth of the board's clock."""
+    """A UART that the firmware can use for its console, and its pins. It divides `hz` by whole
+    numbers; on an AVR `hz` is an eighth of the board's clock."""
 
     hz: Annotated[int, Field(gt=0)] | None = None
     receive: list[str]
@@ -69,7 +69,7 @@ class Pulse:
 class Chip:
     """A microcontroller. `pins` are in the order of its ports; `adc` gives the channel of each
     analog input, `pwm` the timers' channels that reach a pin; `alarm` wakes the firmware. The
-    whole numbers of `uarts` begin at `uart_divisor`. Sizes and addresses in bytes."""
+    divisors of `uarts` are at least `uart_divisor`. Sizes and addresses are in bytes."""
 
     key: str
     name: str
@@ -89,8 +89,8 @@ class Chip:
 
     @property
     def compare_units(self) -> tuple[str, ...]:
-        """The units that can time a motor's steps, such as TIMER3A; empty where the chip's alarm
-        times them all."""
+        """The units that can time a motor's steps, such as TIMER3A; empty if the chip's alarm times
+        them all."""
         units = (
             f"{name}{channel}"
             for name, timer in self.timers.items()
@@ -154,7 +154,7 @@ def numberings() -> list[str]:
 
 @cache
 def numbering(name: str) -> dict[str, str]:
-    """Printed number → pin of the chip, such as D54 → PF0. KeyError if there is none so called."""
+    """Printed number → pin of the chip, such as D54 → PF0. KeyError if this name is unknown."""
     if name not in numberings():
         raise KeyError(name)
     text = (_HERE / "numberings" / f"{name}.toml").read_text()

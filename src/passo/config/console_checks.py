@@ -1,5 +1,5 @@
-"""Whether the chip of a board has the console that the firmware is to speak on: its UART, the pins
-of that, and the baud rates."""
+"""Checks that the chip of a board has the console of the firmware: its UART, the pins of that UART,
+and the baud rates."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _AVR_CYCLES = 8  # a bit lasts so many of an AVR's clock, times its divisor
 def check_console(
     board: Mapping[str, Any], own: Mapping[str, Any], place: Path
 ) -> Iterator[Finding]:
-    """The console of a board that runs Passo's firmware on a known chip; its pins are the chip's.
-    `own` is what the machine file says of the board, at `place`."""
+    """Checks the console of a board that runs Passo's firmware on a known chip; its pins are the
+    chip's. `own` is the part of the machine file about the board, at `place`."""
     if not (console := table(board, "console")):
         return
     it, name = chip(str(board["mcu"])), console.get("uart")
@@ -57,13 +57,13 @@ def _check_bauds(
 
 
 def makes(hz: int, least: int, baud: int) -> bool:
-    """Whether a UART that divides `hz` by whole numbers from `least` on makes the rate, as the
+    """Whether a UART that divides `hz` by whole numbers, at least `least`, can make the rate as the
     firmware sets it up."""
     divisor = (2 * hz + baud) // (2 * baud)
     return divisor >= least and abs(hz // divisor - baud) < baud // 40
 
 
 def rates_near(hz: int, least: int, baud: int) -> list[int]:
-    """The UART's rates next to `baud`, slower and faster, or the fastest of all."""
+    """The rates of the UART next to `baud`, slower and faster, or the fastest of all."""
     divisor = hz // baud
     return [hz // (divisor + 1), hz // divisor] if divisor >= least else [hz // least]

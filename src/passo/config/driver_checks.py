@@ -1,4 +1,4 @@
-"""Checks of motor drivers with registers: each is reached in its own way, and can do its current.
+"""Checks of motor drivers with registers: each has its own address, and supports its current.
 
 Like the other checks they read raw tables.
 """
@@ -24,8 +24,8 @@ _CURRENTS = ("run_current_a", "hold_current_a")
 
 @dataclass(frozen=True, slots=True)
 class _Wire:
-    """A one-wire UART as the driver at `path` describes it; pins as `pin_of` tells them, without
-    marks, and `sent_on` as it is written there."""
+    """A one-wire UART as the driver at `path` describes it; pins are as `pin_of` returns them,
+    without marks, and `sent_on` is as the file has it."""
 
     path: Path
     chip: ChipName

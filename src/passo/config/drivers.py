@@ -6,8 +6,8 @@ from typing import Literal, NamedTuple
 
 
 class DriverTimes(NamedTuple):
-    """Shortest step pulse, time between a direction change and a step on either side of it, and
-    the highest step rate."""
+    """Shortest step pulse, minimum time between a direction change and a step before or after it,
+    and maximum step rate."""
 
     pulse_us: float
     direction_us: float
@@ -30,7 +30,7 @@ DriverName = Literal[
     "TMC5160",
 ]
 
-# The TMC data sheets ask for 100 ns high and low; firmware for slow boards needs no wait for that.
+# The TMC data sheets require 100 ns high and low; firmware for slow boards needs no wait for that.
 _TMC = DriverTimes(pulse_us=0.1, direction_us=0.05, max_rate_hz=400_000)
 
 DRIVERS: dict[DriverName, DriverTimes] = {

@@ -1,4 +1,5 @@
-"""What is wired to a board besides motors and heaters: fans, a laser, the mains, a beeper."""
+"""The electrical parts of a board besides motors and heaters: fans, a laser, the power supply, a
+beeper."""
 
 from __future__ import annotations
 
@@ -39,12 +40,12 @@ class Fan(Model):
 
     @property
     def commanded(self) -> bool:
-        """It hears M106 and M107."""
+        """Whether M106 and M107 set this fan."""
         return self.follows is None and not self.follows_motors
 
 
 class Laser(Model):
-    """A laser or a spindle. A move is not faster than the beam can give it its energy with
+    """A laser or a spindle. A move is slow enough for the beam to deliver its energy with
     `max_power_w`."""
 
     pin: Pin

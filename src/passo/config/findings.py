@@ -1,4 +1,4 @@
-"""What the checks of a machine file find, before it has a file and a line."""
+"""The findings of the checks of a machine file, before they have a file and a line."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _PART = re.compile(r"(?:^|\.)([^.\[\]]+)|\[(\d+)\]")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """`path` leads to the key; `limit` says what was expected there. `owner` leads to the key that
-    has it already: its place is told too."""
+    """`path` leads to the key; `limit` is the value that was expected there. `owner` leads to the
+    key that already has the value; messages name its position too."""
 
     code: str
     path: Path
@@ -47,7 +47,7 @@ def path_of(key: str) -> Path:
 
 
 class _Written(str):
-    """A value as it stands in the file: without the quotes of a text."""
+    """A value as the file has it: a text without its quotes."""
 
     __slots__ = ()
 
@@ -56,7 +56,8 @@ class _Written(str):
 
 
 def as_written(value: object) -> object:
-    """A value for messages and for JSON: what both write in another way than TOML becomes text."""
+    """A value for messages and for JSON; a value that they write in another way than TOML becomes
+    text."""
     if value is None:
         return _Written("missing")
     if isinstance(value, bool):
@@ -84,8 +85,8 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
 
 
 def table(data: object, *keys: str) -> Mapping[str, Any]:
-    """The table at `keys`, empty if it is missing or is no table: type errors are reported once,
-    by the models, and must not hide what else is wrong."""
+    """The table at `keys`, empty if it is missing or is not a table: the models report type errors
+    once, and these must not hide other errors."""
     for key in keys:
         data = cast("Mapping[str, Any]", data).get(key) if isinstance(data, Mapping) else None
     return cast("Mapping[str, Any]", data) if isinstance(data, Mapping) else {}
@@ -99,13 +100,13 @@ def tables(data: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[str
 
 
 def array(data: Mapping[str, Any], key: str) -> list[object]:
-    """The array at `key`, empty if it is missing or is no array."""
+    """The array at `key`, empty if it is missing or is not an array."""
     value = data.get(key)
     return cast("list[object]", value) if isinstance(value, list) else []
 
 
 def number(content: Mapping[str, Any], key: str) -> float | None:
-    """The number at `key`, None if it is missing or is no finite number."""
+    """The number at `key`, None if it is missing or is not a finite number."""
     value = content.get(key)
     if not isinstance(value, int | float) or isinstance(value, bool):
         return None

@@ -1,4 +1,4 @@
-"""PID gains that cannot be meant: those of another unit than 1/255 of full power."""
+"""PID gains that are probably in another unit than 1/255 of full power."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _UNIT = 255.0  # full power in the unit of gains
-# Gains of real heaters, in 1/255 of full power by °C, by °C·s and by °C/s; 0 is a choice for ki and
-# kd. Between what these heaters have and what is left of it after a division by 255 lies a gap.
+# Gains of real heaters, in 1/255 of full power per °C, per °C·s and per °C/s; 0 is valid for ki and
+# kd. There is a gap between these ranges and the same ranges divided by 255.
 _HOTEND = {"kp": (1.5, 1000.0), "ki": (0.02, 100.0), "kd": (2.0, 20_000.0)}
 _SLOW = {"kp": (4.0, 2500.0), "ki": (0.001, 250.0), "kd": (2.0, 50_000.0)}  # bed, chamber
 _NAMES = {"hotend": "a hotend", "bed": "a bed", "chamber": "a chamber"}
@@ -21,7 +21,7 @@ _NAMES = {"hotend": "a hotend", "bed": "a bed", "chamber": "a chamber"}
 
 class Doubt(NamedTuple):
     """A gain that no heater of its kind has; `meant` are the gains in the usual unit, if another
-    unit explains it."""
+    unit explains the value."""
 
     key: str
     value: float
@@ -30,7 +30,8 @@ class Doubt(NamedTuple):
 
     @property
     def hint(self) -> str:
-        """What was meant, as a question; empty if no other unit explains the value."""
+        """The gains that were probably meant, as a question; empty if no other unit explains the
+        value."""
         if not self.meant:
             return ""
         gains = ", ".join(f"{key} = {value:.4g}" for key, value in self.meant.items())
@@ -39,7 +40,7 @@ class Doubt(NamedTuple):
 
 
 def doubt(kind: str, gains: Mapping[str, float]) -> Doubt | None:
-    """The first of these gains (kp, ki, kd) of a heater of this kind that cannot be meant."""
+    """The first of these gains (kp, ki, kd) that is not plausible for a heater of this kind."""
     bounds = _HOTEND if kind == "hotend" else _SLOW
     for key, (least, most) in bounds.items():
         value = gains.get(key, 0.0)
@@ -55,7 +56,7 @@ def doubt(kind: str, gains: Mapping[str, float]) -> Doubt | None:
 
 
 def question_gains(machine: MachineConfig) -> Iterator[Finding]:
-    """One finding for each heater whose gains cannot be meant."""
+    """One finding for each heater with implausible gains."""
     for name, heater in machine.heaters.items():
         control = heater.control
         if not isinstance(control, PidControl):

@@ -1,4 +1,4 @@
-"""Heaters: their sensors, how they are controlled, and what they are protected from."""
+"""Heaters: their sensors, their control and their protections."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ _USUAL_HEAT = {
 
 
 def _simulated_heat(heater: dict[str, Any]) -> SimulatedHeat:
-    """Of a heater without such a table, whose other fields are these."""
+    """The simulated heater without a table of its own; the other fields of the heater are these."""
     model = heater.get("model")
     if isinstance(model, HeatModel):
         return SimulatedHeat(
@@ -193,8 +193,8 @@ class Heater(Model):
 
     @property
     def known_model(self) -> bool:
-        """Whether the file describes how this heater heats, so that its readings can be judged by
-        it."""
+        """Whether the file describes how this heater heats, so that its readings can be compared
+        with the model."""
         return bool({"model", "simulated"} & self.model_fields_set)
 
 

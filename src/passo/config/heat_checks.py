@@ -15,13 +15,12 @@ if TYPE_CHECKING:
 
 Raw = Mapping[str, Any]
 
-# Of a cycle of pulses, so that its two interrupts do not delay steps of motors: at 16 MHz that is
-# 250 Hz.
+# The shortest cycle of pulses, so that its two interrupts do not delay steps: 250 Hz at 16 MHz.
 _MIN_CYCLE_TICKS = 64_000
 
 
 def check_heaters(data: Raw) -> Iterator[Finding]:
-    """Ranges are ranges, fans exist, and tables of sensors can be read both ways."""
+    """Checks that ranges are ranges, fans exist, and tables of sensors are monotonic."""
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)
         low, high = number(heater, "min_c"), number(heater, "max_c")
@@ -47,8 +46,8 @@ def check_heaters(data: Raw) -> Iterator[Finding]:
 
 
 def check_fans(data: Raw) -> Iterator[Finding]:
-    """Those that take commands have numbers of their own, the others follow heaters and motors that
-    exist."""
+    """Checks that fans that take commands have different numbers, and that the others follow
+    heaters and motors that exist."""
     owners: dict[float, str] = {}
     heaters, steppers = table(data, "heaters"), table(data, "steppers")
     for name, fan in tables(data, "fans"):
@@ -79,7 +78,7 @@ def check_fans(data: Raw) -> Iterator[Finding]:
 
 
 def check_pulses(data: Raw) -> Iterator[Finding]:
-    """Heaters and fans are pulsed no faster than their boards can well do in software."""
+    """Checks that heaters and fans are pulsed no faster than their boards can do it in software."""
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
             pin, wanted = content.get("pin"), number(content, "pwm_hz")
@@ -92,7 +91,8 @@ def check_pulses(data: Raw) -> Iterator[Finding]:
 
 
 def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
-    """Each heater's sensor, with its resistors, reads something where the heater may be."""
+    """Checks that each heater's sensor, with its resistors, gives readings over the range of the
+    heater."""
     for name, heater in machine.heaters.items():
         rows = sensor_table(heater.sensor)
         if not reads_within(rows, heater.min_c, heater.max_c):
@@ -119,7 +119,7 @@ def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:
 
 
 def _pairs(raw: object) -> Iterator[tuple[float, float]]:
-    """The point, if it is one: the models report what is none."""
+    """The point, if it is one; the models report one that is invalid."""
     match raw:
         case [int() | float() as celsius, int() | float() as share]:
             yield float(celsius), float(share)

@@ -1,4 +1,4 @@
-"""What only a machine whose parts are all sound can tell about its home and parking place."""
+"""Checks of home and parking positions, which need a machine file without other errors."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from passo.geometry.base import Unreachable
 
 
 def check_home(machine: MachineConfig) -> Iterator[Finding]:
-    """The nozzle can be where all is at home: arms and axes at their switches, axes without one
-    where the file says."""
+    """Checks that the nozzle can reach the home position: arms and axes at their endstops, axes
+    without one where the file says."""
     try:
         machine.geometry.inverse(machine.home_point)
     except (Unreachable, ArithmeticError) as error:
@@ -32,11 +32,11 @@ def check_home(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def check_home_sides(machine: MachineConfig) -> Iterator[Finding]:
-    """Each home is on its endstop's half of the axis or carriage: from the other half most moves
-    would lead through the endstop. It may be beyond the limit on its own side, and in the middle,
-    as of an axis that turns. Two arms may have to meet at home, far from their limits: of an arm
-    that turns only what is near its other limit is the far side. An angle a long way beyond that
-    limit is one on the own side, counted from another turn."""
+    """Checks that each home is on its endstop's half of the axis or carriage: from the other half
+    most moves would lead through the endstop. It may be beyond the limit on its own side, or in the
+    middle, as for an axis that turns. Two arms may have to meet at home, far from their limits: for
+    an arm that turns, only angles near its other limit are on the wrong side. An angle far beyond
+    that limit is on the right side, counted from another turn."""
     geometry = machine.geometry
     for name, homing in machine.homing.items():
         arm, turns = name in geometry.arms, name in geometry.rotary
@@ -64,8 +64,9 @@ def _range_of_axis(machine: MachineConfig, name: str) -> tuple[float, float]:
 
 
 def _range_of_arm(machine: MachineConfig, name: str) -> tuple[float, float]:
-    """The limits of an actuator's motors; where one is missing and the arms lift together, what the
-    ends and middles of the axes need of it, as far as it reaches them; else infinite."""
+    """The limits of an actuator's motors. If one is missing and the arms lift together, the range
+    that the ends and middles of the axes need, as far as the arm reaches them; otherwise infinite.
+    """
     geometry = machine.geometry
     index = geometry.actuators.index(name)
     low, high = machine.actuator_limits[index]
@@ -83,7 +84,7 @@ def _range_of_arm(machine: MachineConfig, name: str) -> tuple[float, float]:
 
 
 def check_park(machine: MachineConfig) -> Iterator[Finding]:
-    """The nozzle waits where its axes go."""
+    """Checks that the parking position is within the axes."""
     place = machine.park.position_mm if machine.park else None
     for name, mm in zip("xy", place or (), strict=False):
         low, high = machine.axes[name].min_mm, machine.axes[name].max_mm
@@ -93,7 +94,7 @@ def check_park(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def check_scales(machine: MachineConfig) -> Iterator[Finding]:
-    """Each motor's scale, from whatever parts it comes, is one that a motor may have."""
+    """Checks that each motor's scale, from whichever keys it follows, is valid."""
     for name, stepper in machine.steppers.items():
         if not MIN_SCALE <= stepper.steps_per_unit <= MAX_SCALE:
             key = "gear_ratio" if stepper.rotation_distance_mm is None else "rotation_distance_mm"

@@ -1,4 +1,4 @@
-"""How axes find out where they are: switches, and the way to them."""
+"""How axes are homed: endstops, directions, speeds and distances."""
 
 from __future__ import annotations
 

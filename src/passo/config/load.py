@@ -41,7 +41,7 @@ def shipped_machines() -> list[str]:
 
 
 def shipped_text(name: str) -> str:
-    """The machine file of a shipped machine, a start for one's own. Raises ConfigError."""
+    """The machine file of a shipped machine, which users copy for their own. Raises ConfigError."""
     if name not in shipped_machines():
         hint = did_you_mean(name, shipped_machines())
         raise ConfigError.of("config.unknown-machine", hint=hint, value=name)
@@ -55,8 +55,8 @@ def machine_path(name_or_path: str) -> FilePath | None:
 
 
 class Loaded(NamedTuple):
-    """A machine, the values of its file that are allowed and cannot be right, and the files that it
-    came from."""
+    """A machine, the values of its file that are allowed but are probably wrong, and the files that
+    it came from."""
 
     machine: MachineConfig
     questions: tuple[Problem, ...]
@@ -73,8 +73,8 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 
 
 def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
-    """As `load`, with a question for each value that the file cannot mean, each with its line, and
-    with the files that values come from."""
+    """As `load`, with a question for each value that is probably wrong, each with its line, and with
+    the files that values come from."""
     name = os.fspath(name_or_path)
     path = machine_path(name)
     if path is not None:
@@ -112,7 +112,7 @@ def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
     """As `load_text`, with all that `load_and_question` returns."""
     try:
         return _machine(text, file)
-    except RecursionError:  # in the parser, or in what walks through its tables
+    except RecursionError:  # in the parser, or in the functions that walk through its tables
         raise ConfigError.of("config.syntax", file, value="it is nested too deeply") from None
 
 
@@ -166,7 +166,7 @@ def _machine(text: str, file: str) -> Loaded:
 
 
 def _odd_character(lines: list[str]) -> str:
-    """What a line that is not TOML has in place of a character of ASCII, as word processors put."""
+    """The character in a line, not ASCII, that a word processor put in place of an ASCII one."""
     for line in lines:
         if found := _NOT_ASCII.search(line):
             name = unicodedata.name(found[0], "character").lower()
@@ -177,7 +177,7 @@ def _odd_character(lines: list[str]) -> str:
 
 
 def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:
-    """Integers that TOML does not have: no later part needs to mind them."""
+    """Integers that TOML does not allow, so that later code need not check for them."""
     if isinstance(value, dict):
         for key, item in cast("dict[str, object]", value).items():
             yield from _beyond_64_bits(item, (*path, key))

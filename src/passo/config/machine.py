@@ -1,4 +1,4 @@
-"""The whole machine: `MachineConfig`, and the plain numbers that the core takes of it."""
+"""The whole machine: `MachineConfig`, and its plain numbers for the core."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ class Bed(Model):
 class MachineConfig(Model):
     """A printer as its machine file describes it. Made by `passo.config.load`.
 
-    `unhomed_moves` says what becomes of moves of an axis that has a switch and does not yet know
-    where it is.
+    `unhomed_moves` decides what happens to moves of an axis that has an endstop and is not homed.
     """
 
     name: Name
@@ -102,7 +101,7 @@ class MachineConfig(Model):
         return {MAIN: self.board, **self.boards}
 
     def pin(self, written: str) -> str:
-        """The microcontroller's pin behind a name, on whichever board it is."""
+        """The microcontroller's pin for a name, on any of the boards."""
         board, name = placed(written)
         return self.all_boards[board].pin(name)
 
@@ -120,7 +119,7 @@ class MachineConfig(Model):
         return placed(stepper.step_pin or stepper.socket or name)[0]
 
     def pin_of_stepper(self, name: str, written: str) -> str:
-        """The microcontroller's pin behind a name, on the board that a motor is on."""
+        """The microcontroller's pin for a name, on the board that a motor is on."""
         return self.all_boards[self.board_of_stepper(name)].pin(placed(written)[1])
 
     @property
@@ -141,14 +140,14 @@ class MachineConfig(Model):
 
     @property
     def axes_of_arms(self) -> tuple[str, ...]:
-        """The axes whose place the arms alone decide; none where arms are not homed."""
+        """The axes whose positions depend only on the arms; none if arms are not homed."""
         if not any(name in self.geometry.arms for name in self.homing):
             return ()
         return ("x", "y", "z") if self.geometry.lifts_together else ("x", "y")
 
     @property
     def home_point(self) -> Point:
-        """Where the nozzle is when all is at home, mm. Raises Unreachable."""
+        """The position of the nozzle when all axes are at home, mm. Raises Unreachable."""
         if not self.axes_of_arms:
             x, y, z = (self._home_of(name) for name in "xyz")
             return x, y, z
@@ -157,13 +156,14 @@ class MachineConfig(Model):
 
     @property
     def home_mm(self) -> dict[str, float]:
-        """Where each axis is when all is at home, to 1e-9 mm. Raises Unreachable."""
+        """The position of each axis when all axes are at home, to 1e-9 mm. Raises Unreachable."""
         further = {name: self._home_of(name) for name in axis_order(self.axes)[3:]}
         point = (round(mm, 9) + 0.0 for mm in self.home_point)  # no -0
         return dict(zip("xyz", point, strict=True)) | further
 
     def _home_of(self, name: str) -> float:
-        """Of an axis or an arm: at its switch; without one where the file says."""
+        """The home of an axis or an arm: its endstop; without one the position that the file
+        gives."""
         if name in self.homing:
             return self.homing[name].position
         given = self.axes[name].home_mm
@@ -171,11 +171,12 @@ class MachineConfig(Model):
 
     @property
     def drivable(self) -> Drivable:
-        """What the motors of this machine may drive."""
+        """The actuators, axes and extruders that the motors of this machine may drive."""
         return Drivable(self.geometry.actuators, axis_order(self.axes), self.extruders)
 
     def driven_by(self, stepper: str) -> Driven | None:
-        """What a motor drives; None of one that drives nothing. Raises KeyError."""
+        """The actuator, axis or extruder that a motor drives; None if it drives nothing. Raises
+        KeyError."""
         return self.drivable.of(stepper, self.steppers[stepper].drives)
 
     @property
@@ -190,15 +191,16 @@ class MachineConfig(Model):
         return {name: part.pin for name, part in parts.items()}
 
     def facing_its_middle(self) -> MachineConfig:
-        """The same machine, the angles of its arms counted as its axes and motors have them."""
+        """The same machine, with the angles of its arms counted as its axes and motors have
+        them."""
         x, y, z = ((axis.min_mm + axis.max_mm) / 2 for axis in (self.axes[n] for n in "xyz"))
         geometry = self.geometry.facing((x, y, z), self.actuator_limits)
         return self.model_copy(update={"geometry": geometry})
 
     @property
     def actuator_limits(self) -> list[tuple[float, float]]:
-        """What their motors' limits let the actuators' positions be, mm or degrees; infinite where
-        there is none."""
+        """The range of positions that the limits of the motors leave each actuator, mm or degrees;
+        infinite without a limit."""
         limits = [(-inf, inf)] * len(self.geometry.actuators)
         for row in self._steppers_spec():
             if row["drive"] == "actuator":
@@ -249,7 +251,8 @@ class MachineConfig(Model):
         }
 
     def _budget_spec(self) -> dict[str, Any] | None:
-        """The least of all boards in each figure: none of them is asked for more."""
+        """The minimum of all boards for each figure, so that no board gets more than it can
+        take."""
         specs = self.budget_specs.values()
         if not specs:
             return None

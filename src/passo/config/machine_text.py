@@ -1,4 +1,4 @@
-"""A machine as it was loaded, as text that may be shown to others: without secrets."""
+"""A loaded machine as text without secrets, which may be shown to others."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _USER_IN_URL = re.compile(r"(?<=://)[^/@\s]*@")
 
 
 def is_secret(key: str | int) -> bool:
-    """Whether the value of a key, the last one of a path, is not for others."""
+    """Whether the value of a key, the last one of a path, is secret."""
     return _SECRET_KEY.search(str(key).lower()) is not None
 
 
@@ -31,7 +31,7 @@ def machine_text(machine: MachineConfig) -> str:
 
 
 def _add_kinds(values: dict[str, object], whole: Mapping[str, object]) -> None:
-    """`kind` says which keys a table has, so it stays where it is the default of its table."""
+    """Adds `kind` to a table where it has its default: it decides which keys the table has."""
     for key, value in values.items():
         if isinstance(value, dict):
             content = cast("dict[str, object]", value)
@@ -67,5 +67,5 @@ def toml_value(value: object) -> str:
         )
         return f"{{ {', '.join(shown)} }}" if content else "{}"
     if isinstance(value, float):
-        return str(value)  # inf and nan are words of TOML
+        return str(value)  # TOML has inf and nan
     return json.dumps(value, ensure_ascii=False)

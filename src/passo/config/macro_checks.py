@@ -1,4 +1,4 @@
-"""Checks of macros: names that may be given a meaning, and templates that can be read."""
+"""Checks of macros: allowed names, and valid templates."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import Any
 from passo.config.findings import Finding, tables
 from passo.gcode.registry import row_of
 
-# Moves, which are planned without Python; what acts before its line's turn, or belongs to the line
-# protocol; what ends a program or calls its parts; labels of objects, which are read ahead.
+# Commands that a macro may not replace: moves, which are planned without Python; commands that act
+# before their line's turn, or belong to the line protocol; commands that end a program or call its
+# parts; labels of objects, which are read ahead.
 _KEPT = (
     "G0 G1 G2 G3 M2 M30 M98 M99 EOF M28 M29 M108 M110 M112 M410 M486 M876 M922 M932 M933 M999"
     " RESTART FIRMWARE_RESTART SAVE_VARIABLE"
@@ -22,7 +23,7 @@ _LETTERED = re.compile(r"[GMT]\d")
 
 
 def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
-    """Of the raw tables, as all checks."""
+    """Checks the raw tables, as all checks do."""
     macros = dict(tables(data, "macros"))
     taken = dict.fromkeys(macros, "")
     for name, macro in macros.items():

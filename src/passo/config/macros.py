@@ -1,4 +1,4 @@
-"""Commands that the machine file gives a meaning to: macros, and G-code that runs after a time."""
+"""Commands that the machine file defines: macros, and G-code that runs after a time."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Macro(Model):
 
 class DelayedGcode(Model):
     """A template of G-code that a served printer carries out after a time. UPDATE_DELAYED_GCODE
-    sets the time anew."""
+    sets the time again."""
 
     gcode: str
     """The template, as that of a macro."""

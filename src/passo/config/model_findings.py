@@ -1,4 +1,4 @@
-"""Turns pydantic's errors into findings: our words, our hints, every one of them."""
+"""Turns pydantic's errors into findings with our own texts and hints."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _QUOTED = re.compile(r"'([^']*)'")
 
 
 def _members(place: Any) -> list[Any]:
-    """The models that may stand at a place, or the place itself."""
+    """The models that are allowed at a place, or the place itself."""
     place = get_args(place)[0] if get_origin(place) is Annotated else place
     if get_origin(place) in (Union, UnionType):
         return [member for member in get_args(place) if member is not NoneType]
@@ -59,7 +59,7 @@ def _kinds(place: Any) -> dict[str, Any]:
 
 
 def _one(place: Any) -> Any:
-    """The type at a place that may be left empty, or the place itself."""
+    """The type at a place that may be empty, or the place itself."""
     members = _members(place)
     return members[0] if len(members) == 1 else place
 
@@ -69,7 +69,7 @@ def _is_model(place: Any) -> bool:
 
 
 def _below(place: Any, part: str | int) -> Any:
-    """The type at a key or an index of a place; None where it cannot be told."""
+    """The type at a key or an index of a place; None if it is unknown."""
     (member, *others) = _members(place)
     if others:
         return None
@@ -80,8 +80,8 @@ def _below(place: Any, part: str | int) -> Any:
 
 
 def _place(path: Path) -> tuple[Path, Any]:
-    """The path as it stands in the file, and its type: pydantic puts the kind behind the key of a
-    table that may be one of several."""
+    """The path as the file writes it, and its type: pydantic adds the kind after the key of a table
+    that may be one of several."""
     place: Any = MachineConfig
     written: list[str | int] = []
     for part in path:
@@ -95,7 +95,7 @@ def _place(path: Path) -> tuple[Path, Any]:
 
 
 def _missing(model: Any, key: str) -> str:
-    """What the missing key should hold."""
+    """The value that is expected for the missing key."""
     place = _one(model.model_fields[key].annotation) if _is_model(model) else None
     if get_origin(place) is Literal:
         return f"one of {', '.join(map(str, get_args(place)))}"
@@ -111,13 +111,13 @@ def _missing(model: Any, key: str) -> str:
 
 
 def expected(error: ErrorDetails) -> str:
-    """What a value that is refused should have been."""
+    """The value that was expected in place of the refused one."""
     words = _EXPECTED.get(error["type"])
     return words(error.get("ctx", {})) if words is not None else error["msg"]
 
 
 def _hint_of(key: str, known: Iterable[str], model: Any) -> str:
-    """For an unknown key: the closest one, or all that its table may have."""
+    """The hint for an unknown key: the closest key, or all keys that its table may have."""
     hint = did_you_mean(key, known)
     if hint.startswith("Did") or not known:
         return hint
@@ -128,7 +128,7 @@ def _hint_of(key: str, known: Iterable[str], model: Any) -> str:
 
 
 def _is_plain(place: Any) -> bool:
-    """Whether a text or a number stands there."""
+    """Whether the value there is a text or a number."""
     return _one(place) is str or get_origin(_one(place)) is Literal
 
 
@@ -159,6 +159,6 @@ def _finding(error: ErrorDetails) -> Finding:
 def model_findings(error: ValidationError) -> Iterator[Finding]:
     """One finding for each error of the models."""
     for detail in error.errors(include_url=False):
-        # A default that depends on keys which are wrong: those are reported.
+        # A default that depends on wrong keys: only those keys are reported.
         if detail["type"] != "default_factory_not_called":
             yield _finding(detail)

@@ -85,9 +85,9 @@ class Tool(Model):
     """The hotend of this tool."""
 
 
-_PulseUs = Annotated[float, Field(ge=0, le=30)]  # no board makes longer ones
+_PulseUs = Annotated[float, Field(ge=0, le=30)]  # no board makes longer pulses
 _DirectionUs = Annotated[float, Field(ge=0, le=10_000)]
-_RateHz = Annotated[float, Field(ge=1)]  # so that a board's clocks hold its interval
+_RateHz = Annotated[float, Field(ge=1)]  # so that its interval fits in a board's clock
 
 
 class Stepper(Model):
@@ -167,7 +167,7 @@ class Stepper(Model):
 
     @property
     def shortest_pulse_us(self) -> float:
-        """What the driver asks for, or what the file says instead."""
+        """The driver's value, or the value of the file in its place."""
         return self.times.pulse_us if self.pulse_us is None else self.pulse_us
 
     @property

@@ -1,4 +1,5 @@
-"""Which stepper drives what, worked out the same way for checks and for the core."""
+"""Which stepper drives which actuator, axis or extruder; the same rule for checks and for the
+core."""
 
 from __future__ import annotations
 
@@ -36,7 +37,8 @@ class Drivable:
             self.by_name[name] = Driven("actuator", index)
 
     def of(self, stepper: str, drives: object) -> Driven | None:
-        """What the motor called `stepper` drives; None if its `drives` or its name says nothing."""
+        """The part that the motor called `stepper` drives; None if its `drives` or its name matches
+        none."""
         if drives is not None:
             return self.by_name.get(drives) if isinstance(drives, str) else None
         return self.by_name.get(stepper) or self.by_name.get(stepper.rstrip("0123456789"))
@@ -47,6 +49,6 @@ class Drivable:
 
 
 def axis_order(names: Iterable[str]) -> list[str]:
-    """x, y, z, then the others as they stand in the file."""
+    """x, y, z, then the others in the order of the file."""
     first = ["x", "y", "z"]
     return first + [name for name in names if name not in first]

@@ -1,5 +1,5 @@
-"""What `passo check` says of a machine file beside its problems: what could not be checked, what is
-assumed, and what a board's file has to say."""
+"""The notes of `passo check` about a machine file besides its problems: what could not be checked,
+what is assumed, and the notes of a board's file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def unchecked_boards(machine: MachineConfig) -> list[str]:
 
 
 def notes(machine: MachineConfig) -> Iterator[str]:
-    """One sentence or two for each thing to know."""
+    """One or two sentences for each note."""
     for board in unchecked_boards(machine):
         yield (
             f"the pins on {board} are not checked: its firmware's dictionary is not known. Give"

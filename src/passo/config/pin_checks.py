@@ -1,4 +1,5 @@
-"""Checks of pins: each is known, can do what it is asked for, and has one owner; so have timers."""
+"""Checks of pins: each is known, has the needed function, and has one owner; timers have one owner,
+too."""
 
 from __future__ import annotations
 
@@ -43,7 +44,7 @@ _WIRES: dict[str, Need] = {
     "miso_pin": "from-device",
 }
 _SHARED = ("enable", *_WIRES.values())
-# The marks that do something; before any other pin none does.
+# The marks with an effect; other pins allow none.
 _MARKS: dict[Need, str] = {
     "digital": "!",
     "enable": "!",
@@ -57,8 +58,8 @@ _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """A part of the machine, at `path`, wants `pin` for what it needs. `written` is what stands
-    there: the pin, or the socket that has it."""
+    """A part of the machine, at `path`, claims `pin` for the function that it needs. `written` is
+    the value in the file: the pin, or the socket that has it."""
 
     path: Path
     pin: str
@@ -67,10 +68,10 @@ class Claim:
 
 
 def check_pins(data: Raw) -> Iterator[Finding]:
-    """Boards and sockets exist, parts are on one board each, and each pin and timer has one owner
-    that it suits, and no mark that does nothing. Motors may share the pin that enables them,
-    drivers the wires over which they are set up, if they mark them alike. Nothing is said of pins
-    as long as nobody knows what board is meant."""
+    """Checks that boards and sockets exist, that each part is on one board, that each pin and timer
+    has one suitable owner, and that each mark has an effect. Motors may share an enable pin, and
+    drivers the wires for their registers, if they mark them alike. Pins are not checked while the
+    board is unknown."""
     claims = list(machine_claims(data))
     boards = {MAIN: table(data, "board"), **dict(tables(data, "boards"))}
     if any("base" in board and meant_board(board["base"]) is None for board in boards.values()):
@@ -85,7 +86,7 @@ def check_pins(data: Raw) -> Iterator[Finding]:
 
 
 def machine_claims(data: Raw) -> Iterator[Claim]:
-    """What the machine's parts claim, in the order of the file's usual sections."""
+    """The claims of the machine's parts, in the usual order of the file's sections."""
     for name, stepper in tables(data, "steppers"):
         path = ("steppers", name)
         board, word = placed(str(stepper.get("socket")))
@@ -164,7 +165,7 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
 
 
 def _check_together(path: Path, part: Raw, keys: tuple[str, ...]) -> Iterator[Finding]:
-    """Those of the keys that are given are on the board of the first of them."""
+    """Checks that all given keys are on the board of the first of them."""
     pins = {key: pin for key in keys if isinstance(pin := part.get(key), str)}
     for key, pin in pins.items():
         first, board = next((k, placed(p)[0]) for k, p in pins.items())
@@ -179,7 +180,7 @@ def _wires(path: Path, content: Raw) -> Iterator[Claim]:
 
 
 def board_claims(board: Raw, place: Path) -> Iterator[Claim]:
-    """What a board itself claims: its console, what it reserves, and what is plugged in."""
+    """The claims of a board itself: its console, its reserved pins, and the parts plugged in."""
     for pin in array(table(board, "console"), "pins"):
         yield from _claim((*place, "console"), pin)
     for what in table(board, "reserved"):
@@ -220,7 +221,7 @@ def _check_sockets(data: Raw) -> Iterator[Finding]:
 
 
 def _check_microsteps(stepper: Raw, path: Path, board: Raw, socket: str) -> Iterator[Finding]:
-    """The pins of a socket can choose what the motor has."""
+    """Checks that the pins of a socket can set the microsteps of the motor."""
     pins, levels = array(table(board, "sockets", socket), "microstep"), "microstep_levels"
     known = [
         key for key in table(board, levels) if len(array(table(board, levels), key)) == len(pins)
@@ -232,7 +233,7 @@ def _check_microsteps(stepper: Raw, path: Path, board: Raw, socket: str) -> Iter
 
 
 def _check_current(stepper: Raw, path: Path, board: Raw, socket: str) -> Iterator[Finding]:
-    """The board can set the motor's current, and so much of it."""
+    """Checks that the board can set the motor's current to this value."""
     ampere = stepper.get("peak_current_a")
     if ampere is None:
         return
@@ -258,8 +259,8 @@ def _check_fitted(board: Raw, place: Path) -> Iterator[Finding]:
 
 
 class _Owners:
-    """Who owns which pin and which timer of one board, filled in while the claims are checked in
-    turn."""
+    """The owner of each pin and each timer of one board, filled in while the claims are checked in
+    order."""
 
     def __init__(self, data: Raw, name: str, board: Raw, claims: list[Claim]) -> None:
         self.data = data
@@ -270,7 +271,7 @@ class _Owners:
         self.known = known_pins(self.board)
         mcu = self.board.get("mcu")
         self.chip: Chip | None = chip(mcu) if mcu in chip_names() else None
-        # That of Klipper's uses its chip in its own way, and says itself what it cannot do.
+        # Klipper's firmware uses its chip in its own way, and reports itself what it cannot do.
         self.klippers = "klipper" in (self.board.get("base"), self.board.get("firmware"))
         self.pins: dict[str, Claim] = {}
         self.units: dict[str, Path] = {}
@@ -303,11 +304,11 @@ class _Owners:
                 yield from self._check_need(claim, self.chip)
 
     def _pin(self, claim: Claim) -> str:
-        """The microcontroller's, with all marks."""
+        """The microcontroller's pin, with all marks."""
         return pin_behind(self.names, placed(claim.pin)[1])
 
     def _marks(self, claim: Claim) -> set[str]:
-        """Those that do something."""
+        """The marks that have an effect."""
         return set(self._pin(claim)) & set(_MARKS.get(claim.need, ""))
 
     def _check_marks(self, claim: Claim) -> Iterator[Finding]:
@@ -325,8 +326,8 @@ class _Owners:
         return _claim(place, self.board.get("status_led"))
 
     def _check_level(self, claim: Claim) -> Iterator[Finding]:
-        """An output that is on when low is not taken for one that is on when high: what heats would
-        do so while it is off. Its name says which it is, and so does a mark."""
+        """Checks that an output that is active low is not used as active high: a heater would then
+        heat while it is off. Its name says which it is, and so does a mark."""
         pin = self._pin(claim)
         if claim.path[0] not in _LOADS or claim.need not in ("digital", "pwm") or "!" in pin:
             return
@@ -345,7 +346,8 @@ class _Owners:
         return Finding("config.value", claim.path, claim.written, limit, hint)
 
     def _check_steps(self) -> Iterator[Finding]:
-        """Each compare unit times the steps of one motor: a chip that has them moves no more."""
+        """Checks the number of motors: each compare unit times the steps of one motor, if the chip
+        has such units."""
         sockets = table(self.board, "sockets")
         units = self.chip.compare_units if self.chip else ()
         motors = 0
@@ -391,7 +393,7 @@ class _Owners:
         return Finding("config.conflict", claim.path, claim.written, limit)
 
     def _offer(self, able: list[str]) -> str:
-        """The free pins among `able`, under their names on the board."""
+        """The free pins among `able`, by their names on the board."""
         printed: dict[str, str] = {}
         for name, pin in self.names.items():
             printed.setdefault(bare(str(pin)), name)
@@ -401,7 +403,8 @@ class _Owners:
 
 
 def _may_share(owner: Claim, claim: Claim) -> bool:
-    """Wires to several parts; and the machine's beeper may be that of a display."""
+    """Whether parts may share the pin: buses may, and the machine's beeper may be that of a
+    display."""
     if claim.path == ("beeper", "pin") and owner.path[-1:] == ("beeper",):
         return True
     return owner.need == claim.need and claim.need in _SHARED

@@ -1,8 +1,8 @@
-"""On which board of a machine a pin or a socket is: `tool:PB3` is on the board `tool`."""
+"""The board of a pin or a socket in a machine file: `tool:PB3` is on the board `tool`."""
 
 from __future__ import annotations
 
-MAIN = ""  # the name of the main board, which stands in no pin
+MAIN = ""  # the name of the main board, which no pin has in front
 
 
 def bare(pin: str) -> str:

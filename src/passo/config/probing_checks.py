@@ -1,4 +1,4 @@
-"""What only a machine whose parts are all sound can tell about its probe and its levelling."""
+"""Checks of the probe and of levelling, which need a machine file without other errors."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from passo.config.findings import Finding, did_you_mean
 from passo.config.machine import MachineConfig
 from passo.config.probing import MIN_DISTANCE_MM, UNKNOWNS, Probe
 
-_CLEARANCE_MM = 1.0  # of a descent's start above the height at which the probe triggers
+_CLEARANCE_MM = 1.0  # minimum height of a descent's start above the trigger height
 _MAX_DESCENT_S = 20.0
 
 
 def check_probe(machine: MachineConfig) -> Iterator[Finding]:
-    """The probe triggers below the start of its descent, which is short, and above its end."""
+    """Checks that the probe triggers within its descent: below its start and above its end."""
     probe = machine.probe
     if probe is None:
         if machine.levelling.method != "none":
@@ -48,7 +48,8 @@ def _check_descent(probe: Probe) -> Iterator[Finding]:
 
 
 def _check_points(machine: MachineConfig) -> Iterator[Finding]:
-    """The points are apart, on the bed, within reach of the nozzle, and enough for the method."""
+    """Checks that the points are apart, on the bed, within reach of the nozzle, and enough for the
+    method."""
     probe, levelling = machine.probe, machine.levelling
     assert probe is not None
     points = [(i, p) for i, p in enumerate(levelling.points) if p.enabled]
@@ -90,7 +91,7 @@ def _check_area(machine: MachineConfig) -> Iterator[Finding]:
 def _check_place(
     machine: MachineConfig, path: tuple[str | int, ...], x: float, y: float
 ) -> Iterator[Finding]:
-    """The probe is on the bed there, and the nozzle within its axes."""
+    """Checks that the probe is on the bed there, and the nozzle within its axes."""
     assert machine.probe is not None
     dx, dy = machine.probe.offset_mm
     x0, y0, x1, y1 = machine.bed_area_mm

@@ -1,4 +1,4 @@
-"""Tables of sensors that stand in files of their own beside the machine file."""
+"""Tables of sensors in files of their own beside the machine file."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def with_sensor_files(data: dict[str, Any], folder: Path) -> Iterator[Finding]:
 
 
 def _points(text: str) -> list[list[float]]:
-    """Lines `°C, share`; empty lines and what follows a # do not count. Raises ValueError."""
+    """Lines `°C, fraction`; empty lines and text after a # are ignored. Raises ValueError."""
     points: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), 1):
         words = line.partition("#")[0].split(",")

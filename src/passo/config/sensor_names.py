@@ -1,4 +1,4 @@
-"""Sensors by the names of Klipper's and Marlin's tables, as owners copy them."""
+"""Sensors by the names in Klipper's and Marlin's tables."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MAX_NEAR = 6
 
 class NamedSensor(NamedTuple):
     """A sensor of a table: its `values` as a machine file writes them, the `data` that they come
-    from, and whose table has it."""
+    from, and the project whose table has it."""
 
     name: str
     values: _Values
@@ -62,8 +62,8 @@ def _table(
     fit: str,
     pullup_ohm: int = 0,
 ) -> NamedSensor:
-    """A thermistor by one of Marlin's tables, fitted in the least squares over a range. `fit` is
-    the range and the largest distance from the table, °C; `pullup_ohm` if not 4700."""
+    """A thermistor from one of Marlin's tables, fitted by least squares over a range. `fit` is the
+    range and the largest deviation from the table, °C; `pullup_ohm` if it is not 4700."""
     values = dict(_thermistor(r25_ohm, beta_k, c_per_k))
     if pullup_ohm:
         values["pullup_ohm"] = float(pullup_ohm)
@@ -155,8 +155,8 @@ _BY_NAME: dict[str, _Values] = {
 
 
 def put_sensor_names(data: dict[str, Any]) -> Iterator[Finding]:
-    """Puts the values of each sensor that has a name in place of it: `sensor = "NAME"`, or `kind =
-    "NAME"` with further keys, which count more than the table's."""
+    """Replaces the name of each sensor by its values: `sensor = "NAME"`, or `kind = "NAME"` with
+    further keys, which override the table's."""
     for name, heater in list(tables(data, "heaters")):
         written = heater.get("sensor")
         keys = table(heater, "sensor")
@@ -173,7 +173,7 @@ def put_sensor_names(data: dict[str, Any]) -> Iterator[Finding]:
 
 
 def _near(word: str) -> str:
-    """A hint that names the sensors that may be meant."""
+    """A hint with the most similar sensor names."""
     names = {_folded(sensor.name): sensor.name for sensor in NAMED} | {kind: kind for kind in KINDS}
     parts = [part for part in re.findall(r"[a-z]+|\d+", word.casefold()) if len(part) > 2]
     close = [key for key in names if len(word) > 2 and _folded(word) in key]

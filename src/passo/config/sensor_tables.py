@@ -1,4 +1,4 @@
-"""Sensors: from a machine file's description to what the ADC sees, or a converter says."""
+"""Sensors: from a machine file's description to the reading of the ADC or of a converter."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ Table: TypeAlias = tuple[tuple[float, float], ...]
 
 _NTC_C = range(-20, 401, 5)
 _PLATINUM_C = range(-50, 851, 5)
-# What the ADC says of a cable that is open or shorted lies outside these.
+# Readings outside these mean that the cable is open or shorted.
 _MIN_SHARE = 0.002
 _MAX_SHARE = 0.998
 _CONVERTER_C = {"max31855": (-270.0, 1800.0), "max6675": (0.0, 1023.75)}
-# Where a MAX31856 knows a type of thermocouple, and its number (Maxim 19-7534, Table 2).
+# The range of each type of thermocouple of a MAX31856, and its number (Maxim 19-7534, Table 2).
 _THERMOCOUPLE_C = {
     "B": (0, 250.0, 1820.0),
     "E": (1, -200.0, 1000.0),
@@ -45,10 +45,11 @@ _VOLTS_BY_C = {"ad595": 0.010, "ad8495": 0.005}
 
 
 def sensor_table(sensor: AnySensor) -> Table:
-    """(°C, share of the ADC's full scale) by ascending °C, the share strictly rising or falling.
+    """(°C, fraction of the ADC's full scale) by ascending °C, the fraction strictly rising or
+    falling.
 
     Beyond its ends the sensor is broken. Rounded to 1e-9, so that the table is the same on every
-    computer. Empty where resistors do not fit the sensor at all.
+    computer. Empty if the resistors do not fit the sensor at all.
     """
     if isinstance(sensor, Thermistor):
         ntc = Ntc(sensor.r25_ohm, sensor.beta_k, sensor.c_per_k)
@@ -82,7 +83,7 @@ def sensor_table(sensor: AnySensor) -> Table:
 
 
 def converter_of(sensor: AnySensor) -> _core.Converter:
-    """The converter that the sensor is behind, if any."""
+    """The converter between the sensor and the board, if any."""
     if isinstance(sensor, Converter):
         return getattr(_core.Converter, sensor.kind.upper())
     return _core.Converter.NONE
@@ -90,17 +91,17 @@ def converter_of(sensor: AnySensor) -> _core.Converter:
 
 @dataclass(frozen=True, slots=True)
 class ConverterSetup:
-    """What a converter with registers is told: `words` before it is asked, and `clears_faults`
-    after a fault that it would keep for ever."""
+    """The settings of a converter with registers: `words` before it is read, and `clears_faults`
+    after a fault, which it would otherwise keep."""
 
     words: tuple[bytes, ...] = ()
     clears_faults: bytes = b""
 
 
 def converter_setup(sensor: AnySensor) -> ConverterSetup:
-    """How the converter of a sensor is set up; empty for a sensor without one.
+    """The setup of the converter of a sensor; empty for a sensor without one.
 
-    The frequency of the mains may be set only while the chip does not measure. MAX31856: Maxim
+    The frequency of the power grid may be set only while the chip does not measure. MAX31856: Maxim
     19-7534, registers 0 and 1; MAX31865: Maxim 19-6478, register 0.
     """
     if isinstance(sensor, UniversalConverter):
@@ -122,25 +123,26 @@ def converter_setup(sensor: AnySensor) -> ConverterSetup:
 
 
 def open_is_high(sensor: AnySensor) -> bool:
-    """Whether the ADC reads high when the sensor's cable is open: so do a resistor to ground under
-    its pull-up resistor, and the amplifiers, whose inputs drift to the supply."""
+    """Whether the ADC reads high when the sensor's cable is open. This holds for a resistor to
+    ground under its pull-up resistor, and for the amplifiers, whose inputs drift to the supply."""
     return not isinstance(sensor, SensorTable) or sensor.open_reads == "high"
 
 
 def _rows(celsius: Iterable[int], share: Callable[[float], float]) -> Table:
-    """The rows that an ADC can tell from an open or a shorted cable."""
+    """The rows whose readings differ from those of an open or a shorted cable."""
     rows = [(float(t), round(share(t), 9)) for t in celsius]
     return tuple(row for row in rows if _MIN_SHARE <= row[1] <= _MAX_SHARE)
 
 
 def reads_within(table: Table, min_c: float, max_c: float) -> bool:
-    """Whether a sensor of this table tells temperatures of this range apart."""
+    """Whether a sensor with this table gives distinct readings over this range."""
     apart = all(a[1] != b[1] for a, b in itertools.pairwise(table))
     return len(table) > 1 and table[0][0] < max_c and min_c < table[-1][0] and apart
 
 
 def share_at(table: Table, celsius: float) -> float:
-    """The table's value at a temperature, straight between its rows, constant beyond its ends."""
+    """The fraction at a temperature, linear between the rows of the table, constant beyond its
+    ends."""
     if celsius <= table[0][0]:
         return table[0][1]
     for (c0, r0), (c1, r1) in itertools.pairwise(table):

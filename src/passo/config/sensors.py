@@ -42,7 +42,7 @@ class Platinum(Model):
 
     @property
     def r0_ohm(self) -> float:
-        """At 0 °C."""
+        """The resistance at 0 °C."""
         return _at_0_c(self.kind)
 
 
@@ -63,7 +63,7 @@ class PlatinumAmplifier(Model):
 
     @property
     def r0_ohm(self) -> float:
-        """At 0 °C."""
+        """The resistance at 0 °C."""
         return _at_0_c(self.kind)
 
 

@@ -1,4 +1,4 @@
-"""Thermistors: the equation of an NTC resistor, and the divider that it stands in."""
+"""Thermistors: the equation of an NTC resistor, and its voltage divider."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ class Ntc:
     c_per_k: float = 0.0
 
     def celsius(self, ohm: float) -> float:
-        """Temperature at a resistance above 0. Raises ValueError where the equation has none."""
+        """Temperature at a resistance above 0. Raises ValueError if the equation has no
+        solution."""
         x, x25 = log(ohm), log(self.r25_ohm)
         inverse = 1 / _T25_K + (x - x25) / self.beta_k + self.c_per_k * (x**3 - x25**3)
         if inverse <= 0:
@@ -43,16 +44,15 @@ class Ntc:
 
 @dataclass(frozen=True, slots=True)
 class Divider:
-    """A resistor to ground under a pull-up resistor to the ADC's full scale. The ADC says
-    2·`offset_low`/1024 where it should say 0, and 1 + 2·`offset_high`/1024 where it should say 1.
-    """
+    """A resistor to ground under a pull-up resistor to the ADC's full scale. The ADC reads
+    2·`offset_low`/1024 for a true 0, and 1 + 2·`offset_high`/1024 for a true 1."""
 
     pullup_ohm: float
     offset_low: float = 0.0
     offset_high: float = 0.0
 
     def ohm(self, share: float) -> float:
-        """Resistance at a share of full scale. Raises ValueError where it is open or shorted."""
+        """Resistance at a fraction of full scale. Raises ValueError if it is open or shorted."""
         above = share - 2 * self.offset_low / _STEP
         below = 1 + 2 * self.offset_high / _STEP - share
         if above <= 0 or below <= 0:
@@ -60,6 +60,6 @@ class Divider:
         return self.pullup_ohm * above / below
 
     def share(self, ohm: float) -> float:
-        """Share of full scale at a resistance."""
+        """Fraction of full scale at a resistance."""
         x = ohm / self.pullup_ohm
         return (x * (1 + 2 * self.offset_high / _STEP) + 2 * self.offset_low / _STEP) / (1 + x)

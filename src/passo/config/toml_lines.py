@@ -1,6 +1,6 @@
-"""Where each key of a TOML text stands: path of keys and indices → line, counted from 1.
+"""The line of each key of a TOML text: path of keys and indices → line, counted from 1.
 
-`tomllib` gives values without lines. This scanner reads only the shape of a text that `tomllib`
+`tomllib` gives values without lines. This scanner reads only the structure of a text that `tomllib`
 has already accepted.
 """
 
@@ -21,8 +21,8 @@ _SCALAR = re.compile(r"[^,\]}\n#]+")
 
 
 class _Scanner:
-    """Reads a valid TOML text from its start to its end, and notes on which line each path is.
-    Methods raise ValueError where the text is not TOML."""
+    """Reads a valid TOML text from its start to its end, and notes the line of each path. Methods
+    raise ValueError if the text is not TOML."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -32,15 +32,15 @@ class _Scanner:
         self.tables_in: dict[Path, int] = {}  # arrays of tables: how many elements so far
 
     def note(self, path: Path) -> None:
-        """The path and the tables around it are on this line, unless an earlier one has them.
-        Called in the order of the text."""
+        """Notes that the path and the tables around it are on this line, unless they are on an
+        earlier one. Call it in the order of the text."""
         self._line += self.text.count("\n", self._counted, self.at)
         self._counted = self.at
         for length in range(1, len(path) + 1):
             self.lines.setdefault(path[:length], self._line)
 
     def skip(self, pattern: re.Pattern[str]) -> str:
-        """Moves past what the pattern matches here, and returns that."""
+        """Moves past the text that the pattern matches here, and returns it."""
         found = pattern.match(self.text, self.at)
         if found is None:
             raise ValueError(f"no TOML at offset {self.at}")
@@ -67,7 +67,7 @@ class _Scanner:
                 return tuple(parts)
 
     def below(self, keys: Path) -> Path:
-        """The full path of a header: a name of an array of tables means its last element."""
+        """The full path of a header: the name of an array of tables stands for its last element."""
         path: Path = ()
         for key in keys:
             path += (key,)
@@ -102,7 +102,7 @@ class _Scanner:
         self.value(path)
 
     def value(self, path: Path) -> None:
-        """Reads a value, and notes what it holds."""
+        """Reads a value, and notes the paths in it."""
         if self.take("["):
             index = 0
             self.skip(_BLANK)

@@ -1,4 +1,5 @@
-"""Motor drivers with registers: what a machine file says of them, and what currents they can do."""
+"""Motor drivers with registers: their keys in a machine file, and the currents that they
+support."""
 
 from __future__ import annotations
 
@@ -13,9 +14,9 @@ ChipName: TypeAlias = Literal["TMC2208", "TMC2209", "TMC2130", "TMC5160"]
 
 
 class ChipFacts(NamedTuple):
-    """How a chip is spoken to, and how its current comes about: full scale of the voltage over the
-    sense resistor in its ranges, the least share of a range that it can be set to, the resistance
-    inside the chip, and the resistor of most modules."""
+    """The bus of a chip, and the source of its current: full scale of the voltage over the sense
+    resistor in its ranges, the minimum fraction of a range, the resistance inside the chip, and the
+    resistor of most modules."""
 
     wire: Literal["uart", "spi"]
     full_scale_v: tuple[float, ...]
@@ -24,7 +25,7 @@ class ChipFacts(NamedTuple):
     resistor_ohm: float
 
 
-# The TMC5160's range is scaled by 32/256 at least, and IRUN takes a 32nd of that.
+# The TMC5160's range is scaled by at least 32/256, and IRUN takes a 32nd of that.
 CHIPS: dict[ChipName, ChipFacts] = {
     "TMC2208": ChipFacts("uart", (0.18, 0.32), 1 / 32, 0.02, 0.11),
     "TMC2209": ChipFacts("uart", (0.18, 0.32), 1 / 32, 0.02, 0.11),
@@ -39,18 +40,18 @@ def chip_of(driver: object) -> ChipName | None:
 
 
 def full_scale_a(chip: ChipName, resistor_ohm: float, full_scale_v: float) -> float:
-    """The most current (A, effective value) that a range of the chip can do: the data sheets'
-    I = V / (R + R inside) / √2."""
+    """The maximum current (A, effective value) in a range of the chip: the data sheets' I = V / (R
+    + R inside) / √2."""
     return full_scale_v / (resistor_ohm + CHIPS[chip].inner_ohm) / sqrt(2)
 
 
 def largest_current_ma(chip: ChipName, resistor_ohm: float) -> int:
-    """The most current (mA, effective value) that the chip can be set to, rounded down."""
+    """The maximum current (mA, effective value) that the chip can be set to, rounded down."""
     return floor(1000 * full_scale_a(chip, resistor_ohm, max(CHIPS[chip].full_scale_v)))
 
 
 def least_current_ma(chip: ChipName, resistor_ohm: float) -> int:
-    """The least current (mA, effective value) that the chip can be set to, rounded up."""
+    """The minimum current (mA, effective value) that the chip can be set to, rounded up."""
     facts = CHIPS[chip]
     return ceil(
         1000 * facts.least_share * full_scale_a(chip, resistor_ohm, min(facts.full_scale_v))

@@ -16,7 +16,7 @@ class Model(BaseModel):
     )
 
 
-# What a text must look like, in words: a pattern says nothing to most people.
+# A description of the expected text in words, since most users cannot read a pattern.
 PATTERNS = {
     r"^[a-z][a-z0-9_-]*$": "a name of lower-case letters, digits, - and _",
     r"^[!^~]*([a-z][a-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_./-]*$": "a pin such as PB4, !PD7, tool:PA1 or"
@@ -33,7 +33,7 @@ NAME, PIN, LETTER, AXIS, EXTRUDER, UUID, COMMAND, VARIABLE = PATTERNS
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-# What no machine exceeds, in mm or degrees and s: behind it the plan's numbers lose their steps.
+# No machine exceeds these, in mm or degrees and s; beyond them doubles cannot resolve single steps.
 MIN_SCALE, MAX_SCALE = 1e-3, 1e5
 Scale = Annotated[float, Field(ge=MIN_SCALE, le=MAX_SCALE)]
 MIN_SPEED, MIN_ACCEL = 1e-3, 0.1  # of machine files and of commands that set limits

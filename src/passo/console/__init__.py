@@ -1,1 +1,1 @@
-"""Who may talk to the printer: serial, pty, TCP, standard input."""
+"""The consoles of the printer: serial, pty, TCP, standard input."""

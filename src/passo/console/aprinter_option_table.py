@@ -22,8 +22,8 @@ _KINDS = {"hotend": "ExtruderHeater", "bed": "BedHeater", "chamber": "ChamberHea
 
 
 class Option(NamedTuple):
-    """A value that can be told, and the command that sets it, with `{}` in the place of the value;
-    empty where only the machine file does."""
+    """A value that can be reported, and the command that sets it, with `{}` in place of the value;
+    empty if only the machine file sets it."""
 
     name: str
     value: Callable[[], float]
@@ -59,7 +59,7 @@ def options(printer: Printer) -> Iterator[Option]:
 
 
 def _limits(printer: Printer, name: str, prefix: str, words: str) -> Iterator[Option]:
-    """What axes and extruders have; `words` name one in a command."""
+    """The limits of axes and extruders; `words` name one in a command."""
     for suffix, what, code in (("MaxSpeed", "speed", "M203"), ("MaxAccel", "accel", "M201")):
         yield Option(
             f"{prefix}{suffix}",
@@ -180,7 +180,8 @@ def _of_pid(printer: Printer, name: str, key: str) -> float:
 
 
 def _sensor(printer: Printer, name: str) -> Iterator[Option]:
-    """A thermistor's values may be set, a platinum resistor's are those of its norm."""
+    """The values of a sensor: those of a thermistor can be set, those of a platinum resistor are
+    given by its standard."""
     prefix, sensors = _prefix(printer, name), printer.controls.sensors
     sensor, number = sensors[name], printer.controls.number_of(name)
     if isinstance(sensor, Thermistor):

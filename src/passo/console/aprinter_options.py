@@ -1,5 +1,5 @@
-"""APrinter's run-time options by their names: M925 tells one, M926 notes a new value, M930 applies
-what was noted."""
+"""APrinter's run-time options by their names: M925 reports one, M926 notes a new value, M930
+applies the noted values."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class OptionCommands:
         self.pending: dict[str, float] = {}  # by name in lower case
 
     def pending_lines(self) -> Iterator[str]:
-        """What was noted and is not yet applied, as commands behind a `;`."""
+        """The noted values that are not applied yet, as commands after a `;`."""
         for name, value in self.pending.items():
             yield f"; pending until M930: M926 I{self._options[name].name} V{numeral(value)}"
 
     def pending_values(self) -> dict[str, float]:
-        """What was noted and is not yet applied, by name."""
+        """The noted values that are not applied yet, by name."""
         return {self._options[name].name: value for name, value in self.pending.items()}
 
     # -- commands ---------------------------------------------------------------------------------

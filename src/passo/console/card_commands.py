@@ -1,4 +1,4 @@
-"""Files on the card: list, print, upload, delete. Texts as Marlin's, which hosts know."""
+"""Files on the SD card: list, print, upload, delete. The texts are Marlin's, which hosts parse."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _Action = Callable[["CardCommands", str, Reply], None]
 
 
 def _guarded(action: _Action) -> Callable[[CardCommands, Command, Reply], None]:
-    """A handler of an action with the command's text. A failure is an answer to the console, also
-    one of the SD card."""
+    """A handler of an action with the command's text. A failure, also one of the SD card, is
+    answered to the console."""
 
     def handler(self: CardCommands, command: Command, reply: Reply) -> None:
         try:
@@ -188,7 +188,7 @@ class CardCommands:
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)
         if self._printer.job.suspended and not self._runner.active:
-            return  # a host's print stands aside: no other may begin in its midst
+            return  # a host's print is suspended: no other print may begin
         if "S" in words and self._runner.state is not JobState.PAUSED:
             self._runner.seek(int(words["S"]))
         self._runner.start(skips=ALL if words.get("U") else None)
@@ -227,8 +227,8 @@ class CardCommands:
     )
     @_guarded
     def _resume(self, _: str, reply: Reply) -> None:
-        """Of a print that is paused, or has failed at a line; as Klipper has it, no error without
-        one."""
+        """Resumes a print that is paused, or has failed at a line; without one it is no error, as
+        in Klipper."""
         if self._runner.state in (JobState.PAUSED, JobState.FAILED):
             self._runner.start()
         else:
@@ -245,7 +245,7 @@ class CardCommands:
     )
     @_guarded
     def _print_file(self, text: str, reply: Reply) -> None:
-        """The path counts from the card's root."""
+        """Prints a file; the path starts at the card's root."""
         name = pairs_of(text).get("FILENAME", "")
         if not name:
             raise CommandError.of("card.no-name")
@@ -304,7 +304,7 @@ class CardCommands:
             reply.say(self.progress())
 
     def progress(self) -> str:
-        """As hosts read it."""
+        """The progress in the text that hosts parse."""
         if not self._runner.active or self._printer.halted:
             return "Not SD printing"
         return f"SD printing byte {self._runner.offset}/{self._runner.size}"
@@ -353,8 +353,8 @@ class CardCommands:
         reply.say(f"Writing to file: {upload.name}")
 
     def _new_name(self, name: str, *, strict: bool) -> str:
-        """The name as it stands, unless a strict console means what follows the letter, or there is
-        no directory for it."""
+        """The name as written, unless a strict console means the text after the letter, or its
+        directory does not exist."""
         if name[:1].upper() != "F" or len(name) == 1 or self._library.there(self._place(name)):
             return name
         parent = str(PurePosixPath(self._place(name)).parent)
@@ -391,10 +391,10 @@ class CardCommands:
     @_guarded
     def _delete(self, text: str, reply: Reply) -> None:
         if self._runner.printing_from(reply):
-            self._printer.commands.ended = True  # in a program M30 is its end
+            self._printer.commands.ended = True  # in a program, M30 ends it
             return
         try:
-            path = self._existing(text, letter="")  # no other file than the named one is to go
+            path = self._existing(text, letter="")  # delete only the named file
             self._library.remove(path)
         except CardError as error:
             reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}", error.problems)

@@ -1,4 +1,5 @@
-"""A console of the program that embeds the printer: commands in, replies out, without text."""
+"""A console of the program that embeds the printer: commands in, replies out, without text
+streams."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from passo.printer.printer import Printer
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """What a command has answered, a line each, without `ok`; empty of most commands."""
+    """The answer to a command, line by line, without `ok`; empty for most commands."""
 
     lines: tuple[str, ...] = ()
 
@@ -32,7 +33,7 @@ class _NoWire:
         """Drops the bytes."""
 
     def hold(self, held: bool) -> None:
-        """Nothing is read here that could be held."""
+        """Does nothing: there is no input to hold back."""
 
 
 class Client(Session):
@@ -48,13 +49,13 @@ class Client(Session):
         self.busy_s = 0.0
 
     async def send(self, line: str, heard: Callable[[str], None] | None = None) -> Reply:
-        """Carries out one line of G-code and returns what it answers. `heard` is called with each
-        line of the answer at once, as a console would receive it.
+        """Carries out one line of G-code and returns its answer. `heard` is called with each line
+        of the answer at once, as a console would receive it.
 
-        A move is done with when the plan has it; `M400` waits until the machine stands. Raises
-        CommandError when the line is not carried out, and ValueError for more than one line. When
-        the calling task is cancelled, a line that has not begun is not carried out any more, and a
-        wait ends as M108 ends it: moves that are planned still happen.
+        A move is done when it is planned; `M400` waits until the machine is at standstill. Raises
+        CommandError if the line is not carried out, and ValueError for more than one line. If the
+        calling task is cancelled, a line that has not begun is not carried out, and a wait ends as
+        with M108: moves that are planned still happen.
         """
         text = line.strip()
         if "\n" in text or "\r" in text:
@@ -75,7 +76,7 @@ class Client(Session):
             raise
 
     def fail_all(self, error: BaseException) -> None:
-        """The printer has ended: no command is answered any more."""
+        """Ends all open calls: the printer has ended, and no command is answered any more."""
         while self._pending:
             reply, _ = self._pending.popleft()
             if not reply.done():
@@ -92,7 +93,7 @@ class Client(Session):
             heard(text)
 
     def _hear_all(self, text: str) -> None:
-        """Nothing: lines to all consoles come as events."""
+        """Does nothing: lines to all consoles come as events."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """The command was not carried out."""
@@ -100,10 +101,10 @@ class Client(Session):
         self._failure = CommandError(found)
 
     def warming(self, text: str) -> None:
-        """Nothing: temperatures come with the status."""
+        """Does nothing: temperatures come with the status."""
 
     def _refused(self, code: str) -> bool:
-        """Also a line whose caller does not want it any more."""
+        """Reports a refused line, also one whose caller was cancelled."""
         return self._pending[0][0].cancelled() or super()._refused(code)
 
     def _acknowledge(self, number: int | None) -> None:

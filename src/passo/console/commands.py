@@ -1,4 +1,4 @@
-"""Commands that concern only the console that they came from."""
+"""Commands that concern only the console that sent them."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class ConsoleCommands:
         in_turn=True,
     )
     def _acted(self, _: Command, __: Reply) -> None:
-        """These acted when the line came in."""
+        """Does nothing: these commands acted when the line was received."""
 
     @command(
         "M113",
@@ -200,7 +200,7 @@ class ConsoleCommands:
         kind=Kind.QUIET,
     )
     def _trace(self, command: Command, reply: Reply) -> Wait | None:
-        """Once, or on this console every S seconds until S0: what each controller does."""
+        """Traces once, or on this console every S seconds until S0, what each controller does."""
         seconds = command.words().get("S")
         if isinstance(reply, Session) and seconds is not None:
             reply.report_every("trace", seconds, lambda: self._show_trace(reply.hear))

@@ -44,24 +44,22 @@ class _Answer:
 
 
 class EmergencyParser:
-    """Looks at the lines of one console when they are received, before those in its queue are
-    done."""
+    """Checks the lines of one console when they are received, before its queue is processed."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._in_hand = 0  # M28 and M29 whose turn has not come
-        self._opens = False  # the last of them begins a file
-        self._numbered = False  # what comes for the file has numbers
-        self._answers: deque[_Answer] = deque()  # those in hand
+        self._in_hand = 0  # M28 and M29 in the queue
+        self._opens = False  # whether the last of them opens a file
+        self._numbered = False  # whether the lines for the file are numbered
+        self._answers: deque[_Answer] = deque()  # those in the queue
         self._failures: deque[int] = deque()  # that those of LIFTS in hand may know of
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
         """Acts on M108, M112, M410 and M876, and on commands that end the pause of a host, unless
         they are text of an upload that is open, or that a queued line will open; `upload` is the
-        open one. In an upload with line numbers a line without one is a command. False for text.
-        For each command, call `reached` if it is M28 or M29, `answered` if it `answers`, and
-        `outdated` if it is one of LIFTS, when the line is taken from the queue.
-        """
+        open one. In an upload with line numbers a line without one is a command. Returns False for
+        text. For each command, call `reached` if it is M28 or M29, `answered` if it `answers`, and
+        `outdated` if it is one of LIFTS, when the line is taken from the queue."""
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
         numbered = self._numbered or (not self._in_hand and upload is not None and upload.numbered)
@@ -104,8 +102,9 @@ class EmergencyParser:
         return self._failures.popleft() != self._printer.state.failures
 
     def _resume(self) -> bool:
-        """Ends a wait for the user; the pause of a host is one, too. True if nothing is left to do,
-        as when such a pause is about to end. False for a paused file, which must still resume."""
+        """Ends a wait for the user, also the pause of a host. True if nothing is left to do, for
+        example when such a pause is about to end. False for a paused file, which must still resume.
+        """
         printer = self._printer
         awaited = printer.prompts.awaited
         if awaited:
@@ -115,14 +114,15 @@ class EmergencyParser:
         return awaited or (printer.job.suspended and printer.waits.busy)
 
     def _ends_wait(self, command: Command) -> bool:
-        """M108 while something waits, or M876 that answers what a wait has asked."""
+        """Whether this is M108 while something waits, or M876 that answers the question of a
+        wait."""
         printer = self._printer
         if command.code == "M108":
             return printer.waits.busy or printer.waits.for_room or printer.prompts.asking
         return printer.prompts.awaited and answers(command)
 
     def act(self, command: Command) -> None:
-        """What such a command does, if it is one."""
+        """Executes the command if it is an emergency command."""
         code = command.code
         if halts(command):
             self._printer.emergency_stop()

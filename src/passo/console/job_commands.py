@@ -89,7 +89,7 @@ class JobCommands:
         bare=None,
     )
     def _stop_timer(self, _: Command, __: Reply) -> Wait | None:
-        """A print from the card is timed by itself, whatever its file says."""
+        """Does nothing for a print from the card: its timer does not depend on its file."""
         self._progress.timer(runs=False)
         self._printer.tell(f"echo:Print time {spoken(self._progress.printed_s)}")
         self._progress.stop_timer()
@@ -104,7 +104,7 @@ class JobCommands:
         kind=Kind.QUIET,
     )
     def _host_print(self, command: Command, reply: Reply) -> Wait | None:
-        """A host says that its print begins or ends."""
+        """A host reports that its print begins or ends."""
         begins = command.words().get("S", 0) > 0
         self._progress.host_print(begins=begins)
         reply.say("echo:Start Printing" if begins else "echo:Stop Printing")
@@ -179,8 +179,8 @@ class JobCommands:
         kind=Kind.USER,
     )
     def _change_filament(self, command: Command, reply: Reply) -> Wait | None:
-        """Raises CommandError for a tool that is not in use, what its hotend cannot reach, and
-        where the nozzle cannot go."""
+        """Raises CommandError for a tool that is not in use, a temperature that its hotend cannot
+        reach, and a position that the nozzle cannot reach."""
         words = command.words()
         check_words(words, self._printer.machine)
         tool = self._printer.job.tool
@@ -212,9 +212,9 @@ class JobCommands:
     def _stand_by(
         self, text: str, words: Mapping[str, float], reply: Reply, *, by_file: bool = False
     ) -> Wait | None:
-        """A file pauses and parks, on a command of any console; in its pause the nozzle only leaves
-        the place where it stands. A host that prints is asked to pause, and waits. `by_file`: see
-        `Runner.pause`."""
+        """Pauses and parks a file, on a command of any console; during its pause the nozzle only
+        lifts off the position where it is. A host that prints is asked to pause, and waits.
+        `by_file`: see `Runner.pause`."""
 
         def gone() -> bool:
             return isinstance(reply, Session) and reply.gone
@@ -243,7 +243,7 @@ class JobCommands:
         kind=Kind.QUIET,
     )
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
-        """M876: of a wait it acted when the line came in. Raises CommandError."""
+        """M876: an answer to a wait has acted when the line was received. Raises CommandError."""
         words = command.words()
         if "S" in words and self._asks:
             self._runner.start()
@@ -253,7 +253,7 @@ class JobCommands:
 
     @property
     def _asks(self) -> bool:
-        """The pause of the file waits for the user."""
+        """Whether the pause of the file waits for the user."""
         person = self._printer.prompts
         return self._runner.state is JobState.PAUSED and person.asking and not person.awaited
 

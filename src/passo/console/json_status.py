@@ -46,7 +46,7 @@ class JsonStatus:
         return None
 
     def _told(self, status: Status) -> dict[str, Any]:
-        """What all forms of the answer have. Positions in mm, temperatures in °C, time in s;
+        """The keys of all forms of the answer. Positions in mm, temperatures in °C, time in s;
         `pending` are options that M926 has noted and M930 would apply, in their own units."""
         printer, job = self._printer, self._printer.job
         *axes, e = printer.positions.program
@@ -107,7 +107,7 @@ class JsonStatus:
 
 
 def _heater(heater: HeaterStatus) -> tuple[float, float, int]:
-    """Reading, target and state; -273.1 where the sensor has not reported."""
+    """Reading, target and state; -273.1 until the sensor has reported."""
     state = _FAULT if heater.fault else _ACTIVE if heater.target_c > 0 else _OFF
     celsius = ABSOLUTE_ZERO_C if heater.celsius is None else heater.celsius
     return round(celsius, 1), round(heater.target_c, 1), state

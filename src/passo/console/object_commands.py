@@ -1,4 +1,4 @@
-"""M486 and EXCLUDE_OBJECT of consoles: what is printed, and what is cancelled of it."""
+"""M486 and EXCLUDE_OBJECT of consoles: the objects of a print, and which are cancelled."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class ObjectCommands:
         reply.say(f"echo:{said}; {planned} and {then}")
 
     def _list(self, reply: Reply) -> None:
-        """One line for each object, as `number name`, and what is special of it."""
+        """One line for each object, as `number name`, and whether it is current or cancelled."""
         found, current = self._objects.all, self._objects.current
         reply.say(f"echo:Objects: {len(found)}")
         for one in found:

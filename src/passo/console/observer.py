@@ -1,4 +1,4 @@
-"""Looks at a printer as time passes, and reports its status and what has changed."""
+"""Observes a printer as time passes, and reports its status and changes."""
 
 from __future__ import annotations
 
@@ -29,14 +29,15 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
     from passo.printer.status import Status
 
-LOOK_S = 0.25  # of host time, and of print time, between two looks
+LOOK_S = 0.25  # of host time, and of print time, between two checks
 _CHANGE_C = 1.0
 _T = TypeVar("_T")
 
 
 @dataclass(slots=True)
 class _Listener:
-    """Who wants the status so often; due at a host time, or a print time where that is earlier."""
+    """A listener that wants the status at an interval; due at a host time, or at a print time if
+    that is earlier."""
 
     call: Callable[[Status], object]
     every_s: float
@@ -59,7 +60,7 @@ class Observer:
         self._last = status.read()
         self._shown_c = {name: heater.celsius for name, heater in self._last.heaters.items()}
         self._layer = self._last.job.layer if self._last.job else 0
-        self._host_s = self._print_s = 0.0  # when the next look is due
+        self._host_s = self._print_s = 0.0  # when the next check is due
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
         printer.watchers.append(self._time_passed)
         printer.state.listeners.append(self._on_message)
@@ -67,8 +68,8 @@ class Observer:
         runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
-        """Calls it with the status now and then at least `every_s` of host time apart, or of print
-        time where that passes faster. Returns what ends it."""
+        """Calls it with the status now, and then at intervals of at least `every_s` of host time,
+        or of print time if that is faster. Returns a function that ends it."""
         self._look()
         listener = _Listener(call, every_s)
         self._listeners.append(listener)
@@ -76,17 +77,17 @@ class Observer:
         return lambda: _remove(self._listeners, listener)
 
     def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
-        """Calls it with each event from now on, first with the messages of the start. Returns what
-        ends it."""
+        """Calls it with each event from now on, first with the messages of the start. Returns a
+        function that ends it."""
         if not (self._listeners or self._event_listeners):
-            self._last = self._status.read()  # what changed before is no news
+            self._last = self._status.read()  # earlier changes are not reported
         self._event_listeners.append(call)
         for text in self._printer.state.unheard:
             self._loop.call_soon(call, Message(text))
         return lambda: _remove(self._event_listeners, call)
 
     def close(self) -> None:
-        """Reports nothing any more."""
+        """Stops reporting."""
         self._beat.cancel()
         self._listeners.clear()
         self._event_listeners.clear()
@@ -105,7 +106,7 @@ class Observer:
         if state.active and not was.active:
             self._layer = 0
         if was.active and not state.active:
-            # On a busy computer the last look may be long past.
+            # On a busy computer the last check may be long ago.
             job, now = self._printer.job, self._printer.queue.passed
             layer = job.layer_near(now) if job.line_at(now) else 0
             for event in self._layers(runner.name, layer, self._progress.layers):
@@ -116,7 +117,7 @@ class Observer:
 
     def _on_message(self, text: str) -> None:
         self._emit(Message(text))
-        self._loop.call_soon(self._look)  # it may tell of a halt
+        self._loop.call_soon(self._look)  # it may report a halt
 
     def _on_remote_call(self, method: str, arguments: Mapping[str, Any]) -> None:
         self._emit(RemoteCall(method, dict(arguments)))
@@ -165,7 +166,7 @@ class Observer:
             yield ProgressChanged(job)
 
     def _layers(self, file: str, layer: int, layers: int | None) -> Iterator[LayerChanged]:
-        """Each layer that has begun since the last call; a file may go back to a lower one."""
+        """Each layer that has begun since the last call; a file may return to a lower one."""
         before, self._layer = self._layer, layer
         for begun in range(before + 1, layer + 1):
             yield LayerChanged(file, begun, layers)
@@ -174,7 +175,7 @@ class Observer:
 
 
 def _moved(shown_c: float | None, celsius: float | None) -> bool:
-    """A reading has changed by a degree since it was shown, or has come or gone."""
+    """A reading has changed by a degree since it was shown, or has appeared or gone."""
     if shown_c is None or celsius is None:
         return shown_c is not celsius
     return abs(celsius - shown_c) >= _CHANGE_C

@@ -1,4 +1,4 @@
-"""What consoles receive from a printer: the answers to a file's commands, and a greeting."""
+"""The texts that consoles receive from a printer: answers to a file's commands, and a greeting."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class AllConsoles:
             self._printer.tell(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
-        """The same: a file receives no `ok`."""
+        """Sends the text as a line: a file receives no `ok`."""
         self._printer.tell(text)
 
     def warming(self, text: str) -> None:
-        """Nothing: consoles ask for temperatures with M105 during a print."""
+        """Does nothing: consoles ask for temperatures with M105 during a print."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """A command that was not carried out."""
@@ -43,7 +43,8 @@ class AllConsoles:
 
 
 def welcome(printer: Printer, session: Session) -> None:
-    """What a console hears when it opens; the first also why something is amiss since the start."""
+    """Sends the greeting of a console that opens; the first also gets the problems since the
+    start."""
     session.say("start")
     session.say(f"echo:Passo, {printer.machine.name}")
     unheard, printer.state.unheard = printer.state.unheard, []

@@ -10,8 +10,8 @@ from collections import deque
 from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, Refusal
 
-BACKLOG = 256  # lines that a host is offered room for (`ok N P B`)
-MAX_LINES = 1 << 15  # are in hand before the sender is held up
+BACKLOG = 256  # lines that a host may send ahead (`ok N P B`)
+MAX_LINES = 1 << 15  # lines in the queue before the sender is held up
 MAX_BYTES = 1 << 20  # of text, likewise
 
 Heard = tuple[Line, Command, bool] | Refusal
@@ -31,17 +31,17 @@ class ReceiveQueue:
 
     @property
     def room(self) -> int:
-        """Lines that a host should send before it waits for an `ok`."""
+        """The number of lines that a host may send before it waits for an `ok`."""
         return max(0, BACKLOG - len(self._lines))
 
     @property
     def full(self) -> bool:
-        """No more should be read."""
+        """Whether no more should be read."""
         return len(self._lines) >= MAX_LINES or self._bytes >= MAX_BYTES
 
     @property
     def half_empty(self) -> bool:
-        """More may be read again."""
+        """Whether more may be read again."""
         return len(self._lines) <= MAX_LINES // 2 and self._bytes <= MAX_BYTES // 2
 
     def append(self, heard: Heard) -> None:
@@ -56,7 +56,7 @@ class ReceiveQueue:
         return heard
 
     def clear(self) -> None:
-        """Forgets all."""
+        """Discards all lines."""
         self._lines.clear()
         self._bytes = 0
 

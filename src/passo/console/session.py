@@ -1,4 +1,5 @@
-"""One console: its lines are carried out in order, one `ok` each, and it hears what happens."""
+"""One console: its lines are carried out in order, one `ok` each, and it receives broadcast
+messages."""
 
 from __future__ import annotations
 
@@ -23,36 +24,37 @@ from passo.printer.wait_requests import Stopped, Wait
 
 _log = logging.getLogger(__name__)
 
-AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
-AT_ONCE_S = 0.005  # of the loop's time, likewise: lines like M503 take long
+AT_ONCE = 1024  # lines carried out before other tasks run: all of one read
+AT_ONCE_S = 0.005  # of the loop's time before other tasks run: lines like M503 take long
 WAIT_S = 1.0  # an idle console says `wait` this often
 _CONTROLS = {chr(i): "?" for i in (*range(9), *range(11, 32), 127)}  # a terminal would obey them
 _PLAIN = str.maketrans(_CONTROLS)
-# Units of this program's own texts, which every host can show without them. Not those of names.
+# Units of this program's own texts in ASCII, which every host can show. Names keep theirs.
 _UNITS = re.compile(r"(?<=\d )°(?=C(?:[/\s,;:)]|\.?$|\.\s))|(?<=\d )µ(?=[ms]\b)|(?<=/s)²")
 _UNIT = {"°": "", "µ": "u", "²": "2"}
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
 _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", *RESTARTS)
-# A line that begins so moves the machine; a word of an axis repeats the last move.
+# A line that begins so moves the machine; an axis word alone repeats the last move.
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
-_TOOL = re.compile(r"T\d")  # without it filament of another one would be printed
+_TOOL = re.compile(r"T\d")  # without it another tool's filament would be printed
 _EXPONENT = re.compile(r"[\d.][Ee][-+\d]")
-# Only the code that a line begins with: what follows may be a text, and the lexer divides words.
+# Only the code at the beginning of a line: the rest may be a text, and the lexer splits words.
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL | re.ASCII)
 
 
 class Wire(Protocol):
-    """Where a console's text goes. Never blocks: what a slow reader leaves is dropped."""
+    """The destination of a console's text. Never blocks: text for a reader that is too slow is
+    dropped."""
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
-        """Sends bytes; dispensable ones only if there is room."""
+        """Sends bytes; dispensable ones only if there is space."""
 
     def hold(self, held: bool) -> None:
         """Stops or resumes reading."""
 
 
 def command_of(text: str) -> Command:
-    """The command that a line begins with; a name of its own if it has no letter and number."""
+    """The command at the beginning of a line; a name if it has no letter and number."""
     text = decoded(text)
     if _EXPONENT.search(text):
         text = _core.without_exponents(text)
@@ -64,31 +66,32 @@ def command_of(text: str) -> Command:
 
 
 def prints(code: str) -> bool:
-    """What would follow on such a command is spoilt without it. So it may be without a line that
-    begins with a character that is not G-code."""
+    """Whether a print cannot do without this command. It also holds for a line that begins with a
+    character that is not G-code."""
     return bool(_MOVES.match(code) or _TOOL.match(code)) or not code[:1].isascii()
 
 
 def _encoded(text: str) -> bytes:
-    """A line in UTF-8; ASCII, which every host can read, but for names and texts of users."""
+    """A line in UTF-8. It is ASCII, which every host can read, except for names and texts of
+    users."""
     if not text.isascii():
         text = _UNITS.sub(lambda unit: _UNIT[unit[0]], text)
     return text.translate(_PLAIN).encode("utf-8", "replace") + b"\n"
 
 
 class Session:
-    """A console at work. `receive` is called with what comes in; everything in one event loop."""
+    """A console in operation. Call `receive` with the bytes that arrive; all in one event loop."""
 
     def __init__(self, printer: Printer, wire: Wire) -> None:
         self._printer, self._wire = printer, wire
         self._protocol = LineProtocol()
         self._shown = printer.state.console_lines
         self.number = self._shown.join()
-        self.sender = ""  # who sends the lines that come now, if that is known
+        self.sender = ""  # the sender of the lines that arrive now, if known
         self._lines = ReceiveQueue()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
-        self._soon: asyncio.Handle | None = None  # goes on with lines in hand
+        self._soon: asyncio.Handle | None = None  # continues with lines in the queue
         self._ok = ""
         self._timers = Timers(printer)
         self._emergency_parser = EmergencyParser(printer)
@@ -99,10 +102,10 @@ class Session:
         self.advanced_ok = False
         self._upload: Upload | None = None
         self.on_upload: Callable[[], None] = lambda: None  # an upload begins, or has ended
-        self._given_up = 0  # so many of the lines in hand were there when the machine was stopped
-        self._overtaken = False  # and so was the line that waits for its turn
-        self._working = False  # this console's line has the turn and is under way
-        self._printed = False  # and it is a move with a number: of a print, as far as can be told
+        self._given_up = 0  # number of queued lines that are from before a stop of the machine
+        self._overtaken = False  # and so is the line that waits for its turn
+        self._working = False  # this console's line has the motion lock and is running
+        self._printed = False  # and it is a numbered move: probably of a print
         self.closed = False
         self._unanswered = False  # its input has ended, and only a user could end its wait
         self._noted: set[str] = set()
@@ -125,13 +128,13 @@ class Session:
 
     @property
     def unfinished(self) -> bool:
-        """The beginning of a line has come, and not its end."""
+        """Whether the beginning of a line has arrived, but not its end."""
         return self._protocol.unfinished
 
     # -- bytes ------------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> None:
-        """Takes in what the host has sent."""
+        """Takes the bytes that the host has sent."""
         heard = self._protocol.feed(data)
         for line in heard:
             whole = isinstance(line, Line)
@@ -142,7 +145,7 @@ class Session:
                 seen = self._emergency_parser.see(command, line.number, self._upload)
                 self._lines.append((line, command, seen))
             else:
-                if halts(command := command_of(line.text)):  # no stop waits for a resend
+                if halts(command := command_of(line.text)):  # a stop does not wait for a resend
                     self._emergency_parser.see(command, line.resend, self._upload)
                 self._lines.append(line)
         if heard and self._resting:
@@ -152,7 +155,7 @@ class Session:
             self._wire.hold(True)
 
     def close(self) -> None:
-        """The host has gone: its lines in hand are forgotten, its wait ends."""
+        """The host has disconnected: discards its queued lines and ends its wait."""
         self.closed = True
         self._timers.stop()
         self._lines.clear()
@@ -163,7 +166,7 @@ class Session:
             self._upload = None
         if self._working:
             if self._printer.waits.person:
-                self._printer.targets.cooled_c.clear()  # no client is left to warm up for
+                self._printer.targets.cooled_c.clear()  # no client is left that needs the heaters
             self._printer.waits.end()  # cutting it off would leave a machine that moves
         elif self._task is not None:
             self._task.cancel()
@@ -178,8 +181,8 @@ class Session:
         return self.closed or self._unanswered
 
     def end(self, then: Callable[[], None]) -> None:
-        """No more lines come: those in hand are carried out, then it closes. A wait that only a
-        user ends is over, and what is in hand after it is not carried out."""
+        """The input has ended: queued lines are carried out, then the session closes. A wait that
+        only a user can end is over, and the lines after it are not carried out."""
         self._then = then
         if self._working and self._printer.prompts.for_ever:
             self._end_unanswered()
@@ -195,12 +198,12 @@ class Session:
             self._wire.write(_encoded(text))
 
     def hear(self, text: str) -> None:
-        """A report or a sign of life; a console that does not read may miss it."""
+        """A report or a busy message; a console that does not read may miss it."""
         self._shown.sent(self.number, text)
         self._hear_all(text)
 
     def _hear_all(self, text: str) -> None:
-        """The same of a line that all consoles receive."""
+        """As `hear`, for a line that all consoles receive."""
         self._wire.write(_encoded(text), dispensable=True)
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
@@ -210,18 +213,18 @@ class Session:
             self.say(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
-        """Text behind this command's `ok`."""
+        """Text after this command's `ok`."""
         self._ok = text
 
     def warming(self, text: str) -> None:
-        """Temperatures that a command waits for, unless they come anyway (M155)."""
+        """Temperatures that a command waits for, unless they are reported anyway (M155)."""
         if not self._timers.runs("temperatures"):
             self.hear(text)
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """A command that was not carried out. Not `Error:`, which makes hosts disconnect; a strict
-        console knows that word. A host that prints is asked to pause before it sends more: what
-        would follow on a move that is missing spoils the print."""
+        """Reports a command that was not carried out. Not with `Error:`, which makes hosts
+        disconnect; only a strict console receives that. A host that prints is asked to pause before
+        it sends more: after a missing move the print would be spoilt."""
         self.failed = True
         fields = problems[0].log_fields if problems else {}
         _log.warning("%s", text, extra={**fields, "console": self.number})
@@ -230,13 +233,13 @@ class Session:
             self.say("// action:pause")
 
     def every(self, name: str, seconds: float, action: Callable[[], None] | None) -> None:
-        """Calls an action at an interval of host time, in place of the one of that name; 0: no
-        more."""
+        """Calls an action at an interval of host time, in place of the action of that name; 0:
+        stops it."""
         if not self.closed:
             self._timers.set(name, seconds, action)
 
     def report_every(self, name: str, seconds: float, action: Callable[[], None]) -> None:
-        """The same for a report, which comes at intervals of print time where that is faster."""
+        """As `every` for a report, which comes at intervals of print time if that is faster."""
         if not self.closed:
             self._timers.set(name, seconds, action, report=True)
 
@@ -244,11 +247,11 @@ class Session:
 
     @property
     def _resting(self) -> bool:
-        """Nothing carries out lines, and nothing is about to."""
+        """Whether no line is being carried out, and none is scheduled."""
         return self._task is None and self._soon is None
 
     def _next(self) -> Heard:
-        """Takes the next line in hand, and lets more come in when there is room."""
+        """Takes the next queued line, and resumes reading when there is space."""
         heard = self._lines.popleft()
         if self._held and self._lines.half_empty:
             self._held = False
@@ -256,7 +259,7 @@ class Session:
         return heard
 
     def _work(self) -> None:
-        """Carries out lines until one has to wait, or others have waited for long enough."""
+        """Carries out lines until one has to wait, or other tasks have waited for long enough."""
         self._soon = None
         others_s = self._loop.time() + AT_ONCE_S
         for _ in range(AT_ONCE):
@@ -306,7 +309,7 @@ class Session:
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
         text = stored and self._upload is not None and self._upload.takes_all
-        # What was to be text for a file has become none; an M999 may have come before an M112.
+        # The line was text for a file and is a command now; an M999 may have come before an M112.
         if not text and (not seen or halts(command)):
             self._emergency_parser.act(command)
         if refused or stored or answered or self._halted(code):
@@ -322,7 +325,7 @@ class Session:
                     self._await_restart(line, printer.supervisor.answered())
                 )
             return revives
-        if self._halted(""):  # not even what stands behind a question
+        if self._halted(""):  # not even a command after a question
             return False
         if given_up and self._was_stopped(code):
             return False
@@ -344,7 +347,8 @@ class Session:
         self._task = self._loop.create_task(self._carry_out(line, code, wait, queued=queued))
 
     async def _carry_out(self, line: Line, code: str, wait: Wait | None, *, queued: bool) -> None:
-        """A line that waits: for its turn, for room, or for what its command waits for."""
+        """Waits for a line: for its turn, for space in the queue, or for its command's
+        condition."""
         printer = self._printer
         self.every("busy", self.busy_s, self._say_busy)
         has_turn, hurried = not queued, False
@@ -370,26 +374,28 @@ class Session:
             self._work()
 
     async def _await_restart(self, line: Line, answered: asyncio.Future[None]) -> None:
-        """M999: what is next finds the printer ready again, or halted as before."""
+        """M999: waits until the printer is ready again, or halted as before."""
         self.every("busy", self.busy_s, self._say_busy)
         try:
             await answered
         finally:
             self.every("busy", 0, None)
             self._task, self._overtaken = None, False
-        self._halted("")  # says so
+        self._halted("")  # reports it
         self._acknowledge(line.number)
         self._work()
 
     def _user_wanted(self) -> None:
-        """A wait for a user begins. If it is this console's, an answer may be in hand already."""
+        """A wait for a user begins. If it is this console's, its answer may be in the queue
+        already."""
         if self._working and self._emergency_parser.take_answer():
             self._printer.waits.end()
         elif self._working and self._then is not None and self._printer.prompts.for_ever:
             self._end_unanswered()
 
     def _end_unanswered(self) -> None:
-        """The wait ends as if the host had hung up: what follows needs the consent of the user."""
+        """Ends the wait as if the host had disconnected: the next commands need the consent of the
+        user."""
         left = len(self._lines)
         self._unanswered = True
         self._lines.clear()
@@ -399,8 +405,8 @@ class Session:
         self._printer.waits.end()
 
     def _stopped(self, _: str) -> None:
-        """M410, or a switch that was hit: moves in hand are forgotten with those planned. What
-        else is in hand is carried out; a heater may have to go off."""
+        """M410, or a triggered endstop: discards queued moves together with the planned ones. Other
+        queued lines are carried out; one may switch a heater off."""
         if not self._printer.halted:
             self._given_up = len(self._lines)
             self._overtaken = self._task is not None and not self._working
@@ -412,16 +418,16 @@ class Session:
         return False
 
     def _not_done(self, error: Exception) -> None:
-        """A line that failed. After a fault of the program nobody knows what holds: all goes off,
-        and the host still gets its `ok`."""
+        """Reports a line that failed. After a fault of the program its state is unknown: everything
+        is switched off, and the host still gets its `ok`."""
         if not isinstance(error, (Stopped, PassoError)):
             error = in_words(error)
             self._printer.halt(error)
         self.fail(str(error), error.problems if isinstance(error, PassoError) else ())
 
     def _stored(self, line: Line, code: str) -> bool:
-        """Whether a line was for the file that is written, and not to be carried out. Once lines
-        come with numbers, one without is a host's question in between."""
+        """Whether a line belongs to the file that is written, and must not be carried out. Once
+        lines are numbered, one without a number is a host's question in between."""
         upload = self.upload
         if upload is None or code in _NO_TEXT:
             return False
@@ -431,7 +437,7 @@ class Session:
             try:
                 upload.write(line.text)
             except CardError as error:
-                self.say(f"echo:{error}")  # what was to be done is done
+                self.say(f"echo:{error}")  # the command itself was done
             return False
         self._printed = False
         upload.numbered = upload.numbered or line.number is not None
@@ -444,7 +450,7 @@ class Session:
         return True
 
     def _dropped(self, upload: Upload, code: str) -> bool:
-        """Says once that lines go nowhere."""
+        """Reports once that lines are discarded."""
         if not upload.told:
             upload.told = True
             where = f"the file {upload.name}" if upload.name else "a file without a name"
@@ -455,7 +461,7 @@ class Session:
         if not (self.strict and self.failed) or code in _EVEN_AFTER_FAILURE:
             return False
         if self._upload is not None:
-            self._upload.abort()  # a line of it is missing now
+            self._upload.abort()  # one of its lines is missing now
         self.say("Error:PreviousCommandFailed")
         return True
 

@@ -1,4 +1,4 @@
-"""M500 to M504: settings as commands that bring them back."""
+"""M500 to M504: settings as commands that restore them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ _log = logging.getLogger(__name__)
 
 
 class _Collected(NullReply):
-    """Collects what stored commands answer: why a value was refused, or brought within limits."""
+    """Collects the answers to stored commands: why a value was refused, or clamped to its
+    limits."""
 
     def __init__(self, said: list[str]) -> None:
         self._said = said
@@ -40,17 +41,17 @@ class _Collected(NullReply):
 
 class SettingsCommands:
     """The settings of one printer: the machine file's values, and those that commands have changed.
-    `store` keeps the changed ones; None: nothing does."""
+    `store` keeps the changed ones; None: they are not stored."""
 
     def __init__(self, printer: Printer, store: Store | None, options: OptionCommands) -> None:
         self._printer, self._store, self._options = printer, store, options
         self._defaults = list(self.lines())
         self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}
-        self._compared: list[str] | None = None  # settings of which `_unsaved` was found
+        self._compared: list[str] | None = None  # the settings for which `_unsaved` was computed
         self._unsaved: dict[str, dict[str, str]] = {}
 
     def groups(self) -> Iterator[tuple[str, list[str]]]:
-        """Headings, each with the commands that bring its settings back."""
+        """Headings, each with the commands that restore its settings."""
         motion, heat, job = self._printer.motion, self._printer.heat, self._printer.job
         limits = self._printer.commands.limits
         yield "Steps per unit", motion.scale_lines()
@@ -89,8 +90,9 @@ class SettingsCommands:
             yield from commands
 
     def provenance(self) -> Iterator[tuple[str, Setting, str | None, str | None, str]]:
-        """Each value in force, by its heading: the setting, the machine file's value and the stored
-        one (None: there is none), and which of them it is: `file`, `stored`, else `command`."""
+        """Each value in force, by its heading: the setting, the machine file's value, the stored
+        one (None if there is none), and which of them is in force: `file`, `stored`, else
+        `command`."""
         try:
             overrides = (self._store.load() if self._store else None) or []
         except CommandError:
@@ -107,7 +109,7 @@ class SettingsCommands:
 
     def unsaved(self) -> dict[str, dict[str, str]]:
         """The settings that M500 would change in the store, by headings: commands with values.
-        Without a store there are none. To be asked often: the store is read after a change."""
+        Empty without a store. Cheap to call: the store is read only after a change."""
         if self._store is None:
             return {}
         lines = list(self.lines())
@@ -123,13 +125,15 @@ class SettingsCommands:
         return found
 
     def restore(self, lines: Iterable[str], reply: Reply) -> None:
-        """Carries out commands of settings. The caller has the turn, and the machine stands."""
+        """Carries out commands of settings. The caller holds the motion lock, and the machine is at
+        standstill."""
         for line in lines:
             self._printer.dispatch.take_setting(line, reply)
 
     def load_at_start(self) -> None:
-        """Takes the stored values that differ from the machine file's, and names them. Values that
-        the file has by now are taken out of the store. What must not be used is named, too."""
+        """Applies the stored values that differ from the machine file's, and reports them. Values
+        that the file has by now are removed from the store. Values that must not be used are
+        reported, too."""
         try:
             stored = self._store.load() if self._store else None
             if not stored:
@@ -145,8 +149,8 @@ class SettingsCommands:
             self._printer.state.announce(_log, logging.WARNING, str(error), problem)
 
     def name_stored(self) -> list[str]:
-        """Takes the stored values as `load_at_start` does; the sentences that it would report. The
-        store stays as it is. Raises CommandError."""
+        """Applies the stored values as `load_at_start` does, and returns the messages that it would
+        report. The store stays unchanged. Raises CommandError."""
         stored = self._needed().load()
         lines = self._take_and_name(self._differing(stored or []))
         return [line.removeprefix("echo:") for line in lines]
@@ -155,7 +159,7 @@ class SettingsCommands:
         return [o for o in stored if not same(self._file.get(o.setting.key), o.setting.value)]
 
     def _take_and_name(self, held: list[Override]) -> list[str]:
-        """Sets these values; lines that name them, with what they override."""
+        """Sets these values; returns lines that name them, with the values that they override."""
         said: list[str] = []
         self.restore(commands_of(override.setting for override in held), _Collected(said))
         now = {setting.key: setting.value for setting in settings_in(self.lines())}
@@ -166,7 +170,7 @@ class SettingsCommands:
         return said
 
     def _named(self, override: Override, now: str | None) -> str:
-        """A stored value, and the machine file's that it overrides; `now` is in force."""
+        """A stored value, and the machine file's value that it overrides; `now` is in force."""
         setting, then = override
         file = self._file.get(setting.key)
         if not same(now, setting.value):
@@ -244,8 +248,8 @@ class SettingsCommands:
         return WaitForMoves(lambda: self._take("M502", [], reply))
 
     def _take(self, code: str, stored: list[Override], reply: Reply) -> None:
-        """The machine file's values, then those that are stored."""
-        self._printer.motion.require_scales(code)  # a pause may have come meanwhile
+        """Applies the machine file's values, then the stored ones."""
+        self._printer.motion.require_scales(code)  # a pause may have begun meanwhile
         self.restore(self._defaults, NullReply())
         if code == "M502":
             reply.say("echo:Factory Settings Loaded")

@@ -1,4 +1,5 @@
-"""What a state folder would change of a machine, without a board: for `passo check --state`."""
+"""The changes that a state folder makes to a machine, without a board: for `passo check
+--state`."""
 
 from __future__ import annotations
 
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
 
 
 def stored_overrides(machine: MachineConfig, state: Path) -> list[str]:
-    """The sentences with which a printer of this machine starts from this folder: each stored value
-    that overrides the machine file, and what was refused. Changes nothing there. Raises
+    """The messages with which a printer of this machine starts from this folder: each stored value
+    that overrides the machine file, and each refused one. Changes nothing there. Raises
     CommandError if the stored settings must not be used."""
     loop = new_loop(None)
     try:

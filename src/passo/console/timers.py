@@ -1,4 +1,4 @@
-"""What a console does again and again."""
+"""The repeated actions of a console."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from passo.motion.motion_queue import Alarm, MotionQueue
     from passo.printer.printer import Printer
 
-MIN_S = 0.1  # between two of the same: more of it would drown the answers
+MIN_S = 0.1  # between two of the same kind, so that answers stay readable
 
 
 @dataclass(slots=True)
@@ -25,7 +25,7 @@ class _Timer:
 
 class Timers:
     """Actions with names, each at its own interval of host time. Reports come at an interval of
-    print time, too, where that passes faster: whichever is over first."""
+    print time, too, if that is shorter."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer, self._loop = printer, asyncio.get_running_loop()
@@ -39,7 +39,7 @@ class Timers:
         *,
         report: bool = False,
     ) -> None:
-        """In place of the action of that name, at least MIN_S apart; 0 or None: no more."""
+        """Sets the action of that name, at intervals of at least MIN_S; 0 or None: removes it."""
         self._drop(name)
         if seconds <= 0 or action is None:
             return
@@ -60,17 +60,17 @@ class Timers:
                 queue.cancel(alarm)
 
     def restart(self, name: str) -> None:
-        """The interval begins anew, if there is an action of that name."""
+        """Restarts the interval of the action of that name, if there is one."""
         timer = self._timers.get(name)
         if timer is not None:
             self.set(name, timer.seconds, timer.action, report=timer.report)
 
     def runs(self, name: str) -> bool:
-        """There is an action of that name."""
+        """Whether there is an action of that name."""
         return name in self._timers
 
     def stop(self) -> None:
-        """No action any more."""
+        """Removes all actions."""
         for name in list(self._timers):
             self._drop(name)
 

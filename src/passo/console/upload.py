@@ -1,4 +1,4 @@
-"""Lines of a console on their way into a file."""
+"""Lines of a console that are written to a file."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from passo.errors import CardError
 
 
 class Upload:
-    """Lines of one console that go into a file instead of being carried out, until M29; with `log`
-    they are carried out as well. Without a writer, because none could be opened, they go nowhere.
-    """
+    """Lines of one console that are written to a file instead of being carried out, until M29; with
+    `log` they are carried out as well. Without a writer, because none could be opened, they are
+    discarded."""
 
     def __init__(self, writer: Writer | None, name: str, *, log: bool = False) -> None:
         self.writer, self.name, self.log = writer, name, log
-        self.numbered = False  # its lines come with numbers
-        self.told = False  # the console has heard that its lines go nowhere
+        self.numbered = False  # its lines are numbered
+        self.told = False  # the console was told that its lines are discarded
         self._failure: CardError | None = None
 
     @property
     def takes_all(self) -> bool:
-        """There is a file, and its lines are for nothing else."""
+        """Whether there is a file, and its lines are not carried out."""
         return self.writer is not None and not self.log
 
     def write(self, text: str) -> None:
-        """Takes one line, byte by byte as it came. Raises CardError with the first that cannot be
-        written; those behind it go nowhere, and `finish` says the same."""
+        """Writes one line, byte by byte as it came. Raises CardError with the first line that
+        cannot be written; later lines are discarded, and `finish` raises the same error."""
         if self.writer is None or self._failure:
             return
         try:
@@ -34,7 +34,7 @@ class Upload:
             raise
 
     def lose(self, reason: str) -> None:
-        """One of its lines was refused, which `finish` says."""
+        """Records that one of its lines was refused; `finish` reports it."""
         self._failure = self._failure or CardError.of("card.line-refused", self.name, value=reason)
 
     def finish(self) -> bool:
@@ -49,7 +49,7 @@ class Upload:
         return True
 
     def abort(self) -> None:
-        """The card holds what it held before."""
+        """Discards the file: the card holds what it held before."""
         if self.writer is not None:
             self.writer.abort()
             self.writer = None

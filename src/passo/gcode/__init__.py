@@ -1,1 +1,1 @@
-"""The language: which commands there are."""
+"""G-code: the table of commands and their syntax."""

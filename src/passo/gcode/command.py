@@ -1,4 +1,4 @@
-"""Parameters of commands that the printer handles, out of their text."""
+"""The parameters of commands that the printer handles, parsed from their text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from passo.errors import WordError
 from passo.gcode.registry import ANY, row_of
 from passo.gcode.stray import stray_of
 
-# KEY=VALUE is not G-code, so the lexer has no words of it.
+# KEY=VALUE is not G-code, so the lexer makes no words of it.
 _PAIR = re.compile(
     r"([^\s=]+)(?:\s*=\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=]+\s*=)\S+)?)?", re.DOTALL
 )
@@ -33,15 +33,15 @@ class Command(NamedTuple):
 
     @property
     def code(self) -> str:
-        """As people write it: M104, M862.3, SET_VELOCITY_LIMIT."""
+        """The code as users write it: M104, M862.3, SET_VELOCITY_LIMIT."""
         if self.name:
             return self.name
         return f"{self.letter}{self.number}" + (f".{self.minor}" if self.minor else "")
 
     def check(self) -> None:
         """Raises WordError for the first word with no number, or one beyond 1e9, unless the
-        declaration lets its letter stand alone, for a letter that comes twice, and for a character
-        that is not G-code."""
+        declaration allows its letter alone; for a letter that comes twice; and for a character that
+        is not G-code."""
         row = row_of(self.code)
         if self.name or row is None or row.bare is None:
             return
@@ -94,7 +94,8 @@ def pairs_of(text: str) -> dict[str, str]:
 
 
 def written(value: float) -> str:
-    """A number without exponent, as people write it; one of more than 30 digits with it."""
+    """A number without exponent, as users write it; a number of more than 30 digits with
+    exponent."""
     digits = f"{value:.15g}"
     return f"{Decimal(digits):f}" if abs(value) < 1e30 else f"{value:g}"
 
@@ -105,7 +106,7 @@ def numeral(value: float) -> str:
 
 
 def alone(command: Command) -> bool:
-    """No other command stands behind it in its line."""
+    """Whether no other command follows in its line."""
     row = row_of(command.code)
     if command.name or row is None or row.bare in (None, ANY):
         return True
@@ -117,7 +118,7 @@ def alone(command: Command) -> bool:
 
 
 def forced(command: Command) -> bool:
-    """A console's line that sets a heater or a fan at once (F), whichever source moves the
+    """A console's line that sets a heater or a fan at once (F), while another source moves the
     machine."""
     row = row_of(command.code)
     if row is None or not row.forced:
@@ -127,7 +128,7 @@ def forced(command: Command) -> bool:
 
 
 def _sets_at_once(letter: str, number: float | None, text: str | None) -> bool:
-    """A word of `forced` lines, none of which has to wait for its turn."""
+    """Whether the command may be in `forced` lines, because it does not wait for its turn."""
     if number is None:
         return letter == "F" and text is None
     return letter == "S" or (letter in "TPR" and not isnan(number))

@@ -6,7 +6,7 @@ from passo.gcode.registry import ANY, Declaration, Kind, Subject, When, declare
 
 
 def _declare(kind: Kind, bare: str | None, *rows: tuple[str, str]) -> None:
-    """Codes and the reason of each."""
+    """Declares codes, with the reason of each."""
     declare(
         *(
             Declaration(code, Subject.NO_EFFECT, When.PLANNED, "", reason, kind, bare)

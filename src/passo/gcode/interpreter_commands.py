@@ -7,7 +7,7 @@ from passo.gcode.registry import AXES, Declaration, Kind, Subject, When, declare
 
 
 def _declare(subject: Subject, *rows: tuple[str, str, str]) -> None:
-    """Code, parameters and text of each."""
+    """The code, parameters and text of each command."""
     for code, parameters, text in rows:
         declare(Declaration(code, subject, When.PLANNED, parameters, text, Kind.MOTION))
 

@@ -2,15 +2,15 @@
 
 A numbered line is `N<number> <command>*<checksum>`, the checksum being the exclusive or of all
 bytes before the last `*`, in decimal. Its number must be one more than the last one's; M110 sets
-what the last one was. Lines without a number are taken as they come and change no count.
+the last number. Lines without a number are accepted at any time and do not change the count.
 
 `*` and up to three digits at the end of a line without a number are its checksum if they are right.
 If they are wrong, they belong to the text of a command that takes a text (a label, a name of a
-file, a message); any other line is asked for again. M117 and M118 have no checksum without a
+file, a message); any other line is requested again. M117 and M118 have no checksum without a
 number.
 
-Hosts read what follows `Error:`. The reasons here hold the words by which they know a fault of the
-link, which a resend mends; any other text after `Error:` makes them disconnect.
+Hosts parse the text after `Error:`. The reasons here contain the words by which hosts recognise a
+fault of the link, which a resend repairs; any other text after `Error:` makes them disconnect.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ import re
 from collections import deque
 from typing import NamedTuple
 
-LONGEST = 65536  # bytes of a line, as in files; a longer one is left out
+LONGEST = 65536  # maximum bytes of a line, as in files
 _REMEMBERED = 64  # lines: one that comes once more, as after two requests for it, is known by them
 _MARK = b"\xef\xbb\xbf"  # of UTF-8
 _CTRL_Z = "\x1a"
-_ENDING = 16  # bytes at the end of a longer line, in which its checksum is looked for
+_ENDING = 16  # bytes at the end of a longer line that are searched for its checksum
 
 _NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d{1,18})(?!\d)\s*(.*)\Z", re.DOTALL)
 _CHECKSUM = re.compile(rb"\*\s*(\d{1,3})\s*\Z")
-_FRAGMENT = re.compile(r"\s*([Nn]\s*-?|\d+)\s*\Z")  # of a numbered line that was torn apart
+_FRAGMENT = re.compile(r"\s*([Nn]\s*-?|\d+)\s*\Z")  # of a numbered line that was split
 _SET_NUMBER = re.compile(r"[Mm]110(?!\d)\s*(?:[NnLl]\s*(-?)0*(\d+))?")
 _MAX_DIGITS = 18
 _MESSAGE = re.compile(r"\s*[Mm]11[78](?!\d)")
@@ -35,14 +35,14 @@ _MESSAGE = re.compile(r"\s*[Mm]11[78](?!\d)")
 _TAKES_TEXT = re.compile(
     r"\s*(?:[A-Za-z_]{2}|[Mm]0*(?:[01]|16|2[038]|3[02368]|486|531|550|587|928)(?!\d))"
 )
-# Those of them that a numbered line with a damaged beginning does not look like.
+# Those of them that do not look like a numbered line with a damaged beginning.
 _LABELS = re.compile(r"\s*(?:[A-Za-z_]{4}|[Mm]486\s+(?:[Ss]-?\d+\s*)?[Aa])")
 # Commands that name a file, in quotes.
 _QUOTED_NAME = re.compile(r'(\s*[Mm]0*(?:2[38]|3[0236]|928)\s+"[^"]*")\s*(?:;|\Z)')
 
 
 class Line(NamedTuple):
-    """A line to carry out; `number` if it had one. `text` is free of number, checksum, comment; its
+    """A line to carry out; `number` if it had one. `text` has no number, checksum or comment; its
     bytes beyond ASCII are escaped as surrogates, which no pattern takes for digits or blanks."""
 
     text: str
@@ -50,9 +50,9 @@ class Line(NamedTuple):
 
 
 class Refusal(NamedTuple):
-    """A line that is not carried out. The host is told `reason`; with `resend` it is asked for that
-    line, and must send `ok`. `text` is what a sound line says that came out of its order, or the
-    beginning of one that is too long. `lost` if nobody will send it again."""
+    """A line that is not carried out. The host receives `reason`; with `resend` it is asked for
+    that line, and must send `ok`. `text` is the content of an intact line that came out of order,
+    or the beginning of one that is too long. `lost` if the host will not send it again."""
 
     reason: str
     resend: int | None
@@ -72,11 +72,11 @@ class _Incoming:
 
     @property
     def too_long(self) -> bool:
-        """Bytes beyond `kept` have come."""
+        """Whether bytes beyond `kept` have come."""
         return bool(self._ending)
 
     def add(self, data: bytes) -> None:
-        """What comes next."""
+        """Adds the next bytes."""
         room = LONGEST - len(self.kept)
         self.kept += data[:room]
         if len(data) > room:
@@ -86,8 +86,8 @@ class _Incoming:
             self._ending = ending[-_ENDING:]
 
     def checksum(self) -> tuple[int, bool] | None:
-        """Where `*` and digits end the line as a checksum does, and whether they are right; of a
-        line that is too long the place means nothing."""
+        """The position of `*` and digits at the end of the line, and whether this checksum is
+        right; for a line that is too long the position has no meaning."""
         end = self._ending if self._skipped else bytes(self.kept) + self._ending
         star = end.rfind(b"*")
         found = _CHECKSUM.match(end, star) if star >= 0 else None
@@ -107,16 +107,16 @@ class LineProtocol:
         self._incoming = _Incoming()
         self._begun = False  # a line has come
         self._numbering = False  # lines with numbers have come
-        self._taken: deque[int] = deque(maxlen=_REMEMBERED)  # hashes of the last of them
+        self._taken: deque[int] = deque(maxlen=_REMEMBERED)  # hashes of the last lines
 
     @property
     def unfinished(self) -> bool:
-        """The beginning of a line has come, and not its end."""
+        """Whether the beginning of a line has arrived, but not its end."""
         return bool(self._incoming.kept)
 
     def feed(self, data: bytes) -> list[Line | Refusal]:
-        """What the bytes complete, in order. Blank lines and comments are not lines."""
-        # A zero byte is noise that the exclusive or does not see.
+        """The lines that these bytes complete, in order. Blank lines and comments are not lines."""
+        # A zero byte is noise that the exclusive or does not detect.
         data = data.replace(b"\0", b"").replace(b"\r", b"\n")
         first, *others = data.split(b"\n")
         self._incoming.add(first)
@@ -131,7 +131,7 @@ class LineProtocol:
         return found
 
     def _line(self, raw: _Incoming) -> Line | Refusal | None:
-        if not self._begun:  # what a file that is piped in may have at its beginning
+        if not self._begun:  # a file that is piped in may begin with it
             self._begun = True
             if raw.kept.startswith(_MARK):
                 del raw.kept[: len(_MARK)]
@@ -179,11 +179,11 @@ class LineProtocol:
             if not right and (_LABELS if self._numbering else _TAKES_TEXT).match(text):
                 return Line(uncommented(text))
             if self._numbering or not (right or ";" in text):
-                # Its number is damaged, for nobody checks lines without one.
+                # Its number is damaged, because lines without a number are not checked.
                 return self._asked_again("checksum mismatch")
             text = text[:star]
         elif self._numbering and _FRAGMENT.match(text):
-            # A host has hung up in the midst of it, and this is the next one's first line.
+            # A host has hung up within the line, and this is the next host's first line.
             return self._asked_again("checksum mismatch")
         text = uncommented(text)
         set_number = _SET_NUMBER.match(text)
@@ -192,7 +192,8 @@ class LineProtocol:
         return Line(text) if text else None
 
     def _count_from(self, command: re.Match[str], number: int | None) -> Refusal | None:
-        """M110 in the line of this number: the count goes on from its own, or else from that."""
+        """M110 in the line of this number: the count continues from its N word, or else from this
+        number."""
         sign, digits = command[1], command[2]
         if digits is not None:
             if len(digits) > _MAX_DIGITS:
@@ -214,7 +215,7 @@ def _left_out(line: str, text: str) -> Refusal:
 
 
 def _ends_in_comment(text: str) -> bool:
-    """The beginning of a line holds all of its command."""
+    """Whether the beginning of a line contains its whole command."""
     return ";" in text and not _MESSAGE.match(text)
 
 
@@ -231,8 +232,8 @@ def decoded(text: str) -> str:
 
 
 def uncommented(text: str) -> str:
-    """The line without what stands after `;`, except in the text of M117 and M118, and in the
-    quoted name of a file."""
+    """The line without the text after `;`, except in the text of M117 and M118, and in the quoted
+    name of a file."""
     if ";" not in text or _MESSAGE.match(text):
         return text.strip()
     quoted = _QUOTED_NAME.match(text)
@@ -240,7 +241,7 @@ def uncommented(text: str) -> str:
 
 
 def _exclusive_or(data: bytes | bytearray) -> int:
-    """Of all bytes: halves of them at a time, since an endless line has many."""
+    """The exclusive or of all bytes, folded in halves because an endless line has many."""
     total, size = int.from_bytes(data, "big"), len(data)
     while size > 1:
         size = (size + 1) // 2

@@ -1,4 +1,4 @@
-"""Which files are programs, by their names."""
+"""Which files are programs, by the endings of their names."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ PROGRAMS = (".gcode", ".g", ".gc", ".gco", ".nc", ".ngc", ".cnc", ".tap")
 
 
 def is_program(name: str) -> bool:
-    """The name is that of a G-code file."""
+    """Whether the name is that of a G-code file."""
     return PurePosixPath(name.lower()).suffix in PROGRAMS

@@ -1,5 +1,5 @@
 """Declarations of commands: each is written once, beside its handler. The parser's checks, the
-help, the reference page and both kinds of printing, live and offline, follow it."""
+help, the reference page, and live and offline printing use it."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
 class Kind(Enum):
-    """What carries a command out in a print without consoles."""
+    """The part that carries a command out in a print without consoles."""
 
     MOTION = "motion"  # the interpreter in the core
     PRINTER = "printer"  # a handler of the job
-    USER = "user"  # nothing: the command waits for the user, which takes no time
-    QUIET = "quiet"  # nothing, and nothing is missing
-    SERVED = "served"  # nothing, with a warning: the command sets up a served printer
-    NOT_BUILT = "not built"  # nothing, with a warning; a console receives the reason
+    USER = "user"  # none: the command waits for the user, which takes no time
+    QUIET = "quiet"  # none, and nothing is missing
+    SERVED = "served"  # none, with a warning: the command sets up a served printer
+    NOT_BUILT = "not built"  # none, with a warning; a console receives the reason
 
 
 class When(Enum):
@@ -71,7 +71,7 @@ class Declaration:
     bare: str | None = ""  # letters that need no number; None: what follows is not read as words
     nan: bool = False  # `S nan` is not a number, and switches the heater off
     repeats: str = ""  # letters that may come more than once
-    lacks: str = ""  # why it does nothing on a machine without the part; else `text` says it
+    lacks: str = ""  # why it has no effect on a machine without the part; otherwise `text`
     forced: bool = False  # with F a console's line acts at once
     in_turn: bool = (
         False  # immediate, but in a file, which is read ahead, after the moves before it
@@ -129,8 +129,8 @@ def command(
 
 
 def in_program(*codes: str) -> Callable[[_Method], _Method]:
-    """Marks a method that carries these commands out in their place in a program, where the
-    handler beside their declaration acts at once, or is that of a live printer."""
+    """Marks a method that carries these commands out in their place in a program, if the handler
+    beside their declaration acts at once, or is that of a live printer."""
     return _marked(Role.IN_PROGRAM, *codes)
 
 

@@ -1,4 +1,4 @@
-"""Characters that are not G-code, each named for what it is."""
+"""Characters that are not G-code, each with its name."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import unicodedata
 from passo import _core
 from passo.errors import Problem
 
-_ODD = re.compile(r"[,#\[{=?]|[^\x00-\x7f]|\.\d*\.")  # stands in few commands
+_ODD = re.compile(r"[,#\[{=?]|[^\x00-\x7f]|\.\d*\.")  # used in few commands
 _DECIMAL_COMMA = re.compile(r"(?<=\d),(?=\d)")
 _HINTS = {  # by Unicode's category
     "Pd": "Write - for a minus; a comment begins with ;",
@@ -23,7 +23,8 @@ _MINUS = 0x2212  # of Unicode's symbols, not of its dashes
 
 def stray_of(text: str, *, any_character: bool) -> Problem | None:
     """The first character of a command's text that is not G-code; unless `any_character`, only one
-    that changes what the text means, or that a word processor has put in place of another one."""
+    that changes the meaning of the text, or that a word processor has put in place of another one.
+    """
     if not any_character and _ODD.search(text) is None:
         return None
     token, code = _core.find_stray(text, any_character)
@@ -31,8 +32,8 @@ def stray_of(text: str, *, any_character: bool) -> Problem | None:
 
 
 def stray_problem(token: str, code: int, file: str = "", line: int | None = None) -> Problem:
-    """What is wrong with a word in which the character of this code stands; a code below 0 is a
-    byte that is not UTF-8."""
+    """The problem of a word that contains the character of this code; a code below 0 is a byte that
+    is not UTF-8."""
     values = {"value": token}
     if code < 0:
         values["axis"] = f"the byte 0x{-code:02X} (not UTF-8)"

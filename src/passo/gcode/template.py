@@ -21,7 +21,7 @@ from jinja2.visitor import NodeTransformer
 
 # Of one call, with all macros that it calls.
 MAX_STEPS = 100_000  # some tenths of a second
-MAX_LINES, MAX_BYTES = 10_000, 1_000_000  # of what it becomes
+MAX_LINES, MAX_BYTES = 10_000, 1_000_000  # of its result
 MAX_CHARACTERS = 65_536  # of one text within a template
 MAX_ITEMS = 10_000  # of one list, with all lists in it, or of a range
 _MAX_BITS = 4096  # of an integer
@@ -58,7 +58,7 @@ class TemplateFault(Exception):
 
 
 class Budget:
-    """What is left of the steps, bytes and lines of one call, with all macros that it calls."""
+    """The steps, bytes and lines that are left of one call, with all macros that it calls."""
 
     def __init__(self) -> None:
         self._steps, self._bytes, self._lines = MAX_STEPS, MAX_BYTES, MAX_LINES
@@ -71,7 +71,7 @@ class Budget:
             raise TemplateFault(text)
 
     def write(self, text: str) -> None:
-        """Raises TemplateFault if there is no room for this text."""
+        """Raises TemplateFault if there is no space for this text."""
         self._bytes -= len(text.encode("utf-8", "replace"))
         self._lines -= text.count("\n")
         if self._bytes < 0:
@@ -81,10 +81,10 @@ class Budget:
 
 
 class Template:
-    """One template. Rendering it changes nothing but what its functions change."""
+    """One template. Rendering it changes only what its functions change."""
 
     def __init__(self, text: str) -> None:
-        """Raises TemplateFault with the line of what is no template."""
+        """Raises TemplateFault, with the line, if the text is not a template."""
         self._environment = _Environment()
         try:
             self._template = self._environment.from_string(text)

@@ -1,4 +1,4 @@
-"""Motor drivers that are set up and asked over a wire: TMC2208, TMC2209, TMC2130, TMC5160."""
+"""Motor drivers with registers, over UART or SPI: TMC2208, TMC2209, TMC2130, TMC5160."""
 
 from passo.board.trinamic.driver import (
     AnswerLostError,

@@ -12,8 +12,8 @@ _SCALER_LEAST = 32  # below, the TMC5160 is not specified
 
 
 class CurrentNumbers(NamedTuple):
-    """`irun` and `ihold`, and what they are shares of: the smaller range of voltages (`vsense`), or
-    the TMC5160's `scaler` of 256. `run_a` and `hold_a` are what they make, effective values."""
+    """`irun` and `ihold`, and their full scale: the smaller range of voltages (`vsense`), or the
+    TMC5160's `scaler` of 256. `run_a` and `hold_a` are the resulting effective currents in A."""
 
     irun: int
     ihold: int
@@ -26,9 +26,9 @@ class CurrentNumbers(NamedTuple):
 def current_numbers(
     chip: ChipName, resistor_ohm: float, run_a: float, hold_a: float
 ) -> CurrentNumbers:
-    """The nearest that the chip can do: I = (CS + 1) / 32 · full scale, of the smallest range that
-    is large enough for both. A TMC5160's full scale is itself a share, in 256ths, of what its
-    resistor allows, such that the larger of both is all of it."""
+    """The nearest values that the chip supports: I = (CS + 1) / 32 · full scale, of the smallest
+    range that is large enough for both currents. The full scale of a TMC5160 is a fraction, in
+    256ths, of the maximum of its resistor, such that the larger current uses all of it."""
     ranges, most_a = CHIPS[chip].full_scale_v, max(run_a, hold_a)
     volts = next((v for v in ranges if full_scale_a(chip, resistor_ohm, v) >= most_a), max(ranges))
     full_a = full_scale_a(chip, resistor_ohm, volts)

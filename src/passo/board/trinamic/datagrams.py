@@ -1,6 +1,6 @@
-"""What goes over the wire to a driver: frames of the one-wire UART, and those of SPI.
+"""Datagrams to and from a driver: frames of the one-wire UART, and frames of SPI.
 
-Layouts are those of the data sheets (TMC2209, chapter 4; TMC5160, chapter 4).
+The layouts are those of the data sheets (TMC2209, chapter 4; TMC5160, chapter 4).
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ def uart_write(address: int, register: int, value: int) -> bytes:
 
 
 def uart_value(register: int, bits: bytes) -> int | None:
-    """The register's value in the bits of an answer; None if they are damaged or of another."""
+    """The register's value in the bits of an answer; None if they are damaged or of another
+    chip."""
     data = _from_line(bits)
     if data is None or len(data) != 8 or crc8(data[:7]) != data[7]:
         return None
@@ -45,7 +46,7 @@ def uart_value(register: int, bits: bytes) -> int | None:
 
 
 def spi_read(register: int) -> bytes:
-    """A read access; the value comes back during the next access, whatever that is."""
+    """A read access; the value comes back during the next access, of any kind."""
     return bytes([register, 0, 0, 0, 0])
 
 
@@ -55,7 +56,7 @@ def spi_write(register: int, value: int) -> bytes:
 
 
 def spi_value(data: bytes) -> int | None:
-    """The value in what came back; None if no chip drove the line, which then is high."""
+    """The value in the received bits; None if no chip drove the line, which is high then."""
     if len(data) != SPI_BYTES or data == b"\xff" * SPI_BYTES:
         return None
     return int.from_bytes(data[1:], "big")
@@ -74,7 +75,7 @@ def _line_bits(data: bytes) -> bytes:
 
 
 def _from_line(bits: bytes) -> bytes | None:
-    """The bytes between start and stop bits; None if those are not where they must be."""
+    """The bytes between start and stop bits; None if a start or stop bit is wrong."""
     line, size = int.from_bytes(bits, "little"), len(bits) * 8 // 10
     words = [line >> 10 * i & 0x3FF for i in range(size)]
     if any(word & 0x201 != 0x200 for word in words):

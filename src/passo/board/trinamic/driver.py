@@ -1,8 +1,8 @@
-"""A conversation with one driver: setting it up, checking that, asking how it is.
+"""The exchanges with one driver: they set it up, verify it, and read its status.
 
-It waits for nothing: an `Exchange` yields commands for the board that ask, and is sent the bytes of
-their answers, empty if there was none. Where the board has got one, but its answer was lost, an
-`AnswerLostError` is thrown at it, which it takes like any answer.
+They do not wait. An `Exchange` yields commands for the board that expect an answer, and is sent the
+bytes of the answer, empty if there was none. If the board received a command but its answer was
+lost, an `AnswerLostError` is thrown into the exchange, which handles it like an answer.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Exchange: TypeAlias = Generator[str, bytes, T]
 
 
 class DriverFailure(Exception):
-    """The driver cannot be spoken to, or is another."""
+    """The driver does not answer, or is another chip."""
 
     def __init__(self, problem: Problem) -> None:
         super().__init__(str(problem))
@@ -49,12 +49,12 @@ class DriverFailure(Exception):
 
 
 class AnswerLostError(Exception):
-    """The board has done what it was asked, and its answer was lost."""
+    """The board has executed the command, and its answer was lost."""
 
 
 class _Wire(Protocol):
-    """How registers are read and written. `read` is None and `write` False if that failed; answers
-    are `checked` if a checksum protects them."""
+    """How registers are read and written. `read` returns None and `write` False on failure.
+    `checked`: a checksum protects the answers."""
 
     checked: ClassVar[bool]
 
@@ -63,13 +63,14 @@ class _Wire(Protocol):
         ...
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
-        """Writes (register, value) in this order; whether the chip has taken them all."""
+        """Writes (register, value) in this order; returns whether the chip has accepted them
+        all."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class UartWire:
-    """By the board's object `oid`, a UART that several drivers may share."""
+    """Through the board's object `oid`, a UART that several drivers may share."""
 
     checked: ClassVar[bool] = True
     oid: int
@@ -83,7 +84,7 @@ class UartWire:
                 return uart_value(register, bits)
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
-        """Writes registers; the driver's count of them tells whether all have come."""
+        """Writes registers; the driver's counter of writes shows whether all have arrived."""
         before = yield from self.read(r.IFCNT)
         if before is None:
             return False
@@ -99,13 +100,13 @@ class UartWire:
 
 @dataclass(frozen=True, slots=True)
 class SpiWire:
-    """By the board's object `oid`, an SPI device."""
+    """Through the board's object `oid`, an SPI device."""
 
     checked: ClassVar[bool] = False
     oid: int
 
     def read(self, register: int) -> Exchange[int | None]:
-        """Reads a register, whose value comes with the access after."""
+        """Reads a register, whose value comes back in the next access."""
         while True:
             with suppress(AnswerLostError):
                 yield self._question(spi_read(register))
@@ -113,14 +114,14 @@ class SpiWire:
                 return spi_value(data)
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
-        """Writes registers; what came in comes back with the access after."""
+        """Writes registers; each access returns the data of the access before it."""
         accesses = [*(spi_write(*write) for write in writes), spi_read(r.GSTAT)]
         right = True
         i, written = 0, None
         while i < len(accesses):
             try:
                 data = yield self._question(accesses[i])
-            except AnswerLostError:  # it told of the access before, which is made again
+            except AnswerLostError:  # the answer belongs to the access before, which is repeated
                 i, written = max(i - 1, 0), None
                 continue
             right &= written is None or spi_value(data) == written
@@ -143,8 +144,8 @@ class DriverLink:
     place: str
 
     def configure(self, settings: DriverSettings) -> Exchange[None]:
-        """Makes sure that it is the right chip, writes all its registers, and reads back what can
-        be read."""
+        """Verifies that it is the right chip, writes all its registers, and reads back those that
+        can be read."""
         yield from self._identify()
         writes = settings.writes()
         for _ in range(_TRIES):
@@ -158,20 +159,20 @@ class DriverLink:
         yield from self._read(r.GSTAT)  # a TMC2130 clears its flags so
 
     def status(self) -> Exchange[Reading]:
-        """Asks how it is."""
+        """Reads the status."""
         gstat = yield from self._read(r.GSTAT)
         status = yield from self._read(r.DRV_STATUS)
-        if not self.wire.checked:  # what is wrong must be said twice
+        if not self.wire.checked:  # a fault must be read twice before it is reported
             gstat &= yield from self._read(r.GSTAT)
             status &= yield from self._read(r.DRV_STATUS)
         if gstat == status == 0:
-            yield from self._identify()  # a wire that is always low says that all is well
+            yield from self._identify()  # a line that is stuck low reads as no fault
         if not self.wire.checked and (yield from self._is_off()):
             gstat |= _RESET
         return Reading(gstat, status)
 
     def _is_off(self) -> Exchange[bool]:
-        """As a chip on SPI is after a reset, of which a TMC2130 tells only once."""
+        """Whether the chip on SPI was reset; a TMC2130 reports a reset only once."""
         toff = r.CHIPS[self.chip].fields[r.CHOPCONF]["toff"]
         for _ in range(2):
             if toff.of((yield from self._read(r.CHOPCONF))) != 0:

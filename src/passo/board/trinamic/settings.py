@@ -1,4 +1,4 @@
-"""What a driver is set to, and the registers that make it so."""
+"""The settings of a driver, and the registers that hold them."""
 
 from __future__ import annotations
 
@@ -84,7 +84,8 @@ class DriverSettings:
 
 
 def threshold_of(microsteps_s: float, microsteps: int) -> int:
-    """TPWMTHRS for a speed in microsteps per second: TSTEP counts clocks a 256th of a full step."""
+    """TPWMTHRS for a speed in microsteps per second: TSTEP counts clocks per 256th of a full
+    step."""
     if microsteps_s <= 0:
         return r.THRESHOLD_MAX
     return min(round(r.CLOCK_HZ * microsteps / (256 * microsteps_s)), r.THRESHOLD_MAX)

@@ -1,4 +1,4 @@
-"""What a driver says of itself, as findings with sentences."""
+"""The status that a driver reports, as findings with messages."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Reading(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """What is wrong at a driver. `stops`: its motor does not move as it should any more."""
+    """A fault of a driver. `stops`: its motor does not move correctly any more."""
 
     problem: Problem
     stops: bool
@@ -27,8 +27,8 @@ _COILS = (("a", "A"), ("b", "B"))
 
 
 def findings(motor: str, chip: ChipName, reading: Reading) -> list[Finding]:
-    """All that a reading tells, the gravest first; open coils are in `open_coils`, for the chip
-    cannot tell them while the motor stands."""
+    """All findings of a reading, the most serious first. Open coils are in `open_coils`, because
+    the chip cannot detect them at standstill."""
     flags = r.CHIPS[chip].unpack(r.DRV_STATUS, reading.status)
     general = r.CHIPS[chip].unpack(r.GSTAT, reading.gstat)
     found: list[Finding] = []
@@ -56,6 +56,6 @@ def findings(motor: str, chip: ChipName, reading: Reading) -> list[Finding]:
 
 
 def open_coils(chip: ChipName, reading: Reading) -> list[str]:
-    """Coils that look open: true only of a motor that turns slowly."""
+    """Coils that look open; valid only for a motor that turns slowly."""
     flags = r.CHIPS[chip].unpack(r.DRV_STATUS, reading.status)
     return [coil for suffix, coil in _COILS if flags[f"ol{suffix}"]]

@@ -1,1 +1,1 @@
-"""The streams that consoles talk through: serial lines, ptys, TCP, standard input."""
+"""The streams of consoles: serial lines, ptys, TCP, standard input."""

@@ -1,4 +1,5 @@
-"""Ways in for one host each: pseudo terminals and serial devices. Hosts and devices come and go."""
+"""Transports for one host each: pseudo terminals and serial devices. Hosts and devices come and
+go."""
 
 from __future__ import annotations
 
@@ -13,13 +14,13 @@ from passo.console.transports.streams import Console, Opened, StreamWire, cannot
 from passo.printer.printer import Printer
 from passo.serial_line import open_serial_line
 
-REOPEN_S = 1.0  # between two looks for a device that was unplugged
+REOPEN_S = 1.0  # between two checks for a device that was unplugged
 
 
 class _Pty(StreamWire):
-    """Holds the end that hosts open and close, and the link to it. While a file is uploaded, and in
-    the midst of a line, only the host holds that end, so that its hanging up is seen: what comes
-    next is not for the file, and no end of the line."""
+    """Holds the end that hosts open and close, and the link to it. While a file is uploaded, and
+    within a line, only the host holds that end, so that its hang-up is detected: the next bytes are
+    not for the file, and do not end the line."""
 
     def __init__(self, printer: Printer, opened: Opened, path: str) -> None:
         super().__init__(printer, opened, f"pty {path}")
@@ -31,7 +32,7 @@ class _Pty(StreamWire):
         tty.setraw(slave)
 
     async def open(self) -> None:
-        """Puts the link in its place, and waits for hosts. Raises OSError."""
+        """Creates the link, and waits for hosts. Raises OSError."""
         try:
             if self._link.is_symlink():
                 self._link.unlink()
@@ -59,12 +60,12 @@ class _Pty(StreamWire):
     def connection_lost(self, exc: Exception | None) -> None:
         """The host has hung up, or this end is closed."""
         super().connection_lost(exc)
-        if self._master >= 0:  # the host has hung up: the next one finds the other end open
+        if self._master >= 0:  # the host has hung up: the next host finds the other end open
             self._hold(True)
             if self.writer is not None:
                 self.writer.abort()
             assert self._slave is not None
-            termios.tcflush(self._slave, termios.TCIFLUSH)  # answers to the host that has gone
+            termios.tcflush(self._slave, termios.TCIFLUSH)  # drop answers to the host that has gone
             self._joining = asyncio.get_running_loop().create_task(self._join())
 
     def _share(self) -> None:
@@ -87,7 +88,7 @@ class _Pty(StreamWire):
         self._master, self._slave = -1, None
 
     def close(self) -> None:
-        """Lets go of both ends; no host is waited for any more."""
+        """Releases both ends; waits for no host any more."""
         self._let_go()
         if self._joining is not None:
             self._joining.cancel()
@@ -98,7 +99,7 @@ class _Pty(StreamWire):
 
 async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
     """A pseudo terminal with a link to it at `path`, in place of a link that is there. Hosts may
-    open and close it as they like: its other end stays open here. Raises ConsoleError."""
+    open and close it at any time: its other end stays open here. Raises ConsoleError."""
     wire = _Pty(printer, opened, path)
     try:
         await wire.open()
@@ -108,7 +109,7 @@ async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
 
 
 class _Serial:
-    """A serial device that may be unplugged: it is opened anew when it is back."""
+    """A serial device that may be unplugged: it is opened again when it is back."""
 
     def __init__(self, printer: Printer, device: str, baud: int, opened: Opened) -> None:
         self.place = f"serial {device} at {baud}"
@@ -118,7 +119,7 @@ class _Serial:
 
     @property
     def session(self) -> Session | None:
-        """Of the device that is plugged in."""
+        """The session of the device that is plugged in."""
         return None if self._wire is None else self._wire.session
 
     async def open(self) -> None:
@@ -150,7 +151,7 @@ class _Serial:
 
 
 async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
-    """A serial device at any rate that its driver can do. When it is unplugged its session ends;
+    """A serial device at any rate that its driver supports. When it is unplugged its session ends;
     when it is back, another one begins. Raises ConsoleError."""
     serial = _Serial(printer, device, baud, opened)
     try:

@@ -1,5 +1,5 @@
-"""Ways in: TCP, standard input and output, and what all have in common. Each gives a session its
-bytes. Pseudo terminals and serial devices are in `lines`."""
+"""Transports: TCP, standard input and output, and the code that all transports share. Each gives a
+session its bytes. Pseudo terminals and serial devices are in `serial`."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from passo.printer.printer import Printer
 
 _log = logging.getLogger(__name__)
 
-_AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
+_AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines block all others for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
-_DEAD = 1 << 20  # and before all are
+_DEAD = 1 << 20  # and before all bytes are
 
 Opened = Callable[[Session], None]
 
 
 class Console(Protocol):
-    """A way in that is open; `place` is where, for people."""
+    """An open console; `place` names it for users."""
 
     place: str
 
     def close(self) -> None:
-        """Ends it, and the sessions on it."""
+        """Closes it and its sessions."""
 
 
 class ConsoleError(PassoError):
@@ -42,14 +42,14 @@ class ConsoleError(PassoError):
 
 
 def cannot_open(what: str, error: Exception) -> ConsoleError:
-    """What to raise for a console of this name."""
+    """The error for a console of this name."""
     why = error.strerror if isinstance(error, OSError) else None
     return ConsoleError.of("console.unopened", axis=what, value=why or str(error))
 
 
 class StreamWire(asyncio.Protocol):
-    """A session on one transport for both ways, or on one that reads and, given before, one that
-    writes."""
+    """A session on one transport for both directions, or on one that reads and, given before, one
+    that writes."""
 
     def __init__(
         self,
@@ -76,7 +76,7 @@ class StreamWire(asyncio.Protocol):
         self._opened(self.session)
 
     def data_received(self, data: bytes) -> None:
-        """Gives what a host has sent to its session."""
+        """Gives its session the bytes that a host has sent."""
         if self.session is not None:
             self.session.receive(data)
 
@@ -89,11 +89,12 @@ class StreamWire(asyncio.Protocol):
                 self.closed(self)
 
     def unread(self) -> None:
-        """The way out of two separate ones is closed. The way in says what becomes of the host."""
+        """The output of two separate streams is closed. The input decides what happens to the
+        session."""
         self.writer = None  # a transport that has closed itself cannot be closed again
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
-        """Sends bytes; drops them where no client reads."""
+        """Sends bytes; drops them if no client reads."""
         if self.writer is None or self.writer.is_closing():
             return
         waiting = self.writer.get_write_buffer_size()
@@ -118,7 +119,7 @@ class StreamWire(asyncio.Protocol):
 
 
 class _Writing(asyncio.BaseProtocol):
-    """Of a transport that only writes: what cannot be written is dropped by `StreamWire.write`."""
+    """The writing side of a transport: `StreamWire.write` drops what cannot be written."""
 
     def __init__(self, wire: StreamWire) -> None:
         self._wire = wire
@@ -135,7 +136,7 @@ class _Writing(asyncio.BaseProtocol):
 
 
 class _Filed:
-    """Answers that go to a file, which takes all at once; what a full disk refuses is dropped."""
+    """Answers that are written to a file at once; what a full disk refuses is dropped."""
 
     def __init__(self, file: FileIO) -> None:
         self._file = file
@@ -159,8 +160,8 @@ class _Filed:
 
 
 async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
-    """Opens a session on two descriptors, which are the wire's from now on; a file is none to read
-    from. Raises OSError and ValueError."""
+    """Opens a session on two descriptors, which it owns from now on; a file cannot be read from.
+    Raises OSError and ValueError."""
     loop = asyncio.get_running_loop()
     writes, reads = os.fdopen(write_fd, "wb", 0), os.fdopen(read_fd, "rb", 0)
     try:
@@ -178,7 +179,8 @@ async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
 
 
 def _has_events(fd: int, event: int) -> bool:
-    """Whether the loop can wait for it: not for files and /dev/null. It would find out too late."""
+    """Whether the event loop can wait for it: not for files and /dev/null, which it would report
+    too late."""
     with selectors.DefaultSelector() as selector:
         try:
             selector.register(fd, event)
@@ -188,12 +190,12 @@ def _has_events(fd: int, event: int) -> bool:
 
 
 def _piped(fd: int) -> int:
-    """A pipe that a thread fills from a file, which is its own from now on."""
+    """A pipe that a thread fills from a file, which the thread owns from now on."""
     reads, writes = os.pipe()
 
     def carry() -> None:
         file, pipe = os.fdopen(fd, "rb", 0), os.fdopen(writes, "wb", 0)
-        # Unreadable, or the console is closed: its lines end here.
+        # The file is unreadable, or the console is closed: its lines end here.
         with file, pipe, contextlib.suppress(OSError):
             shutil.copyfileobj(file, pipe)
 
@@ -205,8 +207,8 @@ class _Client(StreamWire):
     """A client on TCP."""
 
     def eof_received(self) -> bool:
-        """It sends no more, but may still read: what it has sent is carried out. Of one that has
-        gone altogether the next line that is written says so."""
+        """The client sends no more, but may still read: its lines are carried out. If it has gone
+        altogether, the next write fails."""
         if self.session is None or self.session.closed:
             return False
         self.session.end(self._answered)
@@ -220,17 +222,17 @@ class _Client(StreamWire):
 
 
 class _SentAway(asyncio.Protocol):
-    """A client too many."""
+    """A client above the limit."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Tells it why, and hangs up."""
+        """Sends the reason, and hangs up."""
         if isinstance(transport, asyncio.WriteTransport):
             transport.write(b"Error:too many clients\n")
             transport.close()
 
 
 class _Tcp:
-    """A server and the clients on it, so many at once."""
+    """A server with a limited number of clients."""
 
     def __init__(self, printer: Printer, most: int, opened: Opened) -> None:
         self.place = ""
@@ -239,7 +241,7 @@ class _Tcp:
         self._clients: set[StreamWire] = set()
 
     def client(self) -> asyncio.Protocol:
-        """For a client that is coming."""
+        """The protocol of a new client."""
         if len(self._clients) >= self._most:
             return _SentAway()
         wire = _Client(self._printer, self._opened, self.place, self._clients.discard)
@@ -256,7 +258,7 @@ class _Tcp:
 
 async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened: Opened) -> Console:
     """A TCP console for so many clients at once; one more receives a message and is disconnected.
-    Port 0 is any that is free. Raises ConsoleError."""
+    Port 0 is any free port. Raises ConsoleError."""
     tcp = _Tcp(printer, clients, opened)
     try:
         tcp.server = await asyncio.get_running_loop().create_server(tcp.client, host, port)
@@ -267,13 +269,13 @@ async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened:
 
 
 class _Standard(StreamWire):
-    """Standard input: at its end the lines in hand are carried out, and `ended` is called. The
-    reader of standard output that closes it, as `head` does, ends it at once."""
+    """Standard input: at its end the queued lines are carried out, and `ended` is called. If the
+    reader of standard output closes it, as `head` does, it ends at once."""
 
     ended: Callable[[], None]
 
     def unread(self) -> None:
-        """What the host has sent is forgotten: its answers would go nowhere."""
+        """Discards the bytes that the host has sent: their answers could not be delivered."""
         super().unread()
         if self.session is not None and not self.session.closed:
             self.session.close()
@@ -290,7 +292,7 @@ async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]
     ended and all its lines are done. Raises ConsoleError."""
     wire = _Standard(printer, opened, "standard input")
     wire.ended = ended
-    # Python has no stream where its caller has closed one.
+    # Python has no stream if the parent process has closed it.
     if sys.stdin is None or sys.stdout is None:  # pyright: ignore[reportUnnecessaryComparison]
         raise ConsoleError.of(
             "console.unopened", axis=wire.place, value="it, or standard output, is closed"
