@@ -140,6 +140,45 @@ void bind_board(nb::module_& m) {
           "center"_a, "size"_a, "tilt"_a, "dome"_a, "wave"_a, "wave_length"_a, "lift"_a,
           "Raises ValueError for a size or a wave length of 0.")
       .def("height", &Bed::height, "x"_a, "y"_a, "Height over a place.");
+  nb::class_<ProbeMechanism>(m, "ProbeMechanism", "How a simulated probe gets to the bed.")
+      .def_static(
+          "fixed", [] { return ProbeMechanism(); }, "To the head.")
+      .def_static(
+          "servo",
+          [](uint32_t control_pin, double deploy_us, double stow_us, bool stowed_reads) {
+            ProbeMechanism m;
+            m.kind = ProbeMechanism::Kind::servo;
+            m.control_pin = control_pin;
+            m.deploy_us = deploy_us;
+            m.stow_us = stow_us;
+            m.stowed_reads = stowed_reads;
+            return m;
+          },
+          "control_pin"_a, "deploy_us"_a, "stow_us"_a, "stowed_reads"_a,
+          "Turned down by the pulses of a servo.")
+      .def_static(
+          "bltouch",
+          [](uint32_t control_pin) {
+            ProbeMechanism m;
+            m.kind = ProbeMechanism::Kind::bltouch;
+            m.control_pin = control_pin;
+            return m;
+          },
+          "control_pin"_a, "A pin that a BLTouch puts out.")
+      .def_static(
+          "dock",
+          [](const std::array<double, 3>& dock, const Pair& leave) {
+            ProbeMechanism m;
+            m.kind = ProbeMechanism::Kind::dock;
+            m.stowed_reads = true;
+            for (int i = 0; i < 3; ++i) m.dock[i] = dock[size_t(i)];
+            for (int i = 0; i < 2; ++i) m.leave[i] = leave[size_t(i)];
+            return m;
+          },
+          "dock"_a, "leave"_a, "Coupled with the nozzle at `dock`; on the way to `leave` it stays.")
+      .def_prop_rw(
+          "jammed", [](const ProbeMechanism& m) { return m.jammed; },
+          [](ProbeMechanism& m, bool on) { m.jammed = on; }, "A fault: it never gets into place.");
   nb::class_<Bench, Device>(m, "Bench",
                             "A simulated board with the plant around it; pins by number.")
       .def(
@@ -162,7 +201,7 @@ void bind_board(nb::module_& m) {
           [](Bench& b, uint32_t pin, std::vector<uint32_t> motors, const Dict& geometry,
              const Bed& bed, const Pair& offset, double trigger, bool pressed_level,
              double hysteresis, double sigma, uint32_t seed, const std::vector<Corners>& dead,
-             const std::vector<Corners>& touchy) {
+             const std::vector<Corners>& touchy, const ProbeMechanism& mechanism) {
             auto kernel =
                 make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry));
             if (int(motors.size()) != kernel->actuators())
@@ -176,22 +215,24 @@ void bind_board(nb::module_& m) {
             probe.error = sigma > 0 ? probe.noise.next(sigma) : 0;
             probe.dead = areas_of(dead);
             probe.touchy = areas_of(touchy);
-            b.plant().probes.push_back(std::move(probe));
+            probe.mechanism = mechanism;
+            b.plant().add_probe(std::move(probe));
           },
           "pin"_a, "motors"_a, "geometry"_a, "bed"_a, "offset"_a, "trigger"_a, "pressed_level"_a,
-          "hysteresis"_a, "sigma"_a, "seed"_a, "dead"_a, "touchy"_a,
+          "hysteresis"_a, "sigma"_a, "seed"_a, "dead"_a, "touchy"_a, "mechanism"_a,
           "A probe on the head, and the bed below; `motors` are the step pins of the actuators.")
       .def(
           "change_probe",
           [](Bench& b, uint32_t pin, const std::vector<Corners>& dead,
-             const std::vector<Corners>& touchy, double sigma) {
+             const std::vector<Corners>& touchy, double sigma, bool jammed) {
             change_probe(b, pin, [&](BedProbe& probe) {
               probe.dead = areas_of(dead);
               probe.touchy = areas_of(touchy);
               probe.sigma = sigma;
+              probe.mechanism.jammed = jammed;
             });
           },
-          "pin"_a, "dead"_a, "touchy"_a, "sigma"_a, "Faults of a probe from now on.")
+          "pin"_a, "dead"_a, "touchy"_a, "sigma"_a, "jammed"_a, "Faults of a probe from now on.")
       .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a,
            "A motor on another board, as the switches of this one feel it while that board lives.")
       .def("place", &Bench::place, "step_pin"_a, "position"_a,

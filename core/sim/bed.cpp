@@ -21,8 +21,12 @@ double Noise::next(double sigma) {
   return (sum - 6) * sigma;
 }
 
-bool BedProbe::triggered(const double* q) {
-  if (forced >= 0) return forced > 0;
+bool BedProbe::triggered(const double* q, Ticks clock) {
+  const bool reads = mechanism.reads(touches(q), clock);
+  return forced >= 0 ? forced > 0 : reads;
+}
+
+bool BedProbe::touches(const double* q) {
   double p[3];
   if (!nozzle(q, p)) return false;
   for (const Area& area : dead)

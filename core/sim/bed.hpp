@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "geometry/geometry.hpp"
+#include "sim/probe_mechanism.hpp"
 
 namespace passo::wire {
 
@@ -51,13 +52,17 @@ struct BedProbe {
   Noise noise{1};
   int forced = -1;                 // a fault: 0 never triggered, 1 always
   std::vector<Area> dead, touchy;  // faults: never or always triggered while the nozzle is there
+  ProbeMechanism mechanism;
   bool pressed = false;
   double error = 0;
 
   // Where the nozzle is for these positions of the actuators; false where there is no such place.
   bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
   // Whether it is triggered now; to be asked as time passes.
-  bool triggered(const double* q);
+  bool triggered(const double* q, Ticks clock);
+
+ private:
+  bool touches(const double* q);
 };
 
 }  // namespace passo::wire

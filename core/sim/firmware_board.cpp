@@ -96,12 +96,15 @@ void FirmwareBoard::feed(const uint8_t* data, size_t n, Ticks now) {
 void FirmwareBoard::poll(Ticks now, Bytes& out) {
   firmware_->run(now);
   now_ = std::max(now_, now);
+  look();
   size_t size;
   const uint8_t* said = firmware_->take(&size);
   out.insert(out.end(), said, said + size);
 }
 
-Ticks FirmwareBoard::next_deadline() const { return firmware_->next(); }
+Ticks FirmwareBoard::next_deadline() const {
+  return std::min(firmware_->next(), plant_.next_look());
+}
 
 bool FirmwareBoard::stopped() const { return firmware_->state().reason != 0; }
 

@@ -11,8 +11,17 @@ void Plant::add_body(HeatedBody body) {
   bodies.push_back(std::move(body));
 }
 
+void Plant::add_probe(BedProbe probe) {
+  probe.mechanism.hz = hz_;
+  if (probe.mechanism.kind == ProbeMechanism::Kind::dock) next_look_ = done_;
+  probes.push_back(std::move(probe));
+}
+
 void Plant::set_output(uint32_t pin, Ticks clock, double duty) {
   if (std::find(low_is_on.begin(), low_is_on.end(), pin) != low_is_on.end()) duty = 1 - duty;
+  for (BedProbe& probe : probes)
+    if (probe.mechanism.control_pin == pin && duty > 0)
+      probe.mechanism.pulse(duty * kServoCycleUs, clock);
   for (HeatedBody& body : bodies) {
     bool fan = body.fan_loss > 0 && body.fan_pin == pin;
     if (body.heater_pin != pin && !fan) continue;
@@ -85,6 +94,19 @@ double Plant::random() {
   return double(random_) / 2147483648.0 - 1;
 }
 
+void Plant::look(Ticks clock, const Position& position) {
+  if (clock < next_look_) return;
+  next_look_ = kNever;
+  for (BedProbe& probe : probes) {
+    if (probe.mechanism.kind != ProbeMechanism::Kind::dock) continue;
+    next_look_ = clock + Ticks(ProbeMechanism::kLookSeconds * hz_);
+    std::vector<double> q;
+    for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
+    double p[3];
+    if (probe.nozzle(q.data(), p)) probe.mechanism.look(p);
+  }
+}
+
 bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
   if (UartLine* line = uart(pin)) return line->level(clock);
   for (const SpiDevice& device : spi_devices)
@@ -101,7 +123,7 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
     if (probe.pin != pin) continue;
     std::vector<double> q;
     for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
-    return probe.triggered(q.data()) == probe.pressed_level;
+    return probe.triggered(q.data(), clock) == probe.pressed_level;
   }
   return true;  // an open input with its pull-up
 }

@@ -81,10 +81,11 @@ class Plant {
   std::deque<SpiDevice> spi_devices;
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
-      : step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)), adc_max_(adc_max),
-        done_(start) {}
+      : hz_(clock_hz), step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)),
+        adc_max_(adc_max), done_(start) {}
 
   void add_body(HeatedBody body);
+  void add_probe(BedProbe probe);
 
   // An output pin is high for `duty` of the time from `clock` on.
   void set_output(uint32_t pin, Ticks clock, double duty);
@@ -98,6 +99,9 @@ class Plant {
   using Position = std::function<double(uint32_t step_pin)>;
   // Level of an input pin; position(step_pin) tells where a motor's actuator is.
   bool level(uint32_t pin, Ticks clock, const Position& position);
+  // Parts that see where the head is, look at it; when they want to look again.
+  void look(Ticks clock, const Position& position);
+  Ticks next_look() const { return next_look_; }
   double position(uint32_t step_pin, int64_t net) const;
   // Somebody moves the actuator by hand.
   void place(uint32_t step_pin, int64_t net, double position);
@@ -109,6 +113,9 @@ class Plant {
 
  private:
   static constexpr double kStepSeconds = 0.02;
+  static constexpr double kServoCycleUs = 20000;
+  double hz_;
+  Ticks next_look_ = kNever;
   double step_s_;
   Ticks step_ticks_;
   uint32_t adc_max_;

@@ -82,6 +82,8 @@ class Bench : public Device {
  private:
   std::shared_ptr<Bench*> self_ = std::make_shared<Bench*>(this);
   std::map<uint32_t, std::pair<std::weak_ptr<Bench*>, uint32_t>> elsewhere_;
+  double felt(uint32_t step_pin);
+  const Plant::Position felt_ = [this](uint32_t step_pin) { return felt(step_pin); };
 
  protected:
   Plant plant_;
@@ -90,6 +92,9 @@ class Bench : public Device {
   // As net_steps(); 0 for a motor that the board does not know yet.
   virtual int64_t net(uint32_t step_pin) = 0;
   bool level(uint32_t pin, Ticks clock);
+  void look() {
+    if (plant_.next_look() <= now_) plant_.look(now_, felt_);
+  }
 };
 
 }  // namespace passo::wire

@@ -89,7 +89,7 @@ std::vector<PinChange> VirtualBoard::take_changes(uint32_t pin) {
 }
 
 void VirtualBoard::schedule() {
-  next_ = serial_.next();
+  next_ = std::min(serial_.next(), plant_.next_look());
   for (const Timed& timed : timed_) next_ = std::min(next_, next_of(*timed.part));
 }
 
@@ -107,6 +107,7 @@ Ticks VirtualBoard::next_of(const Part& part) {
 void VirtualBoard::run_until(Ticks now) {
   while (next_ <= now) {
     now_ = std::max(now_, next_);
+    look();
     for (const auto& [oid, part] : timed_) {
       if (next_of(*part) > now_) continue;
       try {

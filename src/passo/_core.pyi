@@ -736,6 +736,32 @@ class Bed:
     def height(self, x: float, y: float) -> float:
         """Height over a place."""
 
+class ProbeMechanism:
+    """How a simulated probe gets to the bed."""
+
+    @staticmethod
+    def fixed() -> ProbeMechanism:
+        """To the head."""
+
+    @staticmethod
+    def servo(control_pin: int, deploy_us: float, stow_us: float, stowed_reads: bool) -> ProbeMechanism:
+        """Turned down by the pulses of a servo."""
+
+    @staticmethod
+    def bltouch(control_pin: int) -> ProbeMechanism:
+        """A pin that a BLTouch puts out."""
+
+    @staticmethod
+    def dock(dock: Sequence[float], leave: Sequence[float]) -> ProbeMechanism:
+        """Coupled with the nozzle at `dock`; on the way to `leave` it stays."""
+
+    @property
+    def jammed(self) -> bool:
+        """A fault: it never gets into place."""
+
+    @jammed.setter
+    def jammed(self, arg: bool, /) -> None: ...
+
 class Bench(Device):
     """A simulated board with the plant around it; pins by number."""
 
@@ -746,12 +772,12 @@ class Bench(Device):
         Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).
         """
 
-    def add_probe(self, pin: int, motors: Sequence[int], geometry: dict[str, Any], bed: Bed, offset: Sequence[float], trigger: float, pressed_level: bool, hysteresis: float, sigma: float, seed: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]]) -> None:
+    def add_probe(self, pin: int, motors: Sequence[int], geometry: dict[str, Any], bed: Bed, offset: Sequence[float], trigger: float, pressed_level: bool, hysteresis: float, sigma: float, seed: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], mechanism: ProbeMechanism) -> None:
         """
         A probe on the head, and the bed below; `motors` are the step pins of the actuators.
         """
 
-    def change_probe(self, pin: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], sigma: float) -> None:
+    def change_probe(self, pin: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], sigma: float, jammed: bool) -> None:
         """Faults of a probe from now on."""
 
     def feel(self, step_pin: int, board: Bench, its_step_pin: int) -> None:

@@ -86,7 +86,7 @@ def test_probe_and_motor_may_be_on_two_boards(monkeypatch):
 
 def test_delta_probes_and_knows_its_carriages():
     text = shipped_text("delta")
-    pin = '\n[probe]\npin = "^E0_STOP"\ntrigger_height_mm = 0.0\n'
+    pin = '\n[probe]\nkind = "fixed"\npin = "^E0_STOP"\ntrigger_height_mm = 0.0\n'
     pin += "[simulated.bed]\ntilt_mm = [0.3, 0.2]\n"
     with Scenario(load_text(text + pin)) as s:
         s.host.ok("G28", 60)

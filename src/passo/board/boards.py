@@ -238,6 +238,10 @@ class Boards:
         """As `Connection.tone`."""
         self.connection_of("outputs", output).tone(output, hz, seconds, after_s)
 
+    def pulse(self, output: str, width_s: float, seconds: float, after_s: float) -> None:
+        """As `Connection.pulse`."""
+        self.connection_of("outputs", output).pulse(output, width_s, seconds, after_s)
+
     def full_scale(self, output: str) -> int:
         """As `Connection.full_scale`."""
         return self.connection_of("outputs", output).full_scale(output)

@@ -361,6 +361,18 @@ class Connection:
                 f"queue_digital_out oid={oid} clock={clock & 0xFFFFFFFF} on_ticks={on_ticks}"
             )
 
+    def pulse(self, output: str, width_s: float, seconds: float, after_s: float) -> None:
+        """Pulses an output with a cycle for so many seconds, `after_s` from now. KeyError if there
+        is no such output."""
+        pin = next(o for o in self.board.outputs if o.name == output)
+        oid, hz = self.oids.outputs[output], self.board.clock_hz
+        begin = self._clock_after(after_s)
+        on, off = round(width_s * hz), 0
+        if inverted(pin.pin):
+            on, off = pin.cycle_ticks - on, pin.cycle_ticks
+        for clock, ticks in ((begin, on), (begin + int(seconds * hz), off)):
+            self.command(f"queue_digital_out oid={oid} clock={clock & 0xFFFFFFFF} on_ticks={ticks}")
+
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
         """Another idea of a heater's sensor: its table and its range, from the next report on. Name
         and pin stay. KeyError if there is no such heater."""

@@ -13,6 +13,22 @@ def _probe(says: str, action: str) -> Entry:
 
 PROBE: Mapping[str, Entry] = {
     "probe.none": _probe("this machine has no probe", "Describe it in [probe] of the machine file"),
+    "probe.paper": _probe(
+        "this machine's probe is a sheet of paper, which measures nothing by itself",
+        "Use MANUAL_PROBE, G29 or G32, and ACCEPT at each point",
+    ),
+    "probe.no-servo": _probe(
+        "{value} needs a probe with a servo, and this machine's has none",
+        "Give control_pin in [probe] of the machine file",
+    ),
+    "probe.not-deployed": _probe(
+        "the probe does not get to the bed: it is {value}, and it should be {limit}",
+        "Look whether something blocks it, at its cables, and at the pins of [probe]",
+    ),
+    "probe.not-stowed": _probe(
+        "the probe does not get away from the bed: it is {value}, and it should be {limit}",
+        "Bring it away by hand before the next move, and look at its cables",
+    ),
     "probe.out-of-reach": _probe(
         "{axis} is out of reach: with the probe at {value} the nozzle is at {position},"
         " and {limit}",

@@ -12,6 +12,7 @@ from passo.config.findings import Finding, table, tables
 from passo.config.motor_roles import Drive, Driven, axis_order
 from passo.config.pin_names import MAIN, bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
+from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
     from passo.config.board import Board
@@ -160,8 +161,10 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         for stepper, pin in homing.stepper_pins.items():
             own = original if stepper == name else None
             add(f"homing.{name}.stepper_pins.{stepper}", pin, own)
-    if machine.probe:
+    if isinstance(machine.probe, SensingProbe):
         add("probe.pin", machine.probe.pin, None)
+        if machine.probe.servo_pin:
+            add("probe.control_pin", machine.probe.servo_pin, None)
     if machine.laser:
         add("laser.pin", machine.laser.pin, None)
     if machine.mains:

@@ -15,10 +15,11 @@ from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
 from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.pin_names import MAIN, placed
-from passo.config.probing import Levelling, Probe, Simulated
+from passo.config.probing import Levelling, Simulated
 from passo.config.types import AxisName, CommandName, ExtruderName, Model, Name, Pair, Uuid
 from passo.geometry.base import Point
 from passo.geometry.registry import AnyGeometry
+from passo.probes.registry import AnyProbe
 
 
 class Bed(Model):
@@ -70,7 +71,7 @@ class MachineConfig(Model):
     move."""
     bed: Bed | None = None
     """The printable area."""
-    probe: Probe | None = None
+    probe: AnyProbe | None = None
     """What measures the bed."""
     levelling: Levelling = Field(default_factory=Levelling)
     """How the bed is measured and corrected."""

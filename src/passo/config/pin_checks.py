@@ -116,6 +116,7 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         for stepper, pin in table(content, "stepper_pins").items():
             yield from _claim(("homing", name, "stepper_pins", stepper), pin, "switch")
     yield from _claim(("probe", "pin"), table(data, "probe").get("pin"), "switch")
+    yield from _claim(("probe", "control_pin"), table(data, "probe").get("control_pin"))
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
     for part in ("mains", "beeper"):
         yield from _claim((part, "pin"), table(data, part).get("pin"))

@@ -1,4 +1,4 @@
-"""The probe, the correction of the bed, and the bed and the probe of a simulated printer."""
+"""The correction of the bed, and the bed and the probe of a simulated printer."""
 
 from __future__ import annotations
 
@@ -6,59 +6,21 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.types import Model, Name, NotNegative, Pair, Pin, Position, Positive, Speed
+from passo.config.types import Model, NotNegative, Pair, Position, Positive
+from passo.probes.base import HeightOffset
 
 PROBE = "probe"
 """The name of the input of the probe among the endstops."""
+SERVO = "probe-servo"
+"""The name of the output of its servo."""
+SERVO_CYCLE_S = 0.02
+"""Of the signal of a servo."""
 UNKNOWNS = {"linear": 3, "quadratic": 6}
 """How many points each surface needs at least."""
 MIN_DISTANCE_MM = 1.0
 """Points closer together than this count as one; points that deviate less from a line are on it."""
 
 Area = Annotated[list[Position], Field(min_length=4, max_length=4)]
-_Offset = Annotated[float, Field(ge=-20, le=20)]
-
-
-class Probe(Model):
-    """A probe that is fixed to the head: a switch, or an inductive or a capacitive sensor. It
-    measures the bed for G30, G32 and G29."""
-
-    kind: Literal["fixed"] = "fixed"
-    """How the probe gets to the bed."""
-    pin: Pin
-    """The input of the probe, on any board. `!` inverts it, `^` asks for the pull-up."""
-    offset_mm: Pair = [0.0, 0.0]
-    """X and Y from the nozzle to the probe."""
-    trigger_height_mm: _Offset
-    """The height of the nozzle above the bed at which the probe triggers."""
-    start_mm: Annotated[float, Field(gt=0, le=100)] = 10.0
-    """Z of the nozzle at the start of each descent, and between the points."""
-    low_mm: Annotated[float, Field(ge=-10, le=10)] = -2.0
-    """The lowest Z of the nozzle during a descent, whatever the probe does."""
-    fast_mm_s: Speed = 5.0
-    """The speed of the first descent to a point."""
-    slow_mm_s: Speed = 2.0
-    """The speed of the descents that are measured."""
-    retract_mm: Positive = 2.0
-    """The lift between two descents to the same point."""
-    lift_mm_s: Speed = 10.0
-    """The speed of lifts."""
-    travel_mm_s: Speed = 100.0
-    """The speed between points."""
-    samples: Annotated[int, Field(ge=1, le=50)] = 1
-    """The measured descents to each point."""
-    result: Literal["median", "mean"] = "median"
-    """What counts of several samples."""
-    tolerance_mm: Annotated[float, Field(gt=0, le=10)] = 0.05
-    """The maximum difference between the samples of one point."""
-    retries: Annotated[int, Field(ge=0, le=20)] = 2
-    """How often a point whose samples differ by more is measured again."""
-    settle_s: Annotated[float, Field(ge=0, le=10)] = 0.0
-    """The pause before each descent."""
-    open_within_mm: Annotated[float, Field(gt=0, le=20)] = 3.0
-    """The maximum further lift at which a triggered probe must open."""
-    heaters_off: list[Name] = []
-    """Heaters that are off during each descent, since they disturb the probe."""
 
 
 class ProbePoint(Model):
@@ -68,7 +30,7 @@ class ProbePoint(Model):
     """X of the probe, in mm."""
     y: Position
     """Y of the probe, in mm."""
-    offset: _Offset = 0.0
+    offset: HeightOffset = 0.0
     """What is added to the height that is measured here, in mm."""
     enabled: bool = True
     """Whether G32 measures this point."""
@@ -122,6 +84,8 @@ class SimulatedProbe(Model):
 
     hysteresis_mm: NotNegative = 0.0
     """A triggered probe opens this much above the height at which it triggers."""
+    jammed: bool = False
+    """The pin of a BLTouch, the arm of a servo, or the probe in its dock does not move."""
     stuck: Literal["open", "triggered"] | None = None
     """The probe is open, or triggered, at any height."""
     dead_areas: list[Area] = []

@@ -8,7 +8,10 @@ from math import hypot
 
 from passo.config.findings import Finding, did_you_mean
 from passo.config.machine import MachineConfig
-from passo.config.probing import MIN_DISTANCE_MM, UNKNOWNS, Probe
+from passo.config.pin_names import placed
+from passo.config.probing import MIN_DISTANCE_MM, UNKNOWNS
+from passo.probes.base import SensingProbe
+from passo.probes.dock import DockProbe
 
 _CLEARANCE_MM = 1.0  # minimum height of a descent's start above the trigger height
 _MAX_DESCENT_S = 20.0
@@ -23,17 +26,43 @@ def check_probe(machine: MachineConfig) -> Iterator[Finding]:
             limit = '"none", or a table probe'
             yield Finding("config.conflict", path, machine.levelling.method, limit)
         return
+    if isinstance(probe, SensingProbe):
+        yield from _check_sensor(machine, probe)
+    yield from _check_points(machine)
+    yield from _check_area(machine)
+
+
+def _check_sensor(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding]:
     yield from _check_descent(probe)
+    if probe.servo_pin and placed(probe.servo_pin)[0] != placed(probe.pin)[0]:
+        limit = f"a pin on the board of pin, which is {probe.pin}"
+        yield Finding("config.value", ("probe", "control_pin"), probe.servo_pin, limit)
+    if isinstance(probe, DockProbe):
+        yield from _check_dock(machine, probe)
     for index, name in enumerate(probe.heaters_off):
         if name not in machine.heaters:
             hint = did_you_mean(name, machine.heaters)
             path = ("probe", "heaters_off", index)
             yield Finding("config.value", path, name, "the name of one of the heaters", hint)
-    yield from _check_points(machine)
-    yield from _check_area(machine)
 
 
-def _check_descent(probe: Probe) -> Iterator[Finding]:
+def _check_dock(machine: MachineConfig, probe: DockProbe) -> Iterator[Finding]:
+    """The nozzle gets to the dock, and high enough over the bed."""
+    if probe.dock_height_mm < probe.start_mm:
+        limit = f"at least start_mm, which is {probe.start_mm:g}"
+        yield Finding("config.value", ("probe", "dock_height_mm"), probe.dock_height_mm, limit)
+    x, y = machine.axes["x"], machine.axes["y"]
+    for key in ("approach_mm", "dock_mm", "leave_mm"):
+        at_x, at_y = place = getattr(probe, key)
+        if not (x.min_mm <= at_x <= x.max_mm and y.min_mm <= at_y <= y.max_mm):
+            limit = (
+                f"within X{x.min_mm:g} to X{x.max_mm:g} and Y{y.min_mm:g} to Y{y.max_mm:g}, which"
+                " the nozzle reaches"
+            )
+            yield Finding("config.value", ("probe", key), place, limit)
+
+
+def _check_descent(probe: SensingProbe) -> Iterator[Finding]:
     least = probe.trigger_height_mm + _CLEARANCE_MM
     if probe.start_mm <= least:
         limit = f"more than {least:g}: 1 mm above the height at which the probe triggers"

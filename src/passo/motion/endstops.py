@@ -11,6 +11,7 @@ from passo.config.motor_roles import axis_order
 from passo.config.probing import PROBE
 from passo.gcode.command import letters_of
 from passo.geometry.base import Point
+from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -41,7 +42,7 @@ def switches(machine: MachineConfig) -> tuple[Switch, ...]:
 
 def probe_switch(machine: MachineConfig) -> Switch | None:
     """The probe as a switch that stops every motor that lifts the nozzle."""
-    if machine.probe is None:
+    if not isinstance(machine.probe, SensingProbe):
         return None
     return Switch(PROBE, "z", machine.probe.pin, steppers_of(machine, "z"))
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import AsyncGenerator, Callable, Generator, Sequence
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from statistics import fmean, median
 from typing import TYPE_CHECKING
 
 from passo._core import Within
-from passo.config.probing import PROBE, Probe
+from passo.config.probing import PROBE
 from passo.errors import CommandError
 from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import X, Y, Z
 from passo.motion.endstops import probe_switch
+from passo.motion.probe_head import ProbeHead
+from passo.probes.base import Probe, SensingProbe
 
 if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
@@ -70,18 +72,37 @@ class Prober:
         self._rig, self._interrupts = rig, interrupts
         self._triggered, self._correction = triggered, correction
         self._machine = rig.machine
+        self._head = ProbeHead(rig, interrupts, triggered)
         self.reset()
+        self.begin()
 
     def reset(self) -> None:
         """The offsets of the machine file."""
         probe = self._machine.probe
         dx, dy = probe.offset_mm if probe else (0.0, 0.0)
         self.offset_mm = dx, dy
-        self.trigger_height_mm = probe.trigger_height_mm if probe else 0.0
+        self.trigger_height_mm = probe.trigger_height_mm if isinstance(probe, SensingProbe) else 0.0
+
+    def begin(self) -> None:
+        """The boards have been replaced, or have just started: a servo stows its probe."""
+        self._deployed = False  # by M401: it stays so between runs
+        probe = self._machine.probe
+        if probe is not None and (pulse := probe.start_pulse()):
+            self._head.pulse_at_start(*pulse)
 
     @property
-    def probe(self) -> Probe:
-        """The probe of the machine. Raises CommandError if it has none."""
+    def probe(self) -> SensingProbe:
+        """The probe of the machine. Raises CommandError if it has none, or a sheet of paper."""
+        probe = self._machine.probe
+        if probe is None:
+            raise CommandError.of("probe.none")
+        if not isinstance(probe, SensingProbe):
+            raise CommandError.of("probe.paper")
+        return probe
+
+    @property
+    def carried(self) -> Probe:
+        """The probe of the machine, also a sheet of paper. Raises CommandError without one."""
         if self._machine.probe is None:
             raise CommandError.of("probe.none")
         return self._machine.probe
@@ -105,7 +126,7 @@ class Prober:
 
     def triggered(self) -> bool:
         """Asks the board whether the probe is triggered. Lets time pass; raises MachineError."""
-        return self._triggered.endstops.pressed(PROBE)
+        return self._head.triggered()
 
     def check(self, places: Sequence[Place]) -> None:
         """Raises CommandError unless X, Y and Z are homed, and nozzle and probe get to all these
@@ -117,7 +138,7 @@ class Prober:
             self._check_reach(place)
 
     def _check_reach(self, place: Place) -> None:
-        machine, start = self._machine, self.probe.start_mm
+        machine, start = self._machine, self.carried.start_mm
         x, y = self.nozzle_at(place)
         nozzle = f"X{x:g} Y{y:g} Z{start:g}"
 
@@ -142,14 +163,69 @@ class Prober:
         except Unreachable as error:
             raise refused(str(error)) from None
 
-    @contextmanager
-    def _session(self) -> Generator[None]:
-        self._triggered.active = True
+    async def deploy(self) -> None:
+        """M401: the probe stays deployed until M402. Raises as `measure`."""
+        self.check([])
+        async with self._session():
+            await self._get_down()
+            self._deployed = True
+
+    async def stow(self) -> None:
+        """M402. Raises as `measure`."""
+        self.check([])
+        self._deployed = False
+        async with self._session():
+            await self._lift(self.probe.start_mm)
+
+    async def pulse(self, width_us: float, seconds: float) -> None:
+        """M280: pulses the servo of the probe. Raises as `measure`."""
+        if self.carried.servo_pin is None:
+            raise CommandError.of("probe.no-servo", value="M280")
+        self._head.heeds_stops = True
+        await self._head.pulse(width_us, seconds)
+
+    async def _get_down(self) -> None:
+        await self._lift(self.probe.start_mm)
+        await self.probe.deploy(self._head)
+
+    @asynccontextmanager
+    async def _session(self) -> AsyncGenerator[None]:
+        """The correction is off within. At the end, however it comes, the nozzle is at the start
+        height or above it after an error, and the probe is stowed, unless M401 has deployed it."""
+        self._triggered.active, self._head.heeds_stops = True, True
         try:
             with self._correction.suspended(), self._triggered.prepared():
-                yield
+                try:
+                    yield
+                except BaseException as error:
+                    await self._clear_up(error)
+                    raise
+                if not self._deployed:
+                    await self.probe.stow(self._head)
         finally:
             self._triggered.active = False
+
+    async def _clear_up(self, error: BaseException) -> None:
+        """After a failure: up, and the probe away; what fails in that is said, too."""
+        if self._interrupts.halted:
+            return
+        self._head.heeds_stops = False
+        await self._lift(self.probe.start_mm)
+        self._deployed = False
+        try:
+            await self.probe.stow(self._head)
+        except CommandError as further:
+            before = error.problems if isinstance(error, CommandError) else ()
+            raise CommandError([*before, *further.problems]) from error
+
+    async def _first(self, place: Place) -> None:
+        """Over the first place, with the probe deployed."""
+        travels = self.probe.travels_to_deploy
+        if not self._deployed and travels:
+            await self._get_down()
+        await self._go_over(place)
+        if not self._deployed and not travels:
+            await self._get_down()
 
     async def measure(
         self,
@@ -162,34 +238,26 @@ class Prober:
         triggered. Raises CommandError, Stopped after M108 or M410, and MachineError."""
         self.check(places)
         found: list[Measured] = []
-        with self._session():
-            try:
-                for place in places:
-                    await self._go_over(place)
-                    found.append(await self._point(place))
-                    report(found[-1])
-                    end = self.probe.start_mm
-                    if above_mm is not None:
-                        end = found[-1].trigger_z_mm + above_mm
-                    await self._lift(end)
-            except BaseException:
-                if not self._interrupts.halted:
-                    await self._lift(self.probe.start_mm, checked=False)
-                raise
+        async with self._session():
+            for place in places:
+                await (self._go_over(place) if found else self._first(place))
+                found.append(await self._point(place))
+                report(found[-1])
+                end = self.probe.start_mm
+                if above_mm is not None:
+                    end = found[-1].trigger_z_mm + above_mm
+                await self._lift(end)
         return found
 
     async def samples(self, place: Place, count: int) -> list[float]:
         """The heights of so many measured descents to one place. Raises as `measure`."""
         self.check([place])
-        with self._session():
-            try:
-                await self._go_over(place)
-                await self._descend(place, self.probe.fast_mm_s)
-                triggers = [await self._again(place) for _ in range(count)]
-                return [z - self.trigger_height_mm + place.offset_mm for z in triggers]
-            finally:
-                if not self._interrupts.halted:
-                    await self._lift(self.probe.start_mm, checked=False)
+        async with self._session():
+            await self._first(place)
+            await self._descend(place, self.probe.fast_mm_s)
+            triggers = [await self._again(place) for _ in range(count)]
+            await self._lift(self.probe.start_mm)
+            return [z - self.trigger_height_mm + place.offset_mm for z in triggers]
 
     async def _point(self, place: Place) -> Measured:
         """One place: a fast descent, then the measured ones. Samples that differ by too much are
@@ -221,33 +289,27 @@ class Prober:
         return await self._descend(place, self.probe.slow_mm_s)
 
     async def _go_over(self, place: Place) -> None:
-        await self._lift(max(self.probe.start_mm, self._rig.job.machine_position[Z]))
+        await self._lift(self.probe.start_mm)
         x, y = self.nozzle_at(place)
-        await self._move({X: x, Y: y}, self.probe.travel_mm_s)
-        await self._move({Z: self.probe.start_mm}, self.probe.lift_mm_s)
+        await self._head.move(self.probe.travel_mm_s, x=x, y=y)
+        await self._head.move(self.probe.lift_mm_s, z=self.probe.start_mm)
 
-    async def _lift(self, z: float, *, checked: bool = True) -> None:
-        """Up to Z, unless the nozzle is as high; not `checked`: also after M108 and M410."""
-        if self._rig.job.machine_position[Z] < z:
-            await self._move({Z: z}, self.probe.lift_mm_s, checked=checked)
-
-    async def _move(
-        self, target: dict[int, float], speed_mm_s: float, *, checked: bool = True
-    ) -> None:
-        queue = self._rig.queue
-        queue.move(target, speed_mm_s, Within.ANYTHING)
-        queue.flush()
-        if checked:
-            await self._triggered.standstill()
-            self._interrupts.raise_if_interrupted()
-        else:
-            await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
+    async def _lift(self, z: float) -> None:
+        """Up to Z, unless the nozzle is as high."""
+        if self._head.z_mm < z:
+            await self._head.move(self.probe.lift_mm_s, z=z)
 
     async def _descend(self, place: Place, speed_mm_s: float) -> float:
         """Down until the probe triggers; Z of the nozzle at that moment."""
+        await self.probe.arm(self._head)
+        z = await self._down(place, speed_mm_s)
+        await self.probe.disarm(self._head)
+        return z
+
+    async def _down(self, place: Place, speed_mm_s: float) -> float:
         rig, probe = self._rig, self.probe
         if probe.settle_s > 0:
-            await rig.queue.sleep(probe.settle_s)
+            await self._head.sleep(probe.settle_s)
         await self._open(place)
         switch = self._switch
         finest = max(self._machine.steppers[s].steps_per_unit for s in switch.steppers)

@@ -24,6 +24,7 @@ from passo.printer.commands.levelling import LevellingCommands
 from passo.printer.commands.motor_moves import MotorMoves
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
+from passo.printer.commands.probe_deployment import ProbeDeploymentCommands
 from passo.printer.commands.probing import ProbeCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
@@ -119,6 +120,7 @@ class Printer:
         self.levelling = LevellingCommands(rig, self.prober, self.correction)
         if machine.probe is not None:
             self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling)
+            self.dispatch.add(ProbeDeploymentCommands(self.prober))
         self.dispatch.add(MotorMoves(rig, state, self.triggered))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)
@@ -256,6 +258,7 @@ class Printer:
         self._begin(reconnected(self.rig.connection), first=False)
         self.triggered.begin()
         self.correction.begin()
+        self.prober.begin()
         self.homer.begin()
         self.dispatch.begin()
         self.offsets.homed("xyz")

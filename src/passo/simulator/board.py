@@ -152,8 +152,23 @@ class SimulatedBoard:
             probe.seed,
             probe.dead_areas,
             probe.touchy_areas,
+            self._mechanism(probe),
         )
         self.force_switch(probe.endstop, probe.forced)
+
+    def _mechanism(self, probe: BedProbe) -> _core.ProbeMechanism:
+        of, kinds = probe.mechanism, _core.ProbeMechanism
+        pin = self._outputs[probe.control] if probe.control else 0
+        if of.kind == "servo":
+            made = kinds.servo(pin, of.deploy_us, of.stow_us, of.stowed_reads)
+        elif of.kind == "bltouch":
+            made = kinds.bltouch(pin)
+        elif of.kind == "dock":
+            made = kinds.dock(of.dock_mm, of.leave_mm)
+        else:
+            made = kinds.fixed()
+        made.jammed = probe.jammed
+        return made
 
     def _pin_of(self, endstop: str) -> str:
         return next(e.pin for e in self.board.endstops if e.name == endstop)
@@ -164,12 +179,13 @@ class SimulatedBoard:
         dead_areas: Sequence[Area] = (),
         touchy_areas: Sequence[Area] = (),
         noise_mm: float = 0.0,
+        jammed: bool = False,
     ) -> None:
         """Faults of the probe from now on. KeyError if it is not on this board."""
         if self._probe is None:
             raise KeyError("no probe")
         pin = self._pins[bare(self._pin_of(self._probe.endstop))]
-        self.device.change_probe(pin, dead_areas, touchy_areas, noise_mm)
+        self.device.change_probe(pin, dead_areas, touchy_areas, noise_mm, jammed)
 
     def _felt_pin(self, stepper: str) -> int:
         """The step pin of a motor, or a number for one on another board."""

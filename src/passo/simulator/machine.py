@@ -123,11 +123,12 @@ class SimulatedMachine:
         dead_areas: Sequence[Area] = (),
         touchy_areas: Sequence[Area] = (),
         noise_mm: float = 0.0,
+        jammed: bool = False,
     ) -> None:
         """Faults of the probe from now on: rectangles where it never triggers or always is, and the
-        standard deviation of its height."""
+        standard deviation of its height; `jammed`: it does not get to the bed."""
         self._of("endstops", PROBE).spoil_probe(
-            dead_areas=dead_areas, touchy_areas=touchy_areas, noise_mm=noise_mm
+            dead_areas=dead_areas, touchy_areas=touchy_areas, noise_mm=noise_mm, jammed=jammed
         )
 
     def force_heater(self, sensor: str, power: float | None) -> None:

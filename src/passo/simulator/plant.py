@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from passo import _core
+from passo.probes.base import Mechanism
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,8 @@ class BedProbe:
     """The endstop `endstop` is a probe on the head. It triggers when the nozzle is `trigger_mm`
     above the bed at the place of the probe, which is `offset_mm` from the nozzle, and opens
     `hysteresis_mm` higher. `motors` are a stepper for each actuator of the geometry, given as for
-    the core. In a dead area it never triggers, in a touchy area always."""
+    the core. In a dead area it never triggers, in a touchy area always. `mechanism` gets it to the
+    bed, by the output `control`, unless it is jammed."""
 
     endstop: str
     motors: tuple[str, ...]
@@ -95,6 +97,9 @@ class BedProbe:
     forced: bool | None = None
     dead_areas: tuple[Area, ...] = ()
     touchy_areas: tuple[Area, ...] = ()
+    mechanism: Mechanism = field(default_factory=Mechanism)
+    control: str | None = None
+    jammed: bool = False
 
 
 @dataclass(frozen=True, slots=True)

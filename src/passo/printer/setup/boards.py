@@ -21,7 +21,7 @@ from passo.board.description import (
 )
 from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.pin_names import MAIN, named_on, placed
-from passo.config.probing import PROBE
+from passo.config.probing import PROBE, SERVO, SERVO_CYCLE_S
 from passo.config.sensor_tables import (
     converter_of,
     converter_setup,
@@ -46,6 +46,7 @@ from passo.printer.setup.drivers import (
     drivers,
     microstep_outputs,
 )
+from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
     from passo.config.board import Board
@@ -131,7 +132,8 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, then what switches
-    motors on, what chooses their microsteps, the boards' status LEDs, the mains, and the beeper."""
+    motors on, what chooses their microsteps, the boards' status LEDs, the mains, the
+    beeper, and the servo of the probe."""
     outputs = list(machine.timed_outputs.items())
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
@@ -145,6 +147,8 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
         outputs.append(("mains", machine.mains.pin))
     if machine.beeper:
         outputs.append(("beeper", machine.beeper.pin))
+    if machine.probe and (pin := machine.probe.servo_pin):
+        outputs.append((SERVO, pin))
     return outputs
 
 
@@ -164,6 +168,8 @@ def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> O
     if name == "beeper":
         config = machine.all_boards[placed(written)[0]]
         return Output(name, pin, "digital", round(clock_hz / 1000), most_ticks(config))
+    if name == SERVO:
+        return Output(name, pin, "digital", round(clock_hz * SERVO_CYCLE_S))
     if name.startswith("status-led"):
         return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
     return Output(name, pin, "digital")
@@ -288,7 +294,7 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
     from passo.simulator import BedProbe
 
     probe, simulated = machine.probe, machine.simulated
-    if probe is None:
+    if not isinstance(probe, SensingProbe):
         return None
     dx, dy = probe.offset_mm
     stuck = simulated.probe.stuck
@@ -305,6 +311,9 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
         None if stuck is None else stuck == "triggered",
         tuple(_corners(area) for area in simulated.probe.dead_areas),
         tuple(_corners(area) for area in simulated.probe.touchy_areas),
+        probe.mechanism,
+        SERVO if probe.servo_pin else None,
+        simulated.probe.jammed,
     )
 
 

@@ -1,0 +1,114 @@
+"""M401, M402 and the other commands that move the probe itself."""
+
+from __future__ import annotations
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.motion.probing import Prober
+from passo.printer.commands.probing import NO_PROBE
+from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
+from passo.probes.bltouch import COMMANDS, BLTouch
+
+_NO_SERVO = "The probe of this machine has no servo."
+_PULSES_S = 0.7
+_SHORTEST_US, _LONGEST_US = 500.0, 2500.0
+
+
+class ProbeDeploymentCommands:
+    """Commands of a printer with a probe that gets to the bed and back."""
+
+    def __init__(self, prober: Prober) -> None:
+        self._prober = prober
+
+    @command(
+        "M401",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Lifts the nozzle and deploys the probe, which stays so until M402. Commands that measure"
+        " deploy it by themselves.",
+        kind=Kind.SERVED,
+        bare="HRS",
+        lacks=NO_PROBE,
+    )
+    @command(
+        "ATTACH_PROBE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "As M401.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _deploy(self, _: Command, __: Reply) -> Wait | None:
+        return WaitForProcedure(self._prober.deploy)
+
+    @command(
+        "M402",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Lifts the nozzle and stows the probe.",
+        kind=Kind.SERVED,
+        bare="R",
+        lacks=NO_PROBE,
+    )
+    @command(
+        "DETACH_PROBE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "As M402.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _stow(self, _: Command, __: Reply) -> Wait | None:
+        return WaitForProcedure(self._prober.stow)
+
+    @command(
+        "M280",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "P S(° or µs)",
+        "Turns the servo of the probe (P0) to an angle; 10 to 160 are commands of a BLTouch. S of"
+        " 544 or more is the length of the pulses.",
+        kind=Kind.SERVED,
+        lacks=_NO_SERVO,
+    )
+    def _servo(self, command: Command, _: Reply) -> Wait | None:
+        words, probe = command.words(), self._prober.carried
+        if words.get("P", 0.0) != 0:
+            raise CommandError.bad_value("P", words["P"], "0, the servo of the probe")
+        if "S" not in words:
+            raise CommandError.of("input.missing-word", axis="M280", value="S")
+        given = words["S"]
+        width_us = given if given >= probe.width_us(0) else probe.width_us(given)
+        if not _SHORTEST_US <= width_us <= _LONGEST_US:
+            raise CommandError.bad_value("S", given, "0 to 180° or 544 to 2500 µs")
+        return self._pulse(width_us)
+
+    @command(
+        "BLTOUCH_DEBUG",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "COMMAND",
+        f"Sends a command to a BLTouch: {', '.join(COMMANDS)}.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks="The probe of this machine is no BLTouch.",
+    )
+    def _debug(self, command: Command, _: Reply) -> Wait | None:
+        name = command.pairs().get("COMMAND", "")
+        by_name = {k.lower(): width for k, width in COMMANDS.items()}
+        if not isinstance(self._prober.carried, BLTouch):
+            raise CommandError.of("probe.no-servo", value="BLTOUCH_DEBUG")
+        if name.lower() not in by_name:
+            limit = ", ".join(COMMANDS)
+            raise CommandError.of("command.value", axis="COMMAND", value=name, limit=limit)
+        return self._pulse(by_name[name.lower()])
+
+    def _pulse(self, width_us: float) -> Wait:
+        return WaitForProcedure(lambda: self._prober.pulse(width_us, _PULSES_S))
