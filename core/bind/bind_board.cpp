@@ -233,6 +233,12 @@ void bind_board(nb::module_& m) {
             });
           },
           "pin"_a, "dead"_a, "touchy"_a, "sigma"_a, "jammed"_a, "Faults of a probe from now on.")
+      .def(
+          "change_bed",
+          [](Bench& b, uint32_t pin, const Bed& bed) {
+            change_probe(b, pin, [&](BedProbe& probe) { probe.bed = bed; });
+          },
+          "pin"_a, "bed"_a, "The bed below a probe from now on.")
       .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a,
            "A motor on another board, as the switches of this one feel it while that board lives.")
       .def("place", &Bench::place, "step_pin"_a, "position"_a,

@@ -780,6 +780,9 @@ class Bench(Device):
     def change_probe(self, pin: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], sigma: float, jammed: bool) -> None:
         """Faults of a probe from now on."""
 
+    def change_bed(self, pin: int, bed: Bed) -> None:
+        """The bed below a probe from now on."""
+
     def feel(self, step_pin: int, board: Bench, its_step_pin: int) -> None:
         """
         A motor on another board, as the switches of this one feel it while that board lives.

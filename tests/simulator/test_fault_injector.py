@@ -205,3 +205,18 @@ def test_a_print_without_consoles_warns_of_it(capsys, tmp_path):
     path.write_text("G28\nSIMULATE_FAULT NAME=cable VALUE=cut\nG1 X9 F3000\n")
     assert main(["print", str(path)]) == 0
     assert "SIMULATE_FAULT" in capsys.readouterr().err
+
+
+def test_tilted_bed_is_measured_so_and_flat_again():
+    with Scenario("i3-probe") as s:
+
+        def height():
+            s.host.ok("G28", within=60)
+            (line,) = [line for line in s.host.ok("G30 X200 Y110", within=60) if "Bed" in line or "Z" in line]
+            return float(line.rsplit("Z", 1)[1].lstrip(": ").split()[0])
+
+        before = height()
+        s.host.ok("SIMULATE_FAULT NAME=bed VALUE=tilted")
+        assert height() - before == pytest.approx(1.0 * (200 - 125) / 250, abs=0.02)
+        s.host.ok("SIMULATE_FAULT NAME=bed VALUE=none")
+        assert height() == pytest.approx(before, abs=0.02)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from passo import _core
 from passo.board.description import BoardDescription, UartPins, bare, inverted
@@ -186,6 +187,16 @@ class SimulatedBoard:
             raise KeyError("no probe")
         pin = self._pins[bare(self._pin_of(self._probe.endstop))]
         self.device.change_probe(pin, dead_areas, touchy_areas, noise_mm, jammed)
+
+    def tilt_bed(self, rise_mm: float) -> None:
+        """A fault: over its width the bed rises by so much more than its description says; 0 ends
+        it. KeyError if the probe is not on this board."""
+        if self._probe is None:
+            raise KeyError("no probe")
+        x_mm, y_mm = self._probe.bed.tilt_mm
+        pin = self._pins[bare(self._pin_of(self._probe.endstop))]
+        bed = replace(self._probe.bed, tilt_mm=(x_mm + rise_mm, y_mm))
+        self.device.change_bed(pin, bed.shape)
 
     def _felt_pin(self, stepper: str) -> int:
         """The step pin of a motor, or a number for one on another board."""

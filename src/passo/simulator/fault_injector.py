@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from passo.board.fault_injection import NO_FAULT
+from passo.config.probing import PROBE
 from passo.errors import CommandError
 
 if TYPE_CHECKING:
@@ -15,6 +16,8 @@ _SENSOR = (NO_FAULT, "open", "short", "noise", "loose")
 _HEATER = (NO_FAULT, "on", "off")
 _ENDSTOP = (NO_FAULT, "triggered", "open")
 _CABLE = (NO_FAULT, "cut", "noise")
+_BED = (NO_FAULT, "tilted")
+_TILT_MM = 1.0  # over the width of the bed
 _SENSOR_NOISE = 0.05  # of the full scale of the ADC, either way
 _CABLE_NOISE = 0.01  # of all bytes
 
@@ -37,6 +40,8 @@ class SimulatedFaults:
             self._add(f"{heater.name}-heater", _HEATER, self._heater_setter(heater.sensor))
         for endstop in board.endstops:
             self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
+            if endstop.name == PROBE:
+                self._add("bed", _BED, self._set_bed)
         for name in machine.boards:
             self._add(f"{name}-cable" if name else "cable", _CABLE, self._cable_setter(name))
 
@@ -100,6 +105,9 @@ class SimulatedFaults:
     def _endstop_setter(self, endstop: str) -> Callable[[str, float | None], None]:
         pressed = {"triggered": True, "open": False}
         return lambda fault, _: self._machine.force_switch(endstop, pressed.get(fault))
+
+    def _set_bed(self, fault: str, _: float | None) -> None:
+        self._machine.tilt_bed(_TILT_MM if fault == "tilted" else 0.0)
 
     def _cable_setter(self, board: str) -> Callable[[str, float | None], None]:
         def set_fault(fault: str, amount: float | None) -> None:

@@ -131,6 +131,10 @@ class SimulatedMachine:
             dead_areas=dead_areas, touchy_areas=touchy_areas, noise_mm=noise_mm, jammed=jammed
         )
 
+    def tilt_bed(self, rise_mm: float) -> None:
+        """A fault: the bed rises by so much more over its width; 0 ends it."""
+        self._of("endstops", PROBE).tilt_bed(rise_mm)
+
     def force_heater(self, sensor: str, power: float | None) -> None:
         """A fault: what this sensor's heater does, 0 to 1, whatever its pin; None ends it."""
         self._of("sensors", sensor).force_heater(sensor, power)
