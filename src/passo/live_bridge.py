@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from passo import config
+from passo.board.fault_injection import NO_FAULT
 from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
@@ -27,7 +28,7 @@ from passo.gcode.registry import When, row_of, table
 from passo.job.batch.estimate import Estimate, estimate_open
 from passo.job.batch.policy import Policy
 from passo.learn.explain import explain
-from passo.web.bridge import PastPrint, Queue, SettingValue, Snapshot
+from passo.web.bridge import BedState, PastPrint, Queue, SettingValue, SimulatedPart, Snapshot
 
 if TYPE_CHECKING:
     from passo.app import Assembly
@@ -341,6 +342,26 @@ class LiveBridge:
             for group, setting, file, stored, source in rows
         ]
 
+    async def bed(self) -> BedState:
+        """As `Bridge.bed`."""
+        bed = self._printer.correction
+        return await self._call(lambda: BedState(bed.correction, bed.on))
+
+    async def simulated_parts(self) -> list[SimulatedPart]:
+        """As `Bridge.simulated_parts`."""
+
+        def parts() -> list[SimulatedPart]:
+            injector = self._printer.connection.injector
+            if injector is None:
+                return []
+            active = injector.active
+            return [
+                SimulatedPart(part, faults, active.get(part, NO_FAULT))
+                for part, faults in injector.values.items()
+            ]
+
+        return await self._call(parts)
+
     async def card(self) -> Card:
         """As `Bridge.card`."""
         return await self._call(lambda: self._assembly.library.card)
@@ -378,9 +399,11 @@ class LiveBridge:
         finally:
             source.close()
 
-    async def explain_line(self, line: str) -> Explanation:
+    async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:
         """As `Bridge.explain_line`."""
-        return await self._explained(BytesIO(line.encode()), "line.gcode", 1)
+        lines = [*before.splitlines(), line, *after.splitlines()]
+        number = len(before.splitlines()) + 1
+        return await self._explained(BytesIO("\n".join(lines).encode()), "line.gcode", number)
 
     async def _explained(self, source: RawIOBase | BytesIO, name: str, line: int) -> Explanation:
         ended = threading.Event()

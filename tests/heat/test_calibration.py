@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from passo.config.thermistor import Ntc
-from passo.heat.calibration import Point, by_averages, by_least_squares
+from passo.heat.calibration import Point, by_averages, by_least_squares, by_steinhart_hart
 
 NTC = Ntc(100_000.0, 3950.0)
 POINTS = [Point(180, 169), Point(200, 177), Point(220, 194), Point(240, 208)]
@@ -38,3 +38,20 @@ def test_a_fit_finds_the_beta_that_made_the_readings():
     found = by_least_squares(shown, points)
     assert found.beta_k == pytest.approx(4260, abs=0.01)
     assert found.rms_c < 1e-3
+
+
+def test_three_coefficients_of_a_thermistor_are_found():
+    true = Ntc(98_000.0, 4180.0, 9e-8)
+    points = [Point(c, true.celsius(NTC.ohm(c))) for c in (40, 100, 160, 200, 240)]
+    found = by_steinhart_hart(NTC, points)
+    assert found is not None
+    assert found.r25_ohm == pytest.approx(98_000, rel=1e-3)
+    assert found.beta_k == pytest.approx(4180, rel=1e-3)
+    assert found.c_per_k == pytest.approx(9e-8, rel=0.01)
+    assert found.rms_c < 1e-3
+
+
+def test_too_few_or_close_readings_give_no_three_coefficients():
+    assert by_steinhart_hart(NTC, POINTS[:3]) is None
+    close = [Point(200 + k / 100, 200 + k / 100) for k in range(5)]
+    assert by_steinhart_hart(NTC, close) is None

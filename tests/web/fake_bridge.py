@@ -22,7 +22,16 @@ from passo.printer.status import (
     PrinterState,
     Status,
 )
-from passo.web.bridge import Hearer, Listener, PastPrint, Queue, SettingValue, Snapshot
+from passo.web.bridge import (
+    BedState,
+    Hearer,
+    Listener,
+    PastPrint,
+    Queue,
+    SettingValue,
+    SimulatedPart,
+    Snapshot,
+)
 
 STATUS = Status(
     state=PrinterState.IDLE,
@@ -81,6 +90,7 @@ class FakeBridge:
         self.senders: list[str] = []
         self.prints: list[PastPrint] = []
         self.values: list[SettingValue] = []
+        self.bed_state = BedState(None, on=False)
 
     @property
     def machine(self) -> MachineConfig:
@@ -180,6 +190,12 @@ class FakeBridge:
     async def settings(self) -> list[SettingValue]:
         return self.values
 
+    async def bed(self) -> BedState:
+        return self.bed_state
+
+    async def simulated_parts(self) -> list[SimulatedPart]:
+        return [SimulatedPart("cable", ("none", "cut"), "none")]
+
     async def card(self) -> Card:
         if self._card is None:
             raise CardError.of("card.absent", value="start with --sd")
@@ -212,7 +228,7 @@ class FakeBridge:
         self._answer(f"explain {path} {line}")
         return Explanation(f"{path}:{line}", "G28", "", False, ())
 
-    async def explain_line(self, line: str) -> Explanation:
+    async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:
         self._answer(f"explain {line}")
         return Explanation("line.gcode:1", line, "", False, ())
 

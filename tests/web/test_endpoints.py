@@ -46,6 +46,8 @@ def _jog(move):
         ("POST", "motion/home", {}, "G28"),
         ("POST", "motion/home", {"axes": ["x", "y"]}, "G28 X Y"),
         ("POST", "motion/motors-off", None, "M18"),
+        ("POST", "motion/wait", None, "M400"),
+        ("POST", "console/end-wait", None, "M108"),
         ("PUT", "tuning/speed", {"factor": 1.5}, "M220 S150"),
         ("PUT", "tuning/flow/0", {"factor": 0.95}, "M221 T0 S95"),
         ("POST", "tuning/babystep", {"axis": "z", "distance_mm": -0.05}, "M290 Z-0.05"),

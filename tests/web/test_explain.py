@@ -42,3 +42,11 @@ def test_line_that_the_file_does_not_have_is_named(tmp_path):
     answer = asked(tmp_path, lambda web: web.get(f"{API}?path=a.gcode&line=9")).json()
     assert answer["error"]["code"] == "input.no-line"
     assert answer["error"]["message"].startswith("a.gcode:9: ")
+
+
+def test_lines_before_and_after_join_the_line(tmp_path):
+    lines = {"before": "M204 S500\nG1 X10 F3000", "line": "G1 X30", "after": "G1 X50"}
+    answer = asked(tmp_path, lambda web: web.post(API, json=lines)).json()
+    (move,) = answer["moves"]
+    assert (move["start_mm"][0], move["end_mm"][0], move["acceleration"]) == (10, 30, 500)
+    assert move["start_speed"] == move["end_speed"] == 50

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 _ROUNDS_C = (20, 10, 5)
 _START_C = {"hotend": 160, "bed": 40, "chamber": 40}
 _END_C = 240  # above this, PTFE in a hotend degrades
-_FAR = 1 / 3  # of the reading: no real β is further off
 _THERE = {"hotend": "into the nozzle", "bed": "onto the bed", "chamber": "into the chamber"}
 
 _GUIDE = """\
@@ -115,7 +114,7 @@ def _heats(heater: Heater, number: int | None) -> str:
 def _point(text: str, advice: str = "") -> Point:
     """A point, which may come from a thermistor with a wrong β. Raises InputError, with `advice`,
     if it cannot be a point."""
-    from passo.heat.calibration import Point
+    from passo.heat.calibration import FAR, Point
 
     try:
         shown, true = (float(word.replace(",", ".")) for word in text.split(":"))
@@ -123,8 +122,8 @@ def _point(text: str, advice: str = "") -> Point:
         shown = true = 0.0
     if not (0 < shown <= 400 and 0 < true <= 400):
         raise InputError.of("input.point", hint=advice, value=text)
-    if abs(true - shown) > _FAR * shown:
-        limit = f"{(1 - _FAR) * shown:.0f} to {(1 + _FAR) * shown:.0f}"
+    if abs(true - shown) > FAR * shown:
+        limit = f"{(1 - FAR) * shown:.0f} to {(1 + FAR) * shown:.0f}"
         raise InputError.of("input.point-far", value=true, key=shown, limit=limit)
     return Point(shown, true)
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import exp, log, sqrt
 
-from passo.config.thermistor import Ntc
+from passo.config.thermistor import ZERO_C, Ntc
+from passo.levelling.least_squares import RankError, solve
 
 MIN_BETA_K, MAX_BETA_K = 1000.0, 10_000.0
+MAX_C_PER_K = 1e-5
+FAR = 1 / 3  # of the reading: no real β is further off
+_LEAST_POINTS = 4  # of the three coefficients, so that a residual is left
 _INVERSE_GOLDEN = (sqrt(5) - 1) / 2
 
 
@@ -22,10 +26,13 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """A new β, and what it would have shown at each point beyond the true temperature, °C."""
+    """A new β, with the resistance at 25 °C and C of the equation, and what they would have shown
+    at each point beyond the true temperature, °C."""
 
     beta_k: float
     residuals_c: tuple[float, ...]
+    r25_ohm: float
+    c_per_k: float
 
     @property
     def rms_c(self) -> float:
@@ -59,7 +66,42 @@ def by_least_squares(ntc: Ntc, points: Sequence[Point]) -> Calibration:
     return _with_beta(ntc, points, (low + high) / 2)
 
 
+def by_steinhart_hart(ntc: Ntc, points: Sequence[Point]) -> Calibration | None:
+    """All three coefficients of 1/T = A + B·ln R + C·(ln R)³ by least squares in kelvin (J. S.
+    Steinhart, S. R. Hart, 1968); None with fewer than four points, with points too close to each
+    other, or where the result is not that of an NTC resistor. It holds between the points, and less
+    beyond them."""
+    if len(points) < _LEAST_POINTS:
+        return None
+    rows: list[tuple[float, float, float]] = []
+    for point in points:
+        x, kelvin = log(ntc.ohm(point.shown_c)), point.true_c + ZERO_C
+        # An error of 1/T counts as one of T: dT = -T² · d(1/T).
+        rows.append((kelvin**2, kelvin**2 * x, kelvin**2 * x**3))
+    try:
+        a, b, c = solve(rows, [point.true_c + ZERO_C for point in points])
+    except RankError:
+        return None
+    if not (b > 0 and MIN_BETA_K <= 1 / b <= MAX_BETA_K and 0 <= c <= MAX_C_PER_K):
+        return None
+    # R25 solves A + B·x + C·x³ = 1/298.15 K, which ascends in x = ln R.
+    low, high = log(1.0), log(1e8)
+    while high - low > 1e-12:
+        middle = (low + high) / 2
+        if a + b * middle + c * middle**3 < 1 / (25 + ZERO_C):
+            low = middle
+        else:
+            high = middle
+    new = Ntc(exp(low), 1 / b, c)
+    return Calibration(new.beta_k, _residuals(ntc, new, points), new.r25_ohm, new.c_per_k)
+
+
 def _with_beta(ntc: Ntc, points: Sequence[Point], beta_k: float) -> Calibration:
     new = replace(ntc, beta_k=beta_k)
+    return Calibration(beta_k, _residuals(ntc, new, points), ntc.r25_ohm, ntc.c_per_k)
+
+
+def _residuals(ntc: Ntc, new: Ntc, points: Sequence[Point]) -> tuple[float, ...]:
+    """What `new` would show beyond the true temperatures, °C, where `ntc` showed the points."""
     shown = (new.celsius(ntc.ohm(p.shown_c)) for p in points)
-    return Calibration(beta_k, tuple(s - p.true_c for s, p in zip(shown, points, strict=True)))
+    return tuple(s - p.true_c for s, p in zip(shown, points, strict=True))

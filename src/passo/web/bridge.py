@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from passo.gcode.registry import Declaration
     from passo.job.batch.estimate import Estimate
     from passo.learn.explanation import Explanation
+    from passo.levelling.correction import Correction
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import Status
 
@@ -66,6 +67,25 @@ class Queue:
 
     prints: tuple[QueuedPrint, ...]
     automatic: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BedState:
+    """What is added to Z: `correction`, None before the first measurement, and whether it is
+    `on`."""
+
+    correction: Correction | None
+    on: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedPart:
+    """A part of the simulated printer: the faults that it can have, `none` first, and the one that
+    it has now."""
+
+    part: str
+    faults: tuple[str, ...]
+    active: str
 
 
 Hearer: TypeAlias = Callable[[str], None]  # of a line; returns at once
@@ -211,6 +231,14 @@ class Bridge(Protocol):
         """What commands can set, each value with where it comes from."""
         ...
 
+    async def bed(self) -> BedState:
+        """The correction of the bed."""
+        ...
+
+    async def simulated_parts(self) -> list[SimulatedPart]:
+        """The parts that can be given faults; empty where the boards are real."""
+        ...
+
     # -- files ------------------------------------------------------------------------------------
 
     async def card(self) -> Card:
@@ -246,6 +274,7 @@ class Bridge(Protocol):
         otherwise. Raises InputError for a line that the file does not have."""
         ...
 
-    async def explain_line(self, line: str) -> Explanation:
-        """As `explain`, of a line that starts with all axes at 0."""
+    async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:
+        """As `explain`, of a line between the lines `before` and `after` it; the first of all
+        starts with all axes at 0."""
         ...

@@ -7,6 +7,7 @@ import passo.printer.status
 import passo.web.answers
 import passo.web.bridge
 import passo.web.endpoints.accounts
+import passo.web.endpoints.calibration
 import passo.web.endpoints.console
 import passo.web.endpoints.files
 import passo.web.endpoints.firmware
@@ -244,6 +245,12 @@ class Console:
         """Carries out lines of G-code, one after the other, and answers when the last one
         is done or planned. The first line that fails ends the script."""
         ...
+    def end_wait(
+        self,
+    ) -> None:
+        """Ends what the printer waits for (M108): heating, a calibration, a measurement of
+        the bed."""
+        ...
     def history(
         self,
     ) -> builtins.list[passo.web.endpoints.console.Line]:
@@ -299,6 +306,11 @@ class Motion:
         axes: builtins.list[str] = ...,
     ) -> None:
         """Homes axes; answered when they are homed."""
+        ...
+    def wait(
+        self,
+    ) -> None:
+        """Waits until all planned moves are done (M400)."""
         ...
     def motors_off(
         self,
@@ -361,6 +373,68 @@ class Settings:
     ) -> None:
         """Goes back to the values of the machine file (M502); what is stored stays
         stored."""
+        ...
+
+class Calibration:
+    def tune_heater(
+        self,
+        heater: str,
+        celsius: float,
+        method: typing.Literal['pid', 'model'] = ...,
+    ) -> passo.web.endpoints.console.Answer:
+        """Tunes a heater, takes the result, and stores it where there is a place for
+        settings (M303 with U1). The heater is off before it answers. Minutes pass;
+        `console.end_wait` ends it."""
+        ...
+    def fit_thermistor(
+        self,
+        heater: str,
+        readings: builtins.list[passo.web.endpoints.calibration.Reading],
+    ) -> builtins.list[passo.web.endpoints.calibration.ThermistorFit]:
+        """What a heater's thermistor should be for readings, by each method that these
+        allow; the thermistor as it is now comes first. Nothing is set."""
+        ...
+    def set_thermistor(
+        self,
+        heater: str,
+        r25_ohm: float,
+        beta_k: float,
+        c_per_k: float = ...,
+    ) -> None:
+        """Sets the thermistor of a heater at once (M305), until `settings.store` stores
+        it."""
+        ...
+    def measure_bed(
+        self,
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, measures the bed by the method of the machine file, and corrects
+        by it (G28, G29)."""
+        ...
+    def repeat_probe(
+        self,
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, and probes the bed ten times in one place (G28, M48)."""
+        ...
+    def bed(
+        self,
+    ) -> passo.web.endpoints.calibration.BedMap:
+        """The map of the bed that is in force, or was measured last."""
+        ...
+
+class Simulation:
+    def parts(
+        self,
+    ) -> builtins.list[passo.web.bridge.SimulatedPart]:
+        """The parts of the simulated printer that can be given a fault; empty where a board
+        is real."""
+        ...
+    def set_fault(
+        self,
+        part: str,
+        fault: str,
+    ) -> None:
+        """Gives a part of the simulated printer a fault, or ends it, also while the printer
+        is halted (SIMULATE_FAULT)."""
         ...
 
 class Files:
@@ -472,8 +546,11 @@ class Explain:
     def line(
         self,
         line: str,
+        before: str = ...,
+        after: str = ...,
     ) -> passo.learn.explanation.Explanation:
-        """What one line becomes if all axes are at 0 before it. Nothing moves."""
+        """What one line becomes if all axes are at 0 before it, and before the lines of
+        `before`. Nothing moves."""
         ...
 
 class Logs:
@@ -811,6 +888,12 @@ class AsyncConsole:
         """Carries out lines of G-code, one after the other, and answers when the last one
         is done or planned. The first line that fails ends the script."""
         ...
+    async def end_wait(
+        self,
+    ) -> None:
+        """Ends what the printer waits for (M108): heating, a calibration, a measurement of
+        the bed."""
+        ...
     async def history(
         self,
     ) -> builtins.list[passo.web.endpoints.console.Line]:
@@ -866,6 +949,11 @@ class AsyncMotion:
         axes: builtins.list[str] = ...,
     ) -> None:
         """Homes axes; answered when they are homed."""
+        ...
+    async def wait(
+        self,
+    ) -> None:
+        """Waits until all planned moves are done (M400)."""
         ...
     async def motors_off(
         self,
@@ -928,6 +1016,68 @@ class AsyncSettings:
     ) -> None:
         """Goes back to the values of the machine file (M502); what is stored stays
         stored."""
+        ...
+
+class AsyncCalibration:
+    async def tune_heater(
+        self,
+        heater: str,
+        celsius: float,
+        method: typing.Literal['pid', 'model'] = ...,
+    ) -> passo.web.endpoints.console.Answer:
+        """Tunes a heater, takes the result, and stores it where there is a place for
+        settings (M303 with U1). The heater is off before it answers. Minutes pass;
+        `console.end_wait` ends it."""
+        ...
+    async def fit_thermistor(
+        self,
+        heater: str,
+        readings: builtins.list[passo.web.endpoints.calibration.Reading],
+    ) -> builtins.list[passo.web.endpoints.calibration.ThermistorFit]:
+        """What a heater's thermistor should be for readings, by each method that these
+        allow; the thermistor as it is now comes first. Nothing is set."""
+        ...
+    async def set_thermistor(
+        self,
+        heater: str,
+        r25_ohm: float,
+        beta_k: float,
+        c_per_k: float = ...,
+    ) -> None:
+        """Sets the thermistor of a heater at once (M305), until `settings.store` stores
+        it."""
+        ...
+    async def measure_bed(
+        self,
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, measures the bed by the method of the machine file, and corrects
+        by it (G28, G29)."""
+        ...
+    async def repeat_probe(
+        self,
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, and probes the bed ten times in one place (G28, M48)."""
+        ...
+    async def bed(
+        self,
+    ) -> passo.web.endpoints.calibration.BedMap:
+        """The map of the bed that is in force, or was measured last."""
+        ...
+
+class AsyncSimulation:
+    async def parts(
+        self,
+    ) -> builtins.list[passo.web.bridge.SimulatedPart]:
+        """The parts of the simulated printer that can be given a fault; empty where a board
+        is real."""
+        ...
+    async def set_fault(
+        self,
+        part: str,
+        fault: str,
+    ) -> None:
+        """Gives a part of the simulated printer a fault, or ends it, also while the printer
+        is halted (SIMULATE_FAULT)."""
         ...
 
 class AsyncFiles:
@@ -1039,8 +1189,11 @@ class AsyncExplain:
     async def line(
         self,
         line: str,
+        before: str = ...,
+        after: str = ...,
     ) -> passo.learn.explanation.Explanation:
-        """What one line becomes if all axes are at 0 before it. Nothing moves."""
+        """What one line becomes if all axes are at 0 before it, and before the lines of
+        `before`. Nothing moves."""
         ...
 
 class AsyncLogs:
@@ -1194,6 +1347,10 @@ class Client:
     @property
     def settings(self) -> Settings: ...
     @property
+    def calibration(self) -> Calibration: ...
+    @property
+    def simulation(self) -> Simulation: ...
+    @property
     def files(self) -> Files: ...
     @property
     def folders(self) -> Folders: ...
@@ -1243,6 +1400,10 @@ class AsyncClient:
     def tuning(self) -> AsyncTuning: ...
     @property
     def settings(self) -> AsyncSettings: ...
+    @property
+    def calibration(self) -> AsyncCalibration: ...
+    @property
+    def simulation(self) -> AsyncSimulation: ...
     @property
     def files(self) -> AsyncFiles: ...
     @property

@@ -7,6 +7,7 @@ from types import ModuleType
 
 from passo.web.endpoints import (
     accounts,
+    calibration,
     console,
     emergency,
     explain,
@@ -25,6 +26,7 @@ from passo.web.endpoints import (
     queue,
     session,
     settings,
+    simulation,
     status,
     tuning,
 )
@@ -50,7 +52,20 @@ _MODULES = (
         heaters,
         fans,
     ),
-    *(motion, tuning, settings, files, history, explain, logs, session, accounts, metrics),
+    *(
+        motion,
+        tuning,
+        settings,
+        calibration,
+        simulation,
+        files,
+        history,
+        explain,
+        logs,
+        session,
+        accounts,
+        metrics,
+    ),
     *(octoprint, prusalink, rrf),
 )
 OPERATIONS: tuple[Operation, ...] = tuple(

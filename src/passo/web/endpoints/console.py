@@ -53,6 +53,12 @@ async def run(call: Call, body: Script) -> Answer:
     return Answer(list(await call.run(body.script)))
 
 
+@operation("console.end_wait", "POST", "/console/end-wait", Role.OPERATOR)
+async def end_wait(call: Call) -> None:
+    """Ends what the printer waits for (M108): heating, a calibration, a measurement of the bed."""
+    await call.run("M108")
+
+
 @operation("console.history", "GET", "/console", Role.VIEWER)
 async def history(call: Call) -> list[Line]:
     """The last lines of all consoles, oldest first, without secrets."""

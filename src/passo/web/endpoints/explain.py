@@ -22,9 +22,12 @@ class LineOfFile(Struct, forbid_unknown_fields=True):
 
 
 class TypedLine(Struct, forbid_unknown_fields=True):
-    """One line of G-code."""
+    """One line of G-code, and lines that are carried out before and after it, such as `M204` and
+    moves that it joins."""
 
     line: Annotated[str, Meta(min_length=1, max_length=1000, pattern=r"^[^\r\n]*[^\s][^\r\n]*$")]
+    before: Annotated[str, Meta(max_length=4000)] = ""
+    after: Annotated[str, Meta(max_length=4000)] = ""
 
 
 _ERRORS = (
@@ -43,5 +46,6 @@ async def explain_file(call: Call, query: LineOfFile) -> Explanation:
 
 @operation("explain.line", "POST", "/explain", Role.VIEWER, errors=_ERRORS)
 async def explain_line(call: Call, body: TypedLine) -> Explanation:
-    """What one line becomes if all axes are at 0 before it. Nothing moves."""
-    return await call.bridge.explain_line(body.line)
+    """What one line becomes if all axes are at 0 before it, and before the lines of `before`.
+    Nothing moves."""
+    return await call.bridge.explain_line(body.line, before=body.before, after=body.after)

@@ -60,6 +60,12 @@ async def home(call: Call, body: AxesToHome) -> None:
     await call.run(" ".join(["G28", *(name.upper() for name in body.axes)]))
 
 
+@operation("motion.wait", "POST", "/motion/wait", Role.OPERATOR, errors=("command.halted",))
+async def wait(call: Call) -> None:
+    """Waits until all planned moves are done (M400)."""
+    await call.run("M400")
+
+
 @operation(
     "motion.motors_off",
     "POST",

@@ -1,0 +1,220 @@
+"""What is measured on the machine, and set by what was measured."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from passo.config.heater_numbers import number_of
+from passo.config.thermistor import Ntc
+from passo.errors import InputError, WebError
+from passo.gcode.command import numeral
+from passo.heat.calibration import (
+    FAR,
+    MAX_BETA_K,
+    MAX_C_PER_K,
+    MIN_BETA_K,
+    Calibration,
+    Point,
+    by_least_squares,
+    by_steinhart_hart,
+)
+from passo.web.call import Call
+from passo.web.endpoints.console import Answer
+from passo.web.operation import operation
+from passo.web.roles import Role
+
+Celsius = Annotated[float, Meta(gt=0, le=400)]
+
+_RULES = {"pid": "C8 R0", "model": "R5"}
+_ERRORS = ("web.not-found", "command.value", "command.halted", "command.failed")
+_MAP = range(11)  # points of a fit along each axis
+
+
+class HeaterTune(Struct, forbid_unknown_fields=True):
+    """A heater to tune at a temperature in °C: the gains of PID by relay oscillation, or its model
+    from the rise with full power, which needs a cold heater."""
+
+    heater: str
+    celsius: Celsius
+    method: Literal["pid", "model"] = "pid"
+
+
+class Reading(Struct, forbid_unknown_fields=True):
+    """A temperature that the printer shows, and the true one that a thermometer shows, in °C."""
+
+    shown_c: Celsius
+    true_c: Celsius
+
+
+class Readings(Struct, forbid_unknown_fields=True):
+    """Readings of a heater's thermistor."""
+
+    heater: str
+    readings: Annotated[list[Reading], Meta(min_length=1, max_length=50)]
+
+
+class ThermistorFit(Struct):
+    """A thermistor by a method. `residuals_c` is what it would show above each true temperature,
+    in °C; `rms_c` is their root mean square."""
+
+    method: Literal["now", "beta", "steinhart-hart"]
+    r25_ohm: float
+    beta_k: float
+    c_per_k: float
+    residuals_c: list[float]
+    rms_c: float
+
+
+class Thermistor(Struct, forbid_unknown_fields=True):
+    """The coefficients of a heater's thermistor: its resistance at 25 °C, β, and C of the equation
+    1/T = A + B·ln R + C·(ln R)³ with B = 1/β."""
+
+    heater: str
+    r25_ohm: Annotated[float, Meta(gt=0, le=1e9)]
+    beta_k: Annotated[float, Meta(ge=MIN_BETA_K, le=MAX_BETA_K)]
+    c_per_k: Annotated[float, Meta(ge=0, le=MAX_C_PER_K)] = 0.0
+
+
+class BedMap(Struct):
+    """What is added to Z to follow the bed, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`;
+    empty before the bed is measured. `probe`: the machine has one. `method` is that of the machine
+    file. `measured` is the kind of correction: a `mesh` has its own points, a `fit` is sampled over
+    the axes."""
+
+    probe: bool
+    method: str
+    measured: Literal["none", "fit", "mesh"]
+    on: bool
+    xs_mm: list[float]
+    ys_mm: list[float]
+    heights_mm: list[list[float]]
+
+
+@operation("calibration.tune_heater", "POST", "/calibration/heater", Role.OPERATOR, errors=_ERRORS)
+async def tune_heater(call: Call, body: HeaterTune) -> Answer:
+    """Tunes a heater, takes the result, and stores it where there is a place for settings (M303
+    with U1). The heater is off before it answers. Minutes pass; `console.end_wait` ends it."""
+    number = _heater_number(call, body.heater)
+    rule = _RULES[body.method]
+    return Answer(list(await call.run(f"M303 H{number} S{numeral(body.celsius)} {rule} U1")))
+
+
+@operation(
+    "calibration.fit_thermistor",
+    "POST",
+    "/calibration/thermistor/fit",
+    Role.VIEWER,
+    errors=("web.not-found", "input.point-far"),
+)
+async def fit_thermistor(call: Call, body: Readings) -> list[ThermistorFit]:
+    """What a heater's thermistor should be for readings, by each method that these allow; the
+    thermistor as it is now comes first. Nothing is set."""
+    ntc = await _thermistor(call, body.heater)
+    points = [Point(reading.shown_c, reading.true_c) for reading in body.readings]
+    for point in points:
+        if abs(point.true_c - point.shown_c) > FAR * point.shown_c:
+            limit = f"{(1 - FAR) * point.shown_c:.0f} to {(1 + FAR) * point.shown_c:.0f}"
+            raise InputError.of(
+                "input.point-far", value=point.true_c, key=point.shown_c, limit=limit
+            )
+    off = tuple(point.shown_c - point.true_c for point in points)
+    now = Calibration(ntc.beta_k, off, ntc.r25_ohm, ntc.c_per_k)
+    found = [_fit("now", now), _fit("beta", by_least_squares(ntc, points))]
+    full = by_steinhart_hart(ntc, points)
+    if full is not None:
+        found.append(_fit("steinhart-hart", full))
+    return found
+
+
+@operation(
+    "calibration.set_thermistor",
+    "PUT",
+    "/calibration/thermistor",
+    Role.OPERATOR,
+    errors=("heat.no-thermistor", "heat.reads-nothing", *_ERRORS),
+)
+async def set_thermistor(call: Call, body: Thermistor) -> None:
+    """Sets the thermistor of a heater at once (M305), until `settings.store` stores it."""
+    number = _heater_number(call, body.heater)
+    words = f"A{numeral(body.r25_ohm)} B{numeral(body.beta_k)} C{numeral(body.c_per_k)}"
+    await call.run(f"M305 H{number} {words}")
+
+
+@operation(
+    "calibration.measure_bed",
+    "POST",
+    "/calibration/bed",
+    Role.OPERATOR,
+    errors=("levelling.no-area", "levelling.no-points", "input.not-homed", *_ERRORS),
+)
+async def measure_bed(call: Call) -> Answer:
+    """Homes all axes, measures the bed by the method of the machine file, and corrects by it (G28,
+    G29)."""
+    return Answer(list(await call.run("G28\nG29")))
+
+
+@operation(
+    "calibration.repeat_probe",
+    "POST",
+    "/calibration/probe",
+    Role.OPERATOR,
+    errors=("input.not-homed", *_ERRORS),
+)
+async def repeat_probe(call: Call) -> Answer:
+    """Homes all axes, and probes the bed ten times in one place (G28, M48)."""
+    return Answer(list(await call.run("G28\nM48 P10")))
+
+
+@operation("calibration.bed", "GET", "/calibration/bed", Role.VIEWER)
+async def bed(call: Call) -> BedMap:
+    """The map of the bed that is in force, or was measured last."""
+    machine = call.bridge.machine
+    state = await call.bridge.bed()
+    correction = state.correction
+    found = BedMap(
+        machine.probe is not None, machine.levelling.method, "none", state.on, [], [], []
+    )
+    if correction is None:
+        return found
+    if correction.mesh is not None:
+        found.measured = "mesh"
+        found.xs_mm, found.ys_mm = list(correction.mesh.xs), list(correction.mesh.ys)
+    else:
+        found.measured = "fit"
+        found.xs_mm, found.ys_mm = (
+            [axis.min_mm + (axis.max_mm - axis.min_mm) * k / _MAP[-1] for k in _MAP]
+            for axis in (machine.axes["x"], machine.axes["y"])
+        )
+    found.heights_mm = [[correction.plain(x, y) for x in found.xs_mm] for y in found.ys_mm]
+    return found
+
+
+def _heater_number(call: Call, name: str) -> int:
+    """H of a heater in commands."""
+    machine = call.bridge.machine
+    number = number_of(machine, name) if name in machine.heaters else None
+    if number is None:
+        raise WebError.of("web.not-found", value=f"heater {name}")
+    return number
+
+
+async def _thermistor(call: Call, name: str) -> Ntc:
+    """The thermistor of a heater as it is in force: M305 may have changed that of the file."""
+    command = f"M305 H{_heater_number(call, name)}"
+    values = {s.word: float(s.value) for s in await call.bridge.settings() if s.command == command}
+    if not values:
+        raise WebError.of("web.not-found", value=f"thermistor of heater {name}")
+    return Ntc(values["A"], values["B"], values["C"])
+
+
+def _fit(method: Literal["now", "beta", "steinhart-hart"], found: Calibration) -> ThermistorFit:
+    return ThermistorFit(
+        method,
+        found.r25_ohm,
+        found.beta_k,
+        found.c_per_k,
+        list(found.residuals_c),
+        found.rms_c,
+    )
