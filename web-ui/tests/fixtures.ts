@@ -2,11 +2,12 @@
 
 import { expect, test as base } from "vitest";
 import { launch, visit } from "./browser";
-import { Served } from "./served";
+import { Served, type ServedOptions } from "./served";
 
-export const test = base
+/** A test whose printer is served with these options. */
+export const testOf = (options: ServedOptions) => base
   .extend("served", { scope: "file" }, async ({}, { onCleanup }) => {
-    const served = new Served();
+    const served = new Served(options);
     onCleanup(() => served.remove());
     await served.start();
     return served;
@@ -26,3 +27,5 @@ export const test = base
     return made;
   })
   .extend("page", ({ visit }) => visit.page);
+
+export const test = testOf({});

@@ -1,4 +1,4 @@
-/** `passo serve` with a machine file of the simulated i3 and the example on its card, in scaled time. */
+/** `passo serve` with a machine file of a simulated printer and the example on its card, in scaled time. */
 
 import { spawn, type ChildProcess } from "node:child_process";
 import { chmodSync, cpSync, mkdtempSync, rmSync } from "node:fs";
@@ -8,8 +8,14 @@ import { createInterface } from "node:readline";
 
 const PYTHON = process.env["PASSO_PYTHON"] ?? "../.venv/bin/python";
 const EXAMPLE = process.env["PASSO_EXAMPLE"] ?? "../build/demo.gcode";
-const MACHINE = process.env["PASSO_MACHINE"] ?? "../src/passo/config/machines/i3.toml";
-const CLOCK = "20"; // times as fast as real
+const MACHINES = "../src/passo/config/machines";
+
+export interface ServedOptions {
+  /** A machine of the library. */
+  machine?: string;
+  /** How many times as fast as real. */
+  clock?: number;
+}
 
 export class Served {
   url = "";
@@ -17,16 +23,19 @@ export class Served {
   #folder = mkdtempSync(join(tmpdir(), "passo-page-"));
   #machine = join(this.#folder, "my.toml");
 
-  constructor() {
+  #clock: number;
+
+  constructor({ machine = "i3", clock = 20 }: ServedOptions = {}) {
+    this.#clock = clock;
     cpSync(EXAMPLE, join(this.#folder, "demo.gcode"));
-    cpSync(MACHINE, this.#machine);
+    cpSync(join(MACHINES, `${machine}.toml`), this.#machine);
     chmodSync(this.#machine, 0o644);
   }
 
   /** Starts it, at the address that it had before, if it was started before. */
   async start(): Promise<void> {
     const place = this.url ? new URL(this.url).host : "127.0.0.1:0";
-    const options = ["--machine", this.#machine, "--clock", CLOCK, "--sd", this.#folder, "--tcp", "127.0.0.1:0"];
+    const options = ["--machine", this.#machine, "--clock", `${this.#clock}`, "--sd", this.#folder, "--tcp", "127.0.0.1:0"];
     const child = spawn(PYTHON, ["-m", "passo", "serve", ...options, "--http", place], {
       stdio: ["ignore", "ignore", "pipe"],
     });

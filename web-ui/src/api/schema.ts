@@ -58,6 +58,20 @@ export interface Babystep {
   distance_mm: number;
 }
 
+/** What is added to Z to follow the bed, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`;
+ * empty before the bed is measured. `probe`: the machine has one. `method` is that of the machine
+ * file. `measured` is the kind of correction: a `mesh` has its own points, a `fit` is sampled
+ * over the axes. */
+export interface BedMap {
+  probe: boolean;
+  method: string;
+  measured: "fit" | "mesh" | "none";
+  on: boolean;
+  xs_mm: number[];
+  ys_mm: number[];
+  heights_mm: number[][];
+}
+
 /** A board: what it is, the program that flashes it (`flash`, null if there is none), and what the
  * user does by hand before and after. `state` is `ready`, or says what is missing. */
 export interface BoardOfList {
@@ -313,6 +327,14 @@ export interface HeaterTarget {
   celsius: number;
 }
 
+/** A heater to tune at a temperature in °C: the gains of PID by relay oscillation, or its model
+ * from the rise with full power, which needs a cold heater. */
+export interface HeaterTune {
+  heater: string;
+  celsius: number;
+  method?: "model" | "pid";
+}
+
 /** Who the caller is. `role` is `public` without a log-in; `set_up`: there is an administrator;
  * `code_needed`: creating it takes the one-time code; `fresh`: the password was entered within
  * the last five minutes. */
@@ -551,6 +573,12 @@ export interface ObjectState {
   cancelled: boolean;
 }
 
+/** The fault that a part has from now on; `none` ends it. `noise` may have an amount, as in
+ * `noise:0.05`. */
+export interface PartFault {
+  fault: string;
+}
+
 /** The password of the log-in. */
 export interface Password {
   password: string;
@@ -635,6 +663,18 @@ export interface QueuedPrint {
   path: string;
 }
 
+/** A temperature that the printer shows, and the true one that a thermometer shows, in °C. */
+export interface Reading {
+  shown_c: number;
+  true_c: number;
+}
+
+/** Readings of a heater's thermistor. */
+export interface Readings {
+  heater: string;
+  readings: Reading[];
+}
+
 /** Why a request was not carried out. `others` are further problems that were found. */
 export interface Refusal {
   error: Fault;
@@ -673,6 +713,14 @@ export interface ShippedMachine {
   size_mm: number[];
   steppers: string[];
   board: string;
+}
+
+/** A part of the simulated printer: the faults that it can have, `none` first, and the one that it
+ * has now. */
+export interface SimulatedPart {
+  part: string;
+  faults: string[];
+  active: string;
 }
 
 /** The factor of all feedrates; 1 is that of the file. */
@@ -739,15 +787,38 @@ export interface Temperatures {
   heaters: Record<string, HeaterPast>;
 }
 
+/** The coefficients of a heater's thermistor: its resistance at 25 °C, β, and C of the equation
+ * 1/T = A + B·ln R + C·(ln R)³ with B = 1/β. */
+export interface Thermistor {
+  heater: string;
+  r25_ohm: number;
+  beta_k: number;
+  c_per_k?: number;
+}
+
+/** A thermistor by a method. `residuals_c` is what it would show above each true temperature, in
+ * °C; `rms_c` is their root mean square. */
+export interface ThermistorFit {
+  method: "beta" | "now" | "steinhart-hart";
+  r25_ohm: number;
+  beta_k: number;
+  c_per_k: number;
+  residuals_c: number[];
+  rms_c: number;
+}
+
 /** A tool: its extruder and its heater, null where it has none. */
 export interface ToolOfMachine {
   extruder?: string | null;
   heater?: string | null;
 }
 
-/** One line of G-code. */
+/** One line of G-code, and lines that are carried out before and after it, such as `M204` and
+ * moves that it joins. */
 export interface TypedLine {
   line: string;
+  before?: string;
+  after?: string;
 }
 
 /** Whether a text is a valid machine file. `questions` are values that are allowed but are

@@ -1,6 +1,6 @@
 /** Which page is shown: the hash of the address, `#/files` for example, or `#/viewer/part.gcode`. */
 
-export const PAGES = ["dashboard", "files", "viewer", "machine", "learn", "settings"] as const;
+export const PAGES = ["dashboard", "files", "viewer", "machine", "calibrate", "learn", "settings"] as const;
 export type Page = (typeof PAGES)[number];
 
 /** The page of a hash; the dashboard for one that is not known. */
