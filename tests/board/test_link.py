@@ -13,6 +13,7 @@ from tests.support.link_bench import HZ, MS, PLANT, Bench, Planner, description,
 
 from passo import _core
 from passo.board.dictionary import decode
+from passo.board.start_up import add_parts
 from passo.simulator import SimulatedBoard
 
 Noise = Callable[[bytes, random.Random], bytes]
@@ -233,7 +234,7 @@ def test_the_clock_of_a_board_that_runs_fast_is_followed():
     d = bench.connection.dictionary
     bench.link = bench.connection.link = _core.Link(HZ)
     bench.link.set_dictionary(d.commands, d.reports, d.number("RECEIVE_WINDOW"))
-    bench.connection._prepare()
+    add_parts(bench.connection, bench.connection.move_count)
     bench.link.follow_clock(wire.now)
     wire.run(wire.now + HZ // 10)
     base = start(bench, plan)

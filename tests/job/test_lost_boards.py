@@ -14,6 +14,7 @@ from tests.support.two_boards import two_boards
 
 from passo import _core
 from passo.board.connection import Connection
+from passo.board.survive import move_evenly
 from passo.config.pin_names import MAIN
 from passo.motion.motion_queue import LEAD_S
 from passo.printer.recovery.reconnect import _Attempt
@@ -74,13 +75,12 @@ def test_print_with_lost_boards_ends_at_same_steps(monkeypatch, undisturbed, wor
 def gone_back(monkeypatch):
     """The boards that had to go back, as they had heard of one commit more than the other."""
     boards = []
-    move_evenly = Connection.move_evenly
 
-    def spied(self, steps, seconds, serial):
-        boards.append(self.name)
-        move_evenly(self, steps, seconds, serial)
+    def spied(connection, steps, seconds, serial):
+        boards.append(connection.name)
+        move_evenly(connection, steps, seconds, serial)
 
-    monkeypatch.setattr(Connection, "move_evenly", spied)
+    monkeypatch.setattr("passo.printer.recovery.reconnect.move_evenly", spied)
     return boards
 
 

@@ -270,7 +270,7 @@ def test_limits_changed_just_before_link_loss(tmp_path, changes, seconds):
 
 
 def test_a_board_with_an_older_firmware_is_refused(monkeypatch):
-    monkeypatch.setattr("passo.board.connection._SURVIVE", 3)
+    monkeypatch.setattr("passo.board.firmware_identity._SURVIVE", 3)
     with pytest.raises(MachineError, match="firmware is older than this program"):
         Scenario(FIRMWARE)
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from passo import _core
-from passo.board.connection import LEAD_S, Connection
+from passo.board.connection import Connection
 from passo.board.description import Sensor, together
+from passo.board.exchange import LEAD_S
 from passo.board.fault_injection import FaultInjector
 from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.ports import LinkLostError

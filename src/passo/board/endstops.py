@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from passo.board.boards import Boards
-from passo.board.connection import Connection, Values
+from passo.board.connection import Connection
 from passo.board.description import inverted
+from passo.board.exchange import Values
 
 _SAMPLE_S = 15e-6  # between the samples that must agree
 _SAMPLES = 4

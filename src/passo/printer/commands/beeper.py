@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from passo.board.connection import LEAD_S
+from passo.board.exchange import LEAD_S
 from passo.config.pin_names import MAIN, placed
 from passo.errors import CommandError
 from passo.gcode.command import Command

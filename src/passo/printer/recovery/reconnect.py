@@ -9,13 +9,10 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from passo.board.boards import SETTLING_S
-from passo.board.connection import (
-    BRAKING_S,
-    LOOK_S,
-    Connection,
-)
+from passo.board.connection import Connection
 from passo.board.faults import BoardAloneError, BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
+from passo.board.survive import BRAKING_S, LOOK_S, move_evenly, stopped
 from passo.motion.motion_queue import TICK_S
 
 if TYPE_CHECKING:
@@ -129,7 +126,7 @@ class _Attempt:
         parts.motors.renew()
         parts.power_supply.renew()
         for connection in ahead:
-            connection.move_evenly({name: -n for name, n in further.items()}, _BACK_S, serial)
+            move_evenly(connection, {name: -n for name, n in further.items()}, _BACK_S, serial)
         for connection in ahead:
             await self._passes(TICK_S)
             if await self._stood_behind(connection) != serial:
@@ -170,7 +167,7 @@ class _Attempt:
             # ahead of the machine's.
             end = connection.now + int(BRAKING_S * connection.wire.hz)
             while connection.now < end:
-                if (state := connection.stopped()) is not None:
+                if (state := stopped(connection)) is not None:
                     behind = state["state"] in (states["resting"], states["held"])
                     return int(state["serial"]) if behind else 0
                 await self._passes(LOOK_S)

@@ -1,0 +1,217 @@
+"""What passes between the host and one board: commands, questions, reports, time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
+
+from passo import _core
+from passo.board.configuration import Oids
+from passo.board.description import BoardDescription
+from passo.board.dictionary import Dictionary
+from passo.board.faults import (
+    BoardAloneError,
+    BoardResetError,
+    BoardSilentError,
+    HeaterFault,
+    shutdown_error,
+)
+from passo.board.ports import LinkLostError, Port
+from passo.clock import time_scale
+from passo.errors import MachineError
+
+Values: TypeAlias = dict[str, int | bytes]
+
+LEAD_S = 0.25  # from a word to what it begins
+TIMEOUT_S = 0.5  # until a question is asked again
+TRIES = 5
+STEP_S = 0.01  # between two looks for an answer
+_RESPONSES_KEPT = 1024
+
+
+class Exchange:
+    """The link to one board: what the host sends, and what the board reports.
+
+    Every method that lets time pass raises LinkLostError when the port is closed. When a heater
+    fails, the fault is appended to `faults` and given to `on_fault`, which may raise; without that,
+    it is raised as a MachineError.
+    """
+
+    def __init__(self, board: BoardDescription, port: Port, name: str = "") -> None:
+        self.name = name
+        self.board = board
+        self.port = port
+        self.link = _core.Link(float(board.clock_hz))
+        self.link.set_byte_ticks(port.byte_s * board.clock_hz)
+        self.wire = port.attach(self.link)
+        self.dictionary = Dictionary((), (), {}, {})
+        self.oids = Oids.of(board)
+        self.heaters: dict[str, _core.Heater] = {}
+        self.faults: list[HeaterFault] = []
+        self.on_fault: Callable[[str, HeaterFault], None] | None = None
+        self._told: dict[str, int] = {}
+        self._responses: list[tuple[str, Values]] = []
+        self._late: dict[tuple[str, int | None], int] = {}  # until when old answers may come
+
+    @property
+    def now(self) -> int:
+        """The main board's clock; on a live port each board's own, as far as it is known, and
+        before that this computer's."""
+        return self.wire.now
+
+    @property
+    def board_clock(self) -> int:
+        """The board's own clock, as far as it is known."""
+        return self.wire.board_clock(self.link)
+
+    def ticks(self, seconds: float) -> int:
+        """As many ticks of the main board's clock."""
+        return int(seconds * self.wire.hz)
+
+    def clock_after(self, seconds: float) -> int:
+        """What the board's own clock will read."""
+        return self.board_clock + int(seconds * self.board.clock_hz)
+
+    def command(self, text: str) -> None:
+        """Queues a command, as `name parameter=value …`; it leaves when time next passes.
+
+        Raises DictionaryError if the board does not know it.
+        """
+        self.link.send(*self.dictionary.values(text))
+
+    def ask(self, text: str, answer: str) -> Values:
+        """Sends a command and returns the values of the report `answer`.
+
+        Reports are not repeated by the board, so the question is. An object's report is that of the
+        very object in the question.
+        """
+        name, values = self.dictionary.values(text)
+        oid = re.search(r" oid=(\d+)", text)
+        same = {"oid": int(oid[1])} if oid else {}
+        about = (answer, same.get("oid"))
+        if (late := self._late.pop(about, 0)) > self.now:
+            self.pass_time(late)
+        begin = self.now
+        found = self.ask_for(name, values, answer, same)
+        passed = self.now - begin
+        if passed > self.ticks(TIMEOUT_S):
+            # It was repeated: the answer to the repetition is as late as this one.
+            self._late[about] = self.now + passed
+        return found
+
+    def ask_for(
+        self,
+        name: str,
+        values: Sequence[int | bytes],
+        answer: str,
+        same: Mapping[str, int],
+        tries: int = TRIES,
+    ) -> Values:
+        """The report `answer` in which the values of `same` are these. Raises BoardSilentError, or
+        the reason for which the board has shut down by itself."""
+        self._collect()
+        until, end = self.now, self.now + self.ticks(tries * TIMEOUT_S)
+        repeat = until
+        lost = True
+        while until <= end:
+            if lost or until >= repeat:
+                self.link.send(name, list(values))
+                repeat = until + self.ticks(TIMEOUT_S)
+            # A board that is shut down may still be asked.
+            self.pass_time(until)
+            lost = self.link.told  # its answer has come by now, or never will
+            found = self._find(answer, same)
+            if found is not None:
+                return found
+            until += self.ticks(STEP_S)
+        if self.link.shut_down and not self.link.stopped_with_others:
+            raise self.shutdown_error()
+        raise self.silence(name)
+
+    def take_responses(self, *names: str) -> list[tuple[str, Values]]:
+        """Unsolicited reports since the last call, oldest first: those of these names, or all."""
+        self._collect()
+        taken = [r for r in self._responses if not names or r[0] in names]
+        self._responses = [r for r in self._responses if names and r[0] not in names]
+        return taken
+
+    def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
+        """Lets time pass until `until_clock`, or until no heater is on its way any more.
+
+        Returns False if it came to `until_clock`, True if the heaters were first.
+        """
+        stop = self.pass_time(until_clock, until_heaters)
+        if self.link.shut_down:
+            raise self.shutdown_error()
+        if self.link.alone:
+            raise BoardAloneError.of("machine.alone")
+        if self.link.lost:
+            raise self.silence("get_clock")
+        return stop == _core.Stop.HEATERS
+
+    def pass_time(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
+        """As `run`, but a board that is shut down or silent is no error."""
+        while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
+            self.take_faults()
+        if stop == _core.Stop.CLOSED:
+            failure = self.wire.failure if isinstance(self.wire, _core.LiveWire) else ""
+            if failure:
+                raise LinkLostError.of("machine.link-failed", value=failure)
+            raise LinkLostError.of("machine.closed")
+        return stop
+
+    def take_faults(self) -> None:
+        """Tells of the heaters that have failed since the last call."""
+        for name, heater in self.heaters.items():
+            fault = heater.fault
+            if fault is None or self._told.get(name) == fault.clock:
+                continue
+            self._told[name] = fault.clock
+            event = HeaterFault.of(name, fault)
+            self.faults.append(event)
+            if self.on_fault is None:
+                raise MachineError([event.problem])
+            self.on_fault(name, event)
+
+    @property
+    def lost(self) -> bool:
+        """The board cannot be heard any more: it is silent, or its port is closed."""
+        try:
+            self.pass_time(self.now)
+        except LinkLostError:
+            return True
+        return self.link.lost
+
+    def silence(self, question: str) -> LinkLostError:
+        """The board has left a question unanswered, perhaps because it has begun anew."""
+        reset = self.link.begun_anew
+        return BoardResetError(self.name) if reset else BoardSilentError(self.named(question))
+
+    def shutdown_error(self) -> MachineError:
+        """Why the board has shut down."""
+        reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
+        return shutdown_error(reason, self.named(reason), time_scale())
+
+    def named(self, text: str) -> str:
+        """The text, and which of several boards it is about."""
+        return f"{text} (board {self.name})" if self.name else text
+
+    def forget_late_answers(self) -> None:
+        """Of a link that was lost no answer comes any more."""
+        self._late.clear()
+
+    def _find(self, answer: str, same: Mapping[str, int]) -> Values | None:
+        fresh: list[tuple[str, Values]] = self.link.take_responses()
+        found = None
+        for name, values in fresh:
+            wanted = name == answer and all(values.get(k, v) == v for k, v in same.items())
+            if wanted and found is None:
+                found = values
+            else:
+                self._responses.append((name, values))
+        return found
+
+    def _collect(self) -> None:
+        self._responses += self.link.take_responses()
+        del self._responses[:-_RESPONSES_KEPT]  # reports that no caller takes
