@@ -222,6 +222,19 @@ void bind_board(nb::module_& m) {
           "hysteresis"_a, "sigma"_a, "seed"_a, "dead"_a, "touchy"_a, "mechanism"_a,
           "A probe on the head, and the bed below; `motors` are the step pins of the actuators.")
       .def(
+          "carry_probe",
+          [](Bench& b, uint32_t pin,
+             const std::vector<std::pair<uint32_t, std::array<double, 4>>>& lifts) {
+            change_probe(b, pin, [&](BedProbe& probe) {
+              probe.lifts.clear();
+              for (const auto& [motor, c] : lifts)
+                probe.lifts.push_back({motor, {c[0], c[1], c[2], c[3]}});
+            });
+          },
+          "pin"_a, "lifts"_a,
+          "Several motors carry the gantry of a probe: the step pin of each, and c of its weight "
+          "c · (1, x, y, x y) at X, Y of the nozzle.")
+      .def(
           "change_probe",
           [](Bench& b, uint32_t pin, const std::vector<Corners>& dead,
              const std::vector<Corners>& touchy, double sigma, bool jammed) {

@@ -12,6 +12,7 @@
 
 #include "bind/bind_height_map.hpp"
 #include "bind/bind_job.hpp"
+#include "bind/bind_machine.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -54,6 +55,29 @@ void bind_job_settings(JobClass& job) {
            self.job.motion.set_steps_per_unit(stepper, value);
          },
          "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
+      .def(
+          "set_geometry",
+          [](JobView& self, const nb::dict& spec) {
+            self.job.motion.flush();
+            self.job.motion.set_geometry(
+                make_geometry(get<std::string>(spec, "kind"), geometry_params(spec)));
+          },
+          "spec"_a,
+          "Other parameters of the machine's geometry, as in its spec, while the machine stands. "
+          "No "
+          "motor moves: set_axes must say where the axes are now.")
+      .def(
+          "let_rest",
+          [](JobView& self, const std::vector<size_t>& steppers) {
+            for (size_t i : steppers)
+              if (i >= self.job.motion.machine().steppers.size())
+                throw nb::index_error("no such stepper");
+            self.job.motion.flush();
+            self.job.motion.let_rest(steppers);
+          },
+          "steppers"_a,
+          "These motors, by number, make no step of later moves, all others do; while the machine "
+          "stands. set_axes must say where the axes are after the moves of a motor that rested.")
       .def(
           "set_height_map",
           [](JobView& self, const std::pair<double, double>& first,

@@ -44,7 +44,7 @@ inline bool wordless(const Word& w) {
          n == 125 || n == 142 || n == 150 || (n >= 163 && n <= 166) || n == 192 || n == 202 ||
          n == 222 || n == 240 || n == 250 || n == 281 || n == 351 || n == 355 ||
          (n >= 404 && n <= 407) || n == 428 || n == 512 || n == 531 || n == 595 || n == 604 ||
-         n == 605 || n == 666 || n == 800 || n == 908 || n == 925 || n == 926;
+         n == 605 || n == 800 || n == 908 || n == 925 || n == 926;
 }
 
 // Commands, other than moves, that have a word E; passo.gcode.registry says the same.

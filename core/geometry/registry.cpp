@@ -1,5 +1,6 @@
 #include "geometry/registry.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "geometry/cartesian.hpp"
@@ -8,10 +9,13 @@
 #include "geometry/dual_scara.hpp"
 #include "geometry/rotary_delta.hpp"
 #include "geometry/scara.hpp"
+#include "geometry/skewed.hpp"
 
 namespace passo {
 
-std::unique_ptr<Geometry> make_geometry(const std::string& kind, const GeometryParams& params) {
+namespace {
+
+std::unique_ptr<Geometry> rectangular(const std::string& kind, const GeometryParams& params) {
   auto list = [&](const char* name) -> const std::vector<double>& { return params.at(name); };
   auto number = [&](const char* name) { return params.at(name).at(0); };
   if (kind == "cartesian") return std::make_unique<LinearGeometry>(cartesian());
@@ -35,6 +39,17 @@ std::unique_ptr<Geometry> make_geometry(const std::string& kind, const GeometryP
                                        number("distal2"), number("x_offset"), number("y_offset"),
                                        list("middles").at(0), list("middles").at(1));
   throw std::invalid_argument("unknown geometry " + kind);
+}
+
+}  // namespace
+
+std::unique_ptr<Geometry> make_geometry(const std::string& kind, const GeometryParams& params) {
+  std::unique_ptr<Geometry> axes = rectangular(kind, params);
+  const auto skew = params.find("skew");
+  if (skew == params.end()) return axes;
+  const std::vector<double>& factors = skew->second;
+  if (std::all_of(factors.begin(), factors.end(), [](double f) { return f == 0; })) return axes;
+  return std::make_unique<Skewed>(std::move(axes), factors.at(0), factors.at(1), factors.at(2));
 }
 
 }  // namespace passo

@@ -20,7 +20,7 @@ void Constraints::set(const Machine& m, const std::string& axis, double Row::* l
 Constraints Constraints::rescaled(const Constraints& before, const Machine& m) const {
   Constraints now(m);
   auto lower = [](std::vector<Row>& now, const std::vector<Row>& set, const std::vector<Row>& own) {
-    for (size_t i = 0; i < set.size(); ++i)
+    for (size_t i = 0; i < std::min(set.size(), now.size()); ++i)
       for (double Row::* limit : {&Row::speed, &Row::accel, &Row::jerk})
         if (set[i].*limit < (1 - kRounded) * own[i].*limit)
           now[i].*limit = std::min(now[i].*limit, set[i].*limit);

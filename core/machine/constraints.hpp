@@ -57,7 +57,8 @@ struct Constraints {
   // Lowers or restores a limit of an axis or extruder, within the machine's own.
   void set(const Machine& m, const std::string& axis, double Row::* limit, double value);
 
-  // The limits of a machine whose motors have other scales now: what was as high as `before`, the
+  // The limits of a machine whose motors have other scales now, or whose geometry is another one of
+  // the same kind: what was as high as `before`, the
   // machine's own, let it be is so again.
   Constraints rescaled(const Constraints& before, const Machine& m) const;
 

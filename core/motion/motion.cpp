@@ -1,5 +1,6 @@
 #include "motion/motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
@@ -103,6 +104,21 @@ void Motion::set_height_map(std::shared_ptr<const HeightMap> map) {
   machine_.height_map = std::move(map);
   position[kZ] = machine_.plan_z(position[kX], position[kY], height);
   planner_.set_position(position, machine_.extruders.size());
+}
+
+void Motion::set_geometry(std::shared_ptr<const Geometry> geometry) {
+  const Constraints before(machine_);
+  machine_.geometry = std::move(geometry);
+  stream_.use_geometry();
+  planner_.use_geometry();
+  planner_.rules().change(false, [&](Rules& r) {
+    r.constraints = std::make_shared<Constraints>(r.constraints->rescaled(before, machine_));
+  });
+}
+
+void Motion::let_rest(const std::vector<size_t>& motors) {
+  for (size_t i = 0; i < stream_.motors(); ++i)
+    stream_.let_rest(i, std::find(motors.begin(), motors.end(), i) != motors.end());
 }
 
 void Motion::use_commits(int64_t period, size_t most) {

@@ -86,6 +86,12 @@ class Motion {
   // Bed correction from now on; null: the bed is flat. No motor moves: the Z of the plan changes to
   // that of the machine. Only after flush.
   void set_height_map(std::shared_ptr<const HeightMap> map);
+  // Another geometry of the same kind from now on. No motor moves; set_position must follow. Only
+  // after flush.
+  void set_geometry(std::shared_ptr<const Geometry> geometry);
+  // These motors make no step of later moves, all others do. Only at rest; set_position must follow
+  // the moves of a motor that rests.
+  void let_rest(const std::vector<size_t>& motors);
   // While `on`, X, Y and Z of all positions are the positions of the first three actuators of a
   // nonlinear geometry, and each moves by itself. Only at rest; set_position must follow.
   void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }

@@ -26,6 +26,11 @@ MoveBudget::MoveBudget(const Machine& machine)
   }
 }
 
+void MoveBudget::use_geometry() {
+  for (Motor& motor : motors_)
+    if (motor.spec->drive == Drive::actuator) machine_.geometry->linear(motor.spec->index, motor.c);
+}
+
 void MoveBudget::restart(double start2) {
   reach2_ = start2;
   last_per_s_ = 0;

@@ -34,6 +34,9 @@ class MoveBudget {
 
   explicit MoveBudget(const Machine& machine);
 
+  // The machine has another geometry of the same kind.
+  void use_geometry();
+
   bool bounds_anything() const {
     return budget_.step_rate < kInfinity || budget_.command_rate < kInfinity;
   }

@@ -45,6 +45,8 @@ class Planner {
   // Where the first queued move starts, or the next one will.
   const double* next_start() const { return queued() > 0 ? queue_[head_].p0 : position_; }
   double extruder_position(size_t i) const { return extruder_[i]; }
+  // The machine has another geometry. Only while nothing is queued.
+  void use_geometry() { budget_.use_geometry(); }
   // Sets where the next move starts, without motion. Only while nothing is queued.
   void set_position(const double* position, size_t extruder);
   // Shifts the start of the next move by `mm` along slot j. Only while nothing is queued.

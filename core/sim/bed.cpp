@@ -21,6 +21,13 @@ double Noise::next(double sigma) {
   return (sum - 6) * sigma;
 }
 
+double BedProbe::gantry(double x, double y, double z) const {
+  if (lifts.empty()) return z;
+  double sum = 0;
+  for (const Lift& lift : lifts) sum += lift.share(x, y);
+  return sum;
+}
+
 bool BedProbe::triggered(const double* q, Ticks clock) {
   const bool reads = mechanism.reads(touches(q), clock);
   return forced >= 0 ? forced > 0 : reads;
@@ -33,7 +40,8 @@ bool BedProbe::touches(const double* q) {
     if (area.holds(p[0], p[1])) return pressed = false;
   for (const Area& area : touchy)
     if (area.holds(p[0], p[1])) return pressed = true;
-  const double gap = p[2] - bed.height(p[0] + offset[0], p[1] + offset[1]) - trigger - error;
+  const double x = p[0] + offset[0], y = p[1] + offset[1];
+  const double gap = gantry(x, y, p[2]) - bed.height(x, y) - trigger - error;
   if (!pressed) return pressed = gap <= 0;
   if (gap > hysteresis) {
     pressed = false;

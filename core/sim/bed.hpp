@@ -39,6 +39,17 @@ struct Area {
   }
 };
 
+// One of several motors that carry the gantry, or the bed: they tilt it. At X, Y of the nozzle its
+// position has the weight c · (1, x, y, x y); the weights of all of them add up to 1.
+struct Lift {
+  uint32_t motor;  // step pin
+  double c[4];
+  double position = 0;
+  double share(double x, double y) const {
+    return (c[0] + c[1] * x + c[2] * y + c[3] * x * y) * position;
+  }
+};
+
 // A probe that triggers when the nozzle's height above the bed, at the probe's place, is at most
 // `trigger`. It opens again `hysteresis` higher. Each approach has an error of its own.
 struct BedProbe {
@@ -48,6 +59,7 @@ struct BedProbe {
   Bed bed;
   double offset[2], trigger;
   bool pressed_level;
+  std::vector<Lift> lifts;  // none: the geometry's Z is the same everywhere
   double hysteresis = 0, sigma = 0;
   Noise noise{1};
   int forced = -1;                 // a fault: 0 never triggered, 1 always
@@ -58,6 +70,8 @@ struct BedProbe {
 
   // Where the nozzle is for these positions of the actuators; false where there is no such place.
   bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
+  // Z of the gantry at a place, where the geometry's is `z`.
+  double gantry(double x, double y, double z) const;
   // Whether it is triggered now; to be asked as time passes.
   bool triggered(const double* q, Ticks clock);
 

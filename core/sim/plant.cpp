@@ -123,6 +123,7 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
     if (probe.pin != pin) continue;
     std::vector<double> q;
     for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
+    for (Lift& lift : probe.lifts) lift.position = position(lift.motor);
     return probe.triggered(q.data(), clock) == probe.pressed_level;
   }
   return true;  // an open input with its pull-up

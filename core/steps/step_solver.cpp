@@ -9,14 +9,18 @@ namespace passo {
 
 StepSolver::StepSolver(const Machine& machine, const StepperSpec& spec)
     : machine_(machine), spec_(spec), hz_(machine.clock_hz), pieces_(machine, spec) {
+  use_geometry();
+}
+
+void StepSolver::use_geometry() {
   for (double& c : c_) c = 0;
   linear_ = true;
-  if (spec.drive == Drive::extruder) {
+  if (spec_.drive == Drive::extruder) {
     axis_ = kE;
-  } else if (spec.drive == Drive::axis) {
-    axis_ = slot_of_axis(spec.index);
+  } else if (spec_.drive == Drive::axis) {
+    axis_ = slot_of_axis(spec_.index);
   } else {
-    linear_ = machine.geometry->linear(spec.index, c_);
+    linear_ = machine_.geometry->linear(spec_.index, c_);
   }
 }
 

@@ -16,6 +16,9 @@ class StepSolver {
  public:
   StepSolver(const Machine& machine, const StepperSpec& spec);
 
+  // The machine has another geometry.
+  void use_geometry();
+
   int64_t count() const { return count_; }  // steps from the origin, after the moves solved so far
   void set_count(int64_t count) { count_ = count; }
 

@@ -20,6 +20,7 @@ StepStream::StepStream(const Machine& machine, bool with_steps, Brake brake)
     messages_[i].join(messages_[0]);
   }
   set_apart_.resize(solvers_.size());
+  rests_.resize(solvers_.size());
 }
 
 size_t StepStream::waiting() {
@@ -54,7 +55,8 @@ void StepStream::solve(const Piece& piece) {
 
 void StepStream::solve(const std::vector<Move>& moves) {
   for (size_t i = 0; i < solvers_.size(); ++i)
-    for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
+    if (!rests_[i])
+      for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
 }
 
 void StepStream::compress(double clock, bool still) {

@@ -47,6 +47,12 @@ class StepStream {
   // Sets where motor i is, in steps, without motion.
   void set_count(size_t i, int64_t count);
   void set_position(size_t i, const double* position);
+  // The machine has another geometry.
+  void use_geometry() {
+    for (StepSolver& solver : solvers_) solver.use_geometry();
+  }
+  // While `rests`, motor i makes no step of the moves that are solved.
+  void let_rest(size_t i, bool rests) { rests_[i] = rests; }
   // The next step of motor i tells its clock and direction anew. Only at rest.
   void renew(size_t i) { compressors_[i].renew(); }
   void renew();
@@ -98,6 +104,7 @@ class StepStream {
   const Machine& machine_;
   Brake brake_;
   std::vector<StepSolver> solvers_;
+  std::vector<bool> rests_;         // motors that make no step of later moves
   std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
   std::deque<MessageQueue> messages_;  // by board

@@ -777,6 +777,11 @@ class Bench(Device):
         A probe on the head, and the bed below; `motors` are the step pins of the actuators.
         """
 
+    def carry_probe(self, pin: int, lifts: Sequence[tuple[int, Sequence[float]]]) -> None:
+        """
+        Several motors carry the gantry of a probe: the step pin of each, and c of its weight c · (1, x, y, x y) at X, Y of the nozzle.
+        """
+
     def change_probe(self, pin: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], sigma: float, jammed: bool) -> None:
         """Faults of a probe from now on."""
 
@@ -1810,6 +1815,16 @@ class Job:
 
     def set_steps_per_unit(self, stepper: int, value: float) -> None:
         """Another scale of a motor, while the machine stands."""
+
+    def set_geometry(self, spec: dict) -> None:
+        """
+        Other parameters of the machine's geometry, as in its spec, while the machine stands. No motor moves: set_axes must say where the axes are now.
+        """
+
+    def let_rest(self, steppers: Sequence[int]) -> None:
+        """
+        These motors, by number, make no step of later moves, all others do; while the machine stands. set_axes must say where the axes are after the moves of a motor that rested.
+        """
 
     def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]], fade: tuple[float, float, float] | None = None) -> None:
         """
