@@ -16,6 +16,7 @@ from passo.job.live import statistics
 from passo.printer import delayed_gcode, macros
 from passo.printer.commands import (
     beeper,
+    delta_calibration,
     drivers,
     heater_control,
     heater_tuning,
@@ -42,7 +43,17 @@ from passo.printer.watch import endstops
 MODULES = (
     *(aprinter_options, card_commands, commands, job_commands, json_status, object_commands),
     *(recovery_commands, settings_commands, ignored_commands, interpreter_commands, statistics),
-    *(beeper, drivers, heater_control, heater_tuning, limits, motor_moves, motors, outputs),
+    *(
+        beeper,
+        delta_calibration,
+        drivers,
+        heater_control,
+        heater_tuning,
+        limits,
+        motor_moves,
+        motors,
+        outputs,
+    ),
     *(power_supply, klipper_commands, levelling, probe_deployment, probing, program_flow, reports),
     *(set_points, simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
     *(endstops, delayed_gcode, macros),

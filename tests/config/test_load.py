@@ -37,7 +37,9 @@ def test_all_required_machines_are_shipped() -> None:
 def test_shipped_machine_loads_under_its_own_name(name: str) -> None:
     machine = config.load(name)
     assert machine.name == name
-    assert machine.board.clock_hz == (42_000_000 if name == "delta" else 16_000_000)
+    assert machine.board.clock_hz == (
+        42_000_000 if name in ("delta", "delta-probe") else 16_000_000
+    )
     spec = machine.core_spec()
     assert len(spec["steppers"]) == len(machine.steppers)
     assert [axis["letter"] for axis in spec["axes"]] == ["X", "Y", "Z"]

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from passo.config.calibration import DeltaCalibration, SimulatedDelta
 from passo.config.types import Model, NotNegative, Pair, Position, Positive
 from passo.probes.base import HeightOffset
 
@@ -58,6 +59,11 @@ class Levelling(Model):
     """A larger correction is refused."""
     max_slope: Positive = 0.02
     """A steeper correction is refused; in mm of height for each mm of bed."""
+    dialect: Literal["marlin", "rrf"] = "marlin"
+    """Whose meaning the words have that differ between Marlin and RepRapFirmware: the signs of
+    M666."""
+    delta: DeltaCalibration = Field(default_factory=DeltaCalibration)
+    """How a delta finds its geometry."""
 
 
 class SimulatedBed(Model):
@@ -101,3 +107,5 @@ class Simulated(Model):
     """The simulated bed."""
     probe: SimulatedProbe = Field(default_factory=SimulatedProbe)
     """Faults of the simulated probe."""
+    delta: SimulatedDelta | None = None
+    """The true geometry of a simulated delta."""

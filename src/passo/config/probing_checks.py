@@ -19,6 +19,9 @@ _MAX_DESCENT_S = 20.0
 
 def check_probe(machine: MachineConfig) -> Iterator[Finding]:
     """Checks that the probe triggers within its descent: below its start and above its end."""
+    if machine.simulated.delta is not None and machine.geometry.kind != "delta":
+        limit = 'a geometry of the kind "delta"'
+        yield Finding("config.conflict", ("simulated", "delta"), machine.geometry.kind, limit)
     probe = machine.probe
     if probe is None:
         if machine.levelling.method != "none":

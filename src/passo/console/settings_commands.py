@@ -65,6 +65,8 @@ class SettingsCommands:
             yield "Tool offsets", list(motion.tool_offset_lines())
         if self._printer.machine.probe:
             yield "Probe and bed levelling", list(self._printer.levelling.setting_lines())
+        if self._printer.delta:
+            yield "Geometry of the delta", list(self._printer.delta.setting_lines())
         controls = self._printer.controls
         yield "Heater sensors", list(controls.sensor_lines())
         yield "Heater PID", list(controls.gain_lines())

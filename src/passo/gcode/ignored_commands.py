@@ -56,7 +56,6 @@ _declare(
     ("M428", "M206 sets home offsets."),
     ("M595", "The machine file sets the values of amplifiers."),
     ("M605", "Passo has one carriage for all tools."),
-    ("M666", "The machine file sets the position of each endstop."),
     ("M800", "M1000 resumes a print that was interrupted."),
     ("M908", "M906 and the machine file set motor currents."),
 )

@@ -24,6 +24,7 @@ from passo.motion.travel import go_back
 if TYPE_CHECKING:
     from passo.board.endstops import Endstops
     from passo.config.homing import Homing
+    from passo.config.machine import MachineConfig
     from passo.motion.bed_correction import BedCorrection
     from passo.motion.offsets import Offsets
     from passo.motion.rig import Rig
@@ -77,7 +78,6 @@ class Homer:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
         self._triggered, self._correction = triggered, correction
         self._problem_of_job = problem  # the error that the job stopped at
-        self._machine = rig.machine
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
         self._joints = False
@@ -86,6 +86,10 @@ class Homer:
     def begin(self) -> None:
         """The boards have been replaced."""
         self.offset_mm: dict[str, float] = {}  # of M206, by axis, when it was placed last
+
+    @property
+    def _machine(self) -> MachineConfig:
+        return self._rig.machine
 
     @property
     def active(self) -> bool:

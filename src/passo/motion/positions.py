@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 class Positions:
     """Real positions of one printer. The board counts steps; the plan knows where counting began.
-    An endstop stops a motor in mid-way: `lost` steps are then made up for by `settle`."""
+    An endstop stops a motor in mid-way: `lost` steps are then made up for by `settle`. `machine` is
+    that of the rig."""
 
     def __init__(
         self,
@@ -27,7 +28,8 @@ class Positions:
         job: _core.Job,
         passed: Callable[[], int],
     ) -> None:
-        self._machine, self._connection, self._job = machine, connection, job
+        self.machine = machine
+        self._connection, self._job = connection, job
         self._passed = passed  # the job's clock up to which the plan was executed
         self._letters = [name.upper() for name in axis_order(machine.axes)]
         self.lost: dict[str, int] = {}
@@ -65,7 +67,7 @@ class Positions:
 
     def loosen(self) -> None:
         """Motors of axes are off: they may be moved by hand, and step counts do not show it."""
-        axes = self._machine.axes
+        axes = self.machine.axes
         self.held = False
         self.settlings += 1
         self.known.clear()
@@ -96,7 +98,7 @@ class Positions:
             return False
         counts = {name: connection.net_steps(name) + origins[name] for name in rows}
         places = [at for at in self._places(self._real(counts)) if at is not None]
-        if len(places) < len(self._machine.axes):
+        if len(places) < len(self.machine.axes):
             return False
         job.set_axes(list(enumerate(places)))
         self.settle()
@@ -104,7 +106,7 @@ class Positions:
 
     def _real(self, counts: dict[str, int]) -> dict[tuple[str, int], float]:
         """What each actuator, axis and extruder stands at, mm or degrees."""
-        machine = self._machine
+        machine = self.machine
         real: dict[tuple[str, int], float] = {}
         for row in self._job.steppers():
             name = row["name"]
@@ -116,7 +118,7 @@ class Positions:
 
     def _places(self, real: dict[tuple[str, int], float]) -> list[float | None]:
         """The axes, in machine mm, Z above the corrected bed; None where that is not known."""
-        machine = self._machine
+        machine = self.machine
         places: list[float | None] = [None] * len(machine.axes)
         try:
             a, b, c = (real[("actuator", i)] for i in range(3))
@@ -170,7 +172,7 @@ class Positions:
     def now(self) -> tuple[dict[str, float], dict[str, int]]:
         """The program's coordinates of what the motors have done, by axis letter and E, and the
         motors' counts. Lets time pass; raises MachineError."""
-        machine, job = self._machine, self._job
+        machine, job = self.machine, self._job
         counts = self.counts()
         letters = self._letters
         if self._frozen is not None:

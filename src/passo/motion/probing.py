@@ -18,6 +18,7 @@ from passo.motion.probe_head import ProbeHead
 from passo.probes.base import Probe, SensingProbe
 
 if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
     from passo.motion.bed_correction import BedCorrection
     from passo.motion.endstops import Switch
     from passo.motion.rig import Rig
@@ -71,10 +72,13 @@ class Prober:
     ) -> None:
         self._rig, self._interrupts = rig, interrupts
         self._triggered, self._correction = triggered, correction
-        self._machine = rig.machine
         self._head = ProbeHead(rig, interrupts, triggered)
         self.reset()
         self.begin()
+
+    @property
+    def _machine(self) -> MachineConfig:
+        return self._rig.machine
 
     def reset(self) -> None:
         """The offsets of the machine file."""

@@ -8,6 +8,8 @@ from passo import _core
 from passo.board.boards import Boards
 from passo.config.machine import MachineConfig
 from passo.config.motor_roles import axis_order
+from passo.geometry.base import Unreachable
+from passo.motion.axis_slots import X, Y, Z
 from passo.motion.motion_queue import MotionQueue
 from passo.motion.positions import Positions
 
@@ -16,6 +18,7 @@ class Rig:
     """Parts of a printer keep the rig and ask it for the others each time, since a restart of the
     boards replaces them: `connect` first, then `plan`. To be used within one event loop.
 
+    `machine`: that of the machine file, with the geometry and the endstops that are in force.
     `connection`: the boards. `job`: the interpreter and the plan. `queue`: the motion queue.
     `positions`: where the machine is.
     """
@@ -41,6 +44,37 @@ class Rig:
         self.positions = Positions(
             self.machine, self.connection, self.job, lambda: self.queue.passed
         )
+
+    def use_geometry(self, machine: MachineConfig) -> None:
+        """From now on this machine is in force: it differs from the one before in the parameters of
+        its geometry and the positions of its endstops. No motor moves: the axes are where the new
+        geometry has them, and homed if they were. Only while nothing is queued. Raises Unreachable,
+        and changes nothing, if motors of homed axes are where that geometry has no place."""
+        old, job = self.machine, self.job
+        locked = set(job.locked_axes)
+        x, y, z, *_ = job.machine_position
+        nozzle = x, y, job.nozzle_height(x, y, z)
+        moved = [
+            machine.homing[name].position - old.homing[name].position if name in old.homing else 0.0
+            for name in old.geometry.arms
+        ] or [0.0] * 3
+        home = machine.home_point
+        try:
+            a, b, c = (q + by for q, by in zip(old.geometry.inverse(nozzle), moved, strict=True))
+            place = machine.geometry.forward((a, b, c))
+            machine.geometry.inverse(place)  # a delta's rods meet also where its nozzle must not go
+        except Unreachable:
+            if not locked & {X, Y, Z}:
+                raise
+            place = home
+        self.machine = self.positions.machine = machine
+        job.set_geometry(machine.geometry.spec())
+        if machine.axes_of_arms:
+            job.set_axes(list(enumerate(home)), homed=True)
+        x, y, height = place
+        job.set_axes(list(enumerate((x, y, job.plan_z(x, y, height)))))
+        for axis in locked:
+            job.lock_axis(axis, True)
 
     def lock(self, axes: Iterable[str]) -> None:
         """The positions of these axes are unknown from now on."""

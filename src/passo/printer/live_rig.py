@@ -39,6 +39,11 @@ class LiveRig(Rig):
         plan = LivePlan(self.queue, during_print)
         self.commands = Commands(self.machine, self.job, heat, full, plan, self.macros)
 
+    def use_geometry(self, machine: MachineConfig) -> None:
+        """As `Rig.use_geometry`, also for the commands of the job."""
+        super().use_geometry(machine)
+        self.commands.use_geometry(machine)
+
     def set_fan(self, fan: str, share: float) -> None:
         """Sets a fan's speed, 0 to 1, when the moves so far are done."""
         self.queue.before_moves()

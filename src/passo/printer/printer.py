@@ -17,6 +17,7 @@ from passo.motion.offsets import Offsets
 from passo.motion.probing import Prober
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.beeper import Beeper
+from passo.printer.commands.delta_calibration import DeltaCommands, has_endstops
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.heater_control import ControlCommands
 from passo.printer.commands.heater_tuning import TuneCommands
@@ -121,6 +122,10 @@ class Printer:
         if machine.probe is not None:
             self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling)
             self.dispatch.add(ProbeDeploymentCommands(self.prober))
+        self.delta = None
+        if has_endstops(machine):
+            self.delta = DeltaCommands(rig, self.prober, self.correction)
+            self.dispatch.add(self.delta)
         self.dispatch.add(MotorMoves(rig, state, self.triggered))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)

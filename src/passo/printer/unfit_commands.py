@@ -20,12 +20,10 @@ _MOVES = {5, 6, 13, 16, 26, 33, *range(35, 40), 41, 42, 46, 47, 51, 52, 65, 66, 
     *range(81, 90),
 }
 _CALLS = {96, 97, 98}  # M codes that call a sub-program
-LEVELLING = {"G29", "G32", "G34", "G80", "BED_MESH_CALIBRATE", "Z_TILT_ADJUST"} | {
-    "QUAD_GANTRY_LEVEL",
-    "BED_TILT_CALIBRATE",
-    "DELTA_CALIBRATE",
-}
 PROBING = frozenset({"G29", "G32", "BED_MESH_CALIBRATE"})
+OF_DELTAS = frozenset({"G33", "DELTA_CALIBRATE"})
+OF_Z_MOTORS = frozenset({"G34", "Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"})
+LEVELLING = PROBING | OF_DELTAS | OF_Z_MOTORS | {"G80", "BED_TILT_CALIBRATE"}
 # Klipper's commands, and macros that its users share, that move nothing and change no position.
 _STILL = re.compile(
     r"(?!SET_(?:GCODE_OFFSET|KINEMATIC_POSITION|DUAL_CARRIAGE)\b)"
@@ -50,7 +48,10 @@ class Skips(NamedTuple):
 
     def on(self, machine: MachineConfig) -> Skips:
         """The same on this machine."""
-        return self._replace(levels=PROBING) if machine.probe else self
+        if machine.probe is None:
+            return self
+        of_delta = OF_DELTAS if machine.geometry.kind == "delta" else frozenset[str]()
+        return self._replace(levels=PROBING | of_delta)
 
 
 NOTHING = Skips()

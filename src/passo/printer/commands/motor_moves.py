@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import isclose
+from typing import TYPE_CHECKING
 
 from passo._core import Within
 from passo.config.motor_roles import axis_order
@@ -20,6 +21,9 @@ from passo.printer.commands.klipper_commands import number
 from passo.printer.klipper.names import stepper_object
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 _BUZZ = (1.0, -1.0) * 10  # mm or degrees
 _BUZZ_SPEED = 4.0  # mm/s or degrees/s
@@ -45,8 +49,11 @@ class MotorMoves:
 
     def __init__(self, rig: Rig, state: State, triggered: TriggeredMoves) -> None:
         self._rig, self._state, self._triggered = rig, state, triggered
-        self._machine = rig.machine
-        self._axes = axis_order(self._machine.axes)
+        self._axes = axis_order(rig.machine.axes)
+
+    @property
+    def _machine(self) -> MachineConfig:
+        return self._rig.machine
 
     @command(
         "FORCE_MOVE",

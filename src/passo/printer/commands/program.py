@@ -158,6 +158,11 @@ class Commands:
         """The machine that the commands are for."""
         return self._machine
 
+    def use_geometry(self, machine: MachineConfig) -> None:
+        """The machine has another geometry from now on."""
+        self._machine = machine
+        self.flow.use_geometry(machine)
+
     @property
     def ended(self) -> bool:
         """A command has ended the program."""

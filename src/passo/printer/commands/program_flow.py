@@ -51,6 +51,10 @@ class ProgramFlow:
         self._omitted = omitted
         self.ended = False
 
+    def use_geometry(self, machine: MachineConfig) -> None:
+        """The machine has another geometry from now on."""
+        self._machine = machine
+
     # -- positions --------------------------------------------------------------------------------
 
     @command(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
 from passo.config.types import MAX_SCALE, MIN_SCALE
@@ -19,6 +20,9 @@ from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
 
 class MotionCommands:
     """Settings of motion of one printer. Limits and the feed rate override take their place among
@@ -29,8 +33,11 @@ class MotionCommands:
     def __init__(self, rig: LiveRig, state: State, offsets: Offsets, homer: Homer) -> None:
         self._rig, self._state, self._homer = rig, state, homer
         self.offsets = offsets
-        self._machine = rig.machine
-        self._axes = axis_order(self._machine.axes)
+        self._axes = axis_order(rig.machine.axes)
+
+    @property
+    def _machine(self) -> MachineConfig:
+        return self._rig.machine
 
     # -- scales and limits ------------------------------------------------------------------------
 

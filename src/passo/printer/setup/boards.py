@@ -29,6 +29,7 @@ from passo.config.sensor_tables import (
     sensor_table,
     share_at,
 )
+from passo.geometry.delta import Delta
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.motion.endstops import (
     Switch,
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.heat import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
+    from passo.geometry.base import GeometryModel
     from passo.simulator import (
         Actuator,
         Bed,
@@ -274,6 +276,25 @@ def simulated_board(
     return SimulatedBoard(board, plant, firmware=runs)
 
 
+def simulated_geometry(machine: MachineConfig) -> GeometryModel:
+    """The geometry of the simulated printer: that of the machine file, unless that says otherwise
+    in `simulated`."""
+    geometry, true = machine.geometry, machine.simulated.delta
+    if true is None or not isinstance(geometry, Delta):
+        return geometry
+    parts = {"radius": true.radius, "rods": true.rods, "angles": true.angles}
+    given = {name: part for name, part in parts.items() if part is not None}
+    return geometry.model_copy(update=given)
+
+
+def _simulated_home(machine: MachineConfig, name: str) -> float:
+    """Where an axis or an actuator really is at its switch."""
+    true = machine.simulated.delta
+    if true is None or true.endstops is None or not is_actuator(machine, name):
+        return machine.homing[name].position
+    return true.endstops[machine.geometry.actuators.index(name)]
+
+
 def simulated_bed(machine: MachineConfig) -> Bed:
     """The bed of the simulated printer."""
     from passo.simulator import Bed
@@ -301,7 +322,7 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
     return BedProbe(
         PROBE,
         motors_of_actuators(machine),
-        machine.geometry.spec(),
+        simulated_geometry(machine).spec(),
         simulated_bed(machine),
         (dx, dy),
         probe.trigger_height_mm,
@@ -353,9 +374,8 @@ def _felt_at(
     machine: MachineConfig, switch: Switch, weights: tuple[tuple[str, float], ...]
 ) -> float:
     """The sum of weighted positions at which the switch is pressed."""
-    homing = machine.homing[switch.home]
     if is_actuator(machine, switch.home) or len(weights) == 1:
-        return homing.position
+        return _simulated_home(machine, switch.home)
     q = machine.geometry.inverse(pressed_point(machine, switch))
     total = 0.0
     for name, weight in weights:

@@ -1,0 +1,360 @@
+"""G33, DELTA_CALIBRATE, M665 and M666: the geometry of a delta is measured and set."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from math import cos, hypot, radians, sin, sqrt
+from statistics import fmean
+from typing import TYPE_CHECKING, Literal
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.geometry.base import Point, Unreachable
+from passo.geometry.delta import Delta
+from passo.levelling.delta_calibration import Calibration, ChangeLimits, DeltaMachine, calibrate
+from passo.motion.probing import Place, Prober
+from passo.printer.commands.klipper_commands import number
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.motion.bed_correction import BedCorrection
+    from passo.motion.rig import Rig
+
+NO_DELTA = "This machine is not a delta with an endstop on each tower."
+NO_PROBE = "This machine is not a delta with a probe."
+_TOWERS = "ABC"
+_ANGLES = (210.0, 330.0, 90.0)  # from which M665 counts those of the towers
+_INNER_SHARES = (0.95, 0.90, 0.85, 0.70, 0.75, 0.80)  # of the radius, as Klipper spreads 7 points
+_MARGIN_MM = 2.0  # nozzle and probe keep from the edge, since the geometry is not exact yet
+_DIGITS = 6  # of mm and degrees: what is stored is what is in force
+
+
+def has_endstops(machine: MachineConfig) -> bool:
+    """Whether a machine is a delta whose carriages have an endstop each."""
+    return isinstance(machine.geometry, Delta) and set("abc") <= set(machine.homing)
+
+
+class DeltaCommands:
+    """The geometry of one delta: `has_endstops` holds for its machine. What is in force is that of
+    the rig."""
+
+    def __init__(self, rig: Rig, prober: Prober, correction: BedCorrection) -> None:
+        self._rig, self._prober, self._correction = rig, prober, correction
+        self._config = rig.machine.levelling
+
+    @property
+    def _now(self) -> DeltaMachine:
+        machine = self._rig.machine
+        assert isinstance(machine.geometry, Delta)
+        a, b, c = (machine.homing[name].position for name in "abc")
+        return DeltaMachine(machine.geometry, (a, b, c))
+
+    def _use(self, delta: DeltaMachine) -> None:
+        """Sets geometry and endstops, to `_DIGITS`. Raises CommandError if the rods are too short
+        for it, or the nozzle would be where it must not be."""
+        geometry = delta.geometry
+        _check_rods(geometry)
+        rounded = geometry.model_copy(
+            update={
+                "radius": round(geometry.radius, _DIGITS),
+                "angles": [round(angle, _DIGITS) for angle in geometry.angles],
+                "rods": [round(rod, _DIGITS) for rod in geometry.rods],
+            }
+        )
+        machine = self._rig.machine
+        homing = {
+            name: machine.homing[name].model_copy(update={"position": round(at, _DIGITS)})
+            for name, at in zip("abc", delta.endstops, strict=True)
+        }
+        update = {"geometry": rounded, "homing": machine.homing | homing}
+        try:
+            self._rig.use_geometry(machine.model_copy(update=update))
+        except Unreachable as error:
+            raise CommandError.of("levelling.delta-nowhere", value=error) from None
+
+    # -- calibration ------------------------------------------------------------------------------
+
+    @command(
+        "G33",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "P(3-10) R(mm) F(6-7)",
+        "Calibrates a delta: probes 7 points (19 from P4 on) within the radius R, and finds radius,"
+        " angles of the towers and endstops; F7 also a common length of the rods, which heights"
+        " hardly determine. A result that does not make the bed flatter is dropped.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    def _auto_calibrate(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        points, factors = words.get("P", 3.0), words.get("F", 6.0)
+        if not 3 <= points <= 10:
+            raise CommandError.bad_value("P", points, "3 to 10")
+        if factors not in (6, 7):
+            raise CommandError.bad_value("F", factors, "6 or 7")
+        return self._calibration(reply, words.get("R"), many=points >= 4, rods=factors == 7)
+
+    @command(
+        "DELTA_CALIBRATE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Calibrates a delta with 7 points, as G33.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _calibrate(self, _: Command, reply: Reply) -> Wait | None:
+        return self._calibration(reply, None, many=False, rods=False)
+
+    def _calibration(
+        self, reply: Reply, radius_mm: float | None, *, many: bool, rods: bool
+    ) -> Wait:
+        if radius_mm is None:
+            radius_mm = self._config.delta.radius_mm or self._reach_mm()
+        elif not 0 < radius_mm <= self._reach_mm():
+            raise CommandError.bad_value("R", radius_mm, f"more than 0, at most {self._reach_mm()}")
+        places = list(_spread(radius_mm, many=many))
+        return WaitForProcedure(partial(self._find, places, 7 if rods else 6, reply))
+
+    def _reach_mm(self) -> float:
+        """How far from the middle nozzle and probe get, mm."""
+        geometry = self._now.geometry
+        x0, y0, x1, y1 = self._rig.machine.bed_area_mm
+        nozzle = geometry.limit_radius - hypot(*self._prober.offset_mm)
+        return round(min(nozzle, -x0, -y0, x1, y1) - _MARGIN_MM, 1)
+
+    async def _find(self, places: Sequence[Place], factors: Literal[6, 7], reply: Reply) -> None:
+        before, on = self._now, self._correction.on
+        found = calibrate(before, await self._touch(places), factors)
+        limits = self._config.delta
+        found.check(ChangeLimits(limits.max_radius_mm, limits.max_angle_deg, limits.max_endstop_mm))
+        self._use(found.after)
+        try:
+            self._correction.use(self._correction.correction, on=False)
+            left = calibrate(self._now, await self._touch(places), factors).rms_before
+            if left > found.rms_before:
+                limit = found.rms_before
+                raise CommandError.of("levelling.delta-worse", value=left, limit=limit)
+        except BaseException:
+            self._use(before)
+            self._correction.use(self._correction.correction, on=on)
+            raise
+        for line in _report(found, left, factors, len(places)):
+            reply.say(line)
+        if on:
+            reply.say("The correction of the bed is off: measure it again (G29 or G32)")
+
+    async def _touch(self, places: Sequence[Place]) -> list[tuple[Point, float]]:
+        """Drops of the carriages where the probe touches the bed, and Z of the nozzle there."""
+        delta, trigger_mm = self._now, self._prober.trigger_height_mm
+        return [
+            (delta.drops((*self._prober.nozzle_at(m.place), m.trigger_z_mm)), trigger_mm)
+            for m in await self._prober.measure(places)
+        ]
+
+    # -- settings ---------------------------------------------------------------------------------
+
+    @command(
+        "M665",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "L R H A B C (mm) X Y Z(degrees)",
+        "Sets the geometry of a delta: the length L of the rods, to which A, B and C add for one"
+        " each, the radius R, the height H of the nozzle at home in the middle, and what X, Y and Z"
+        " add to 210, 330 and 90 degrees. Without parameters it reports them.",
+        kind=Kind.SERVED,
+        lacks=NO_DELTA,
+    )
+    def _set_geometry(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words.keys() & set("LRHXYZABC"):
+            reply.say(f"  {self._geometry_line()}")
+            return None
+        if words.keys() & set(_TOWERS) and "L" not in words:
+            raise CommandError.of("input.missing-word", axis="the command", value="L")
+        return WaitForMoves(lambda: self._change(words))
+
+    def _geometry_line(self) -> str:
+        delta = self._now
+        geometry = delta.geometry
+        base, *_ = geometry.rods
+        words = {"L": base, "R": geometry.radius, "H": self._height(_heights(delta))}
+        words |= {k: a - at for k, a, at in zip("XYZ", geometry.angles, _ANGLES, strict=True)}
+        words |= {k: rod - base for k, rod in zip(_TOWERS, geometry.rods, strict=True)}
+        return "M665 " + " ".join(f"{k}{round(mm, 4) + 0.0:.4f}" for k, mm in words.items())
+
+    def _change(self, words: dict[str, float]) -> None:
+        delta = self._now
+        geometry, heights = delta.geometry, _heights(delta)
+        angles, rods = list(geometry.angles), list(geometry.rods)
+        for i, (letter, tower) in enumerate(zip("XYZ", _TOWERS, strict=True)):
+            if letter in words:
+                angles[i] = _within(letter, _ANGLES[i] + words[letter], -360, 360)
+            if "L" in words:
+                rods[i] = _within("L", words["L"] + words.get(tower, 0.0), 1, 1e4)
+        radius = _within("R", words.get("R", geometry.radius), 1, 1e4)
+        if "H" in words:
+            rise = _within("H", words["H"], 0, 1e4) - self._height(heights)
+            heights = [e + rise for e in heights]
+        update = {"radius": radius, "angles": angles, "rods": rods}
+        self._use(_with_heights(geometry.model_copy(update=update), heights))
+
+    @command(
+        "M666",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "X Y Z (mm)",
+        "Sets how much the endstops of a delta's towers are off: as Marlin has it, at most 0, and"
+        ' lower for a higher endstop; with levelling.dialect = "rrf" higher for a higher endstop.'
+        " Without parameters it reports them.",
+        kind=Kind.SERVED,
+        lacks=NO_DELTA,
+    )
+    def _set_endstops(self, command: Command, reply: Reply) -> Wait | None:
+        words = {k: v for k, v in command.words().items() if k in "XYZ"}
+        if words:
+            return WaitForMoves(lambda: self._move_endstops(words))
+        shown = zip("XYZ", self._offsets(), strict=True)
+        whose = "Marlin's" if self._marlin else "RepRapFirmware's"
+        reply.say(
+            "  M666 " + " ".join(f"{k}{mm + 0.0:.4f}" for k, mm in shown) + f" ; {whose} signs"
+        )
+        return None
+
+    @property
+    def _marlin(self) -> bool:
+        return self._config.dialect == "marlin"
+
+    def _height(self, heights: Sequence[float]) -> float:
+        """H of M665: the height at home of the lowest endstop (Marlin), or their mean."""
+        return min(heights) if self._marlin else fmean(heights)
+
+    def _offsets(self) -> list[float]:
+        heights = _heights(self._now)
+        height = self._height(heights)
+        return [height - e if self._marlin else e - height for e in heights]
+
+    def _move_endstops(self, words: dict[str, float]) -> None:
+        heights = _heights(self._now)
+        height = self._height(heights)
+        offsets = self._offsets()
+        for i, letter in enumerate("XYZ"):
+            if letter in words:
+                most = 0.0 if self._marlin else 50.0
+                offsets[i] = _within(letter, words[letter], -50, most)
+        sign = -1 if self._marlin else 1
+        moved = [height + sign * mm for mm in offsets]
+        self._use(_with_heights(self._now.geometry, moved))
+
+    @command(
+        "SET_DELTA",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "RADIUS ROD_A ROD_B ROD_C ENDSTOP_A ENDSTOP_B ENDSTOP_C (mm) ANGLE_A ANGLE_B"
+        " ANGLE_C(degrees)",
+        "Sets the geometry of a delta as the machine file has it and M500 stores it. ENDSTOP is the"
+        " position of a carriage at its endstop.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_DELTA,
+    )
+    def _set_delta(self, command: Command, _: Reply) -> Wait | None:
+        pairs = command.pairs()
+        delta = self._now
+        geometry = delta.geometry
+
+        def three(name: str, before: Sequence[float], low: float, high: float) -> list[float]:
+            keys = [f"{name}_{tower}" for tower in _TOWERS]
+            return [
+                _within(key, number(pairs, key, value), low, high)
+                for key, value in zip(keys, before, strict=True)
+            ]
+
+        update = {
+            "radius": _within("RADIUS", number(pairs, "RADIUS", geometry.radius), 1, 1e4),
+            "angles": three("ANGLE", geometry.angles, -360, 360),
+            "rods": three("ROD", geometry.rods, 1, 1e4),
+        }
+        a, b, c = three("ENDSTOP", delta.endstops, -1e4, 1e4)
+        new = DeltaMachine(geometry.model_copy(update=update), (a, b, c))
+        return WaitForMoves(lambda: self._use(new))
+
+    def setting_lines(self) -> Iterator[str]:
+        """The command that brings the geometry back, to the last bit."""
+        delta = self._now
+        geometry = delta.geometry
+        words = {"RADIUS": geometry.radius}
+        for name, values in (
+            ("ANGLE", geometry.angles),
+            ("ROD", geometry.rods),
+            ("ENDSTOP", delta.endstops),
+        ):
+            words |= {f"{name}_{tower}": v for tower, v in zip(_TOWERS, values, strict=True)}
+        yield "SET_DELTA " + " ".join(f"{k}={round(v, _DIGITS)!r}" for k, v in words.items())
+
+
+def _spread(radius_mm: float, *, many: bool) -> Iterator[Place]:
+    """The middle and six points around it, or 19 in three rings."""
+    if many:
+        rings = [((0.75,) * 6, 60), ((1.0,) * 6, 90), ((0.5,) * 6, 90)]
+    else:
+        rings = [(_INNER_SHARES, 90)]
+    yield Place(0.0, 0.0, "point 1")
+    n = 1
+    for shares, start in rings:
+        for i, share in enumerate(shares):
+            n += 1
+            angle, mm = radians(start + 60 * i), share * radius_mm
+            yield Place(round(mm * cos(angle), 3), round(mm * sin(angle), 3), f"point {n}")
+
+
+def _report(found: Calibration, left_mm: float, factors: int, points: int) -> Iterator[str]:
+    for name, old, new in found.changes():
+        unit = "degrees" if name.startswith("angle") else "mm"
+        if round(old, 4) != round(new, 4):
+            yield f"{name}: {old:.4f} -> {new:.4f} {unit}"
+    yield (
+        f"Calibrated {factors} factors using {points} points: they deviated from a flat bed by"
+        f" {found.rms_before:.4f} mm rms, and measured again by {left_mm:.4f} mm"
+    )
+    yield "M500 stores this geometry; M501 or M502 takes it back"
+
+
+def _heights(delta: DeltaMachine) -> list[float]:
+    """Height of the nozzle in the middle with each carriage at its endstop, if all towers were
+    like this one, mm."""
+    geometry = delta.geometry
+    return [
+        q - sqrt(rod**2 - geometry.radius**2)
+        for q, rod in zip(delta.endstops, geometry.rods, strict=True)
+    ]
+
+
+def _with_heights(geometry: Delta, heights: Sequence[float]) -> DeltaMachine:
+    """The inverse of `_heights`. Raises CommandError if a rod is too short."""
+    _check_rods(geometry)
+    a, b, c = (
+        e + sqrt(rod**2 - geometry.radius**2) for e, rod in zip(heights, geometry.rods, strict=True)
+    )
+    return DeltaMachine(geometry, (a, b, c))
+
+
+def _check_rods(geometry: Delta) -> None:
+    if min(geometry.rods) <= geometry.radius:
+        raise CommandError.of(
+            "command.value",
+            axis="the shortest rod",
+            value=f"{min(geometry.rods):g} mm",
+            limit=f"more than the radius of {geometry.radius:g} mm",
+        )
+
+
+def _within(name: str, value: float, low: float, high: float) -> float:
+    """Raises CommandError unless it is."""
+    if not low <= value <= high:
+        raise CommandError.bad_value(name, value, f"{low:g} to {high:g}")
+    return value
