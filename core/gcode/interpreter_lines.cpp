@@ -61,8 +61,7 @@ void Interpreter::run_line(const char* p, const char* end) {
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
   if (text.empty()) return;
   if (text[0] == '/') return pass_on("/", text.substr(1));  // left out where this is set
-  if (text.size() > 1 && (std::isalpha(uint8_t(text[0])) != 0 || text[0] == '_') &&
-      (std::isalpha(uint8_t(text[1])) || text[1] == '_')) {
+  if (has_name(text)) {
     size_t stop = 0;
     while (stop < text.size() &&
            (std::isalnum(uint8_t(text[stop])) || text[stop] == '_' || text[stop] == '.'))

@@ -75,11 +75,40 @@ inline bool nothing_left(const char* p) {
   return *p == 0 || *p == ';' || *p == '(';
 }
 
+// Whether a line begins with the name of an extended command, such as RESPOND, or of a macro.
+inline bool has_name(std::string_view text) {
+  const auto in_name = [&](size_t i) { return std::isalpha(uint8_t(text[i])) || text[i] == '_'; };
+  return text.size() > 1 && in_name(0) && in_name(1);
+}
+
+// Where the value ends that begins in quotes at `at`; npos: none begins there. "Bob's" has none. In
+// ", \" is a quotation mark.
+inline size_t closing_quote(std::string_view text, size_t at) {
+  const char quote = text[at];
+  if (quote != '"' && quote != '\'') return std::string_view::npos;
+  if (at > 0 && text[at - 1] != '=' && !std::isspace(uint8_t(text[at - 1])))
+    return std::string_view::npos;
+  for (size_t i = at + 1; i < text.size(); ++i) {
+    if (text[i] == quote) return i;
+    if (text[i] == '\\' && quote == '"') ++i;
+  }
+  return std::string_view::npos;
+}
+
 // Comments in parentheses become blanks, what follows ';' goes. `comment` is the text after ';'.
+// What is in quotes is no comment in the parameters of an extended command.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();
+  const bool named = has_name(text);
   size_t depth = 0;
   for (size_t i = 0; i < text.size(); ++i) {
+    if (named && depth == 0) {
+      const size_t close = closing_quote(text, i);
+      if (close != std::string::npos) {
+        i = close;
+        continue;
+      }
+    }
     if (text[i] == ';' && depth == 0) {
       comment = text.substr(i + 1);
       text.resize(i);

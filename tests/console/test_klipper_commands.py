@@ -121,3 +121,23 @@ def test_files_may_use_klippers_commands_without_a_console(tmp_path):
     file.write_text("\n".join(lines) + "\n")
     result = passo.Machine.load("i3").print(str(file))
     assert not result.warnings
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ('RESPOND MSG="a (b) c ; d" ; comment', "a (b) c ; d"),
+        ("RESPOND MSG='x (y); z'", "x (y); z"),
+        (r'respond PREFIX="(1)" MSG="say \"(so);\"" ; not', '(1) say "(so);"'),
+        ("RESPOND MSG=don't ; not", "don't"),
+    ],
+)
+def test_a_quoted_value_is_no_comment_on_consoles_and_in_files(tmp_path, line, text):
+    (tmp_path / "a.g").write_text(f"{line}\n")
+    expected = text if text.startswith("(1)") else f"echo: {text}"
+    with Scenario("i3", card=str(tmp_path)) as s:
+        assert s.host.ok(line)[0] == expected
+        s.host.heard.clear()
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 60)
+        assert expected in s.host.heard

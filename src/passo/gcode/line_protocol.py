@@ -39,6 +39,9 @@ _TAKES_TEXT = re.compile(
 _LABELS = re.compile(r"\s*(?:[A-Za-z_]{4}|[Mm]486\s+(?:[Ss]-?\d+\s*)?[Aa])")
 # Commands that name a file, in quotes.
 _QUOTED_NAME = re.compile(r'(\s*[Mm]0*(?:2[38]|3[0236]|928)\s+"[^"]*")\s*(?:;|\Z)')
+# A command with parameters KEY=VALUE, and its values in quotes: `closing_quote` of the core.
+_NAMED = re.compile(r"\s*[A-Za-z_]{2}")
+_QUOTED_VALUE = re.compile(r"""(?<![^\s=])(?:"(?:\\.|[^"\\])*"|'[^']*')""")
 
 
 class Line(NamedTuple):
@@ -232,10 +235,13 @@ def decoded(text: str) -> str:
 
 
 def uncommented(text: str) -> str:
-    """The line without the text after `;`, except in the text of M117 and M118, and in the quoted
-    name of a file."""
+    """The line without the text after `;`, except in the text of M117 and M118, in the quoted name
+    of a file, and in the quoted values of an extended command."""
     if ";" not in text or _MESSAGE.match(text):
         return text.strip()
+    if _NAMED.match(text):
+        masked = _QUOTED_VALUE.sub(lambda value: "_" * len(value[0]), text)
+        return text[: len(masked.partition(";")[0])].strip()
     quoted = _QUOTED_NAME.match(text)
     return (quoted[1] if quoted else text.partition(";")[0]).strip()
 
