@@ -149,6 +149,22 @@ def test_cookie_is_kept_from_scripts_and_other_sites(served):
     assert {"HttpOnly", "SameSite=Strict", "Path=/"} <= set(attributes.split("; "))
 
 
+def test_cookie_of_another_printer_of_this_computer_counts_for_nothing(served):
+    """Browsers send cookies of a host to all of its ports."""
+    other = accounts()
+    asyncio.run(other.create_administrator("admin", "password of admin", "address", None))
+    web = client(site(FakeBridge(), other))
+    web.headers |= HEADERS
+    web.cookies.update(served.as_role(Role.ADMIN).cookies)
+    assert web.get(f"{API}/status").status_code == 401
+    assert web.post(f"{API}/session", json=served.log_in(Role.ADMIN)).status_code == 200
+    assert len(web.cookies) == 2  # neither log-in has ended the other
+    assert web.get(f"{API}/status").status_code == 200
+    one = client(served.app())
+    one.cookies.update(web.cookies)
+    assert one.get(f"{API}/status").status_code == 200
+
+
 @pytest.mark.parametrize(
     ("headers", "allowed"),
     [
