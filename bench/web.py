@@ -3,12 +3,15 @@
 500 WebSocket clients that only listen, and 50 that run a script a second, on one printer that
 prints from its card. Prints the delay of `ok` on a TCP console, without and with the clients, how
 long a status takes, and what the link has counted by then (M122): late frames, and its least slack.
+`waited` is how long threads of the server were ready and had no processor: on a computer that does
+other work, too, delays are not those of Passo.
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
+import os
 import statistics
 import subprocess
 import sys
@@ -92,6 +95,12 @@ async def statuses(place: str) -> list[float]:
     return found
 
 
+def waited_s(pid: int) -> float:
+    """Of all threads of a process, until now (Documentation/scheduler/sched-stats.rst of Linux)."""
+    tasks = Path(f"/proc/{pid}/task").iterdir()
+    return sum(int((task / "schedstat").read_text().split()[1]) for task in tasks) / 1e9
+
+
 def shown(name: str, times: list[float]) -> None:
     ordered = sorted(times)
     p99 = ordered[int(len(ordered) * 0.99)]
@@ -100,7 +109,7 @@ def shown(name: str, times: list[float]) -> None:
     print(f"{name:34}{text}, of {len(ordered)}", flush=True)
 
 
-async def measure(web: str, port: int) -> None:
+async def measure(web: str, port: int, pid: int) -> None:
     client = passo.AsyncClient(web)
     await client.job.start("part.gcode")
     await asyncio.sleep(1)
@@ -110,9 +119,11 @@ async def measure(web: str, port: int) -> None:
     # In a process of their own: what these clients do is not what is measured.
     load = subprocess.Popen([sys.executable, __file__, web])
     await asyncio.sleep(5)
+    before_s = waited_s(pid)
     shown(f"ok, {IDLE} idle and {ACTIVE} active", await oks(port))
     shown(f"status, {IDLE} idle and {ACTIVE} active", await statuses(web))
     print(await link_report(port), flush=True)
+    print(f"waited {waited_s(pid) - before_s:.2f} s of {2 * SECONDS:.0f} s", flush=True)
     load.wait()
     status = (await client.status.get()).status
     print(f"state {status.state.name}, faults {len(status.faults)}")
@@ -135,11 +146,12 @@ async def load(web: str) -> None:
 
 def main() -> None:
     if sys.argv[1:]:
+        os.nice(10)  # clients have processors of their own
         return asyncio.run(load(sys.argv[1]))
     with tempfile.TemporaryDirectory() as folder:
         process, web, port = served(Path(folder))
         try:
-            asyncio.run(measure(web, port))
+            asyncio.run(measure(web, port, process.pid))
         finally:
             process.terminate()
             process.wait()
