@@ -372,3 +372,49 @@ def test_callbacks_that_raise_harm_nothing(part):
         return summary.outcome, {type(error) for error in contexts}
 
     assert live(main) == ("done", {KeyError})
+
+
+def restarted(tmp_path, line, *, text=None, printing=False, **options):
+    """What RESTART or another line does to a served printer: its answer or error, and whether the
+    program starts again. `text` is what the machine file holds by then."""
+    file = tmp_path / "my.toml"
+    file.write_text(config.shipped_text("i3"))
+    part = tmp_path / "part.gcode"
+    part.write_text(PART)
+
+    async def main():
+        async with passo.Printer(str(file), card=str(tmp_path), **options) as printer:
+            await printer.send("G28")
+            if printing:
+                await printer.send("M32 part.gcode")
+            if text is not None:
+                file.write_text(text)
+            serving = asyncio.ensure_future(printer.serve())
+            try:
+                answer = await printer.send(line)
+            except passo.PassoError as error:
+                answer = error
+            await asyncio.sleep(1)
+            homed = printer.status.homed
+            if not serving.done():
+                printer.end()
+            return answer, await serving, homed
+
+    return passo.run(main(), clock="virtual")
+
+
+def test_restart_reads_the_machine_file_again(tmp_path):
+    assert restarted(tmp_path, "RESTART", restarts=True)[1] is True
+    assert restarted(tmp_path, "FIRMWARE_RESTART", restarts=True)[1:] == (False, frozenset())
+    # A program that opened the printer does not start it again.
+    assert restarted(tmp_path, "RESTART")[1:] == (False, frozenset())
+
+
+def test_restart_is_refused_for_a_file_with_errors_and_during_a_print(tmp_path):
+    wrong = config.shipped_text("i3").replace("max_c = 285.0", 'max_c = "hot"', 1)
+    error, again, homed = restarted(tmp_path, "RESTART", text=wrong, restarts=True)
+    assert "max_c" in str(error) and "my.toml:" in str(error)
+    assert (again, homed) == (False, frozenset("xyz"))
+    error, again, homed = restarted(tmp_path, "RESTART", printing=True, restarts=True)
+    assert "part.gcode is being printed" in str(error)
+    assert (again, homed) == (False, frozenset("xyz"))

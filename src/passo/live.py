@@ -25,6 +25,7 @@ from passo.console.observer import Observer
 from passo.console.printer_console import welcome
 from passo.errors import CommandError, MachineError
 from passo.machine import Machine
+from passo.printer.program_restart import ProgramRestart
 from passo.printer.unfit_commands import Skips
 from passo.version import __version__
 
@@ -128,6 +129,11 @@ class Printer:
             reports=self._halt_reports,
             skips=self._skips,
         )
+        if self._restarts:
+            runner = self._assembly.runner
+            self._printer.state.program_restart = ProgramRestart(
+                self._source, lambda: runner.name if runner.engaged else "", self._restart
+            )
         _log.info("Printer %s started by Passo %s", self.config.name, __version__)
         self._serving = asyncio.create_task(self._printer.run())
         self._serving.add_done_callback(self._ended)
@@ -435,8 +441,7 @@ class Printer:
         if self._bridged is None:
             from passo.live_bridge import LiveBridge
 
-            restart = self._restart if self._restarts else None
-            self._bridged = LiveBridge(self._opened, self._observer, self._source, restart)
+            self._bridged = LiveBridge(self._opened, self._observer, self._source)
         return self._bridged
 
     @property

@@ -16,7 +16,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from passo import config
 from passo.board.fault_injection import NO_FAULT
 from passo.card.unheld import Unheld
 from passo.console.client import Client
@@ -54,16 +53,8 @@ class LiveBridge:
     are called in the web's. `close` is for the printer's loop. A call that has returned shows in
     the latest snapshot."""
 
-    def __init__(
-        self,
-        assembly: Assembly,
-        observer: Observer,
-        machine_source: str,
-        restart: Callable[[], None] | None,
-    ) -> None:
-        """`restart` ends the printer to start it again; None if nothing would start it."""
-        self._assembly = assembly
-        self._source, self._restart = machine_source, restart
+    def __init__(self, assembly: Assembly, observer: Observer, machine_source: str) -> None:
+        self._assembly, self._source = assembly, machine_source
         self._printer = assembly.printer
         self._loop = asyncio.get_running_loop()
         self._scripts = Client(self._printer)
@@ -262,18 +253,11 @@ class LiveBridge:
 
     async def restart_program(self) -> None:
         """As `Bridge.restart_program`."""
-        restart = self._restart
+        restart = self._printer.state.program_restart
         if restart is None:
             raise ConfigError.of("machine.no-restart")
-        await asyncio.to_thread(config.load, self._source)
-
-        def end() -> None:
-            runner = self._assembly.runner
-            if runner.engaged:
-                raise CommandError.of("job.printing", value=runner.name)
-            restart()
-
-        await self._call(end)
+        await asyncio.to_thread(restart.check)
+        await self._call(restart.begin)
 
     async def select_file(self, path: str) -> None:
         """As `Bridge.select_file`."""

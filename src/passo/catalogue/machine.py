@@ -20,7 +20,7 @@ MACHINE: Mapping[str, Entry] = {
         "the machine file has changed since it was read", "Read it again, and compare the two"
     ),
     "machine.no-restart": _config(
-        "this printer cannot be restarted from the web: a program opened it, or it has --stdin",
+        "nothing would start Passo again: a program opened the printer, or it has --stdin",
         "Stop Passo and start it again",
     ),
     "machine.switch-missed": Entry(
@@ -49,7 +49,7 @@ MACHINE: Mapping[str, Entry] = {
     ),
     "machine.restart": Entry(
         "printer",
-        "the printer restarts, as RESTART or FIRMWARE_RESTART asks",
+        "the printer restarts, as FIRMWARE_RESTART asks",
         "Home it before you move it",
         ExitStatus.MACHINE_FAULT,
     ),

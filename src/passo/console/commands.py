@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 
 from passo.console.session import Session
-from passo.errors import CommandError
+from passo.errors import CommandError, ConfigError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command, table
 from passo.printer.commands.ranges import beyond
@@ -233,18 +233,30 @@ class ConsoleCommands:
         Subject.STOPS,
         When.IMMEDIATE,
         "",
-        "Restarts the boards: all heaters and motors go off at once, and a print ends. Passo reads"
-        " the machine file only when the program starts, or by `machine.restart` of the HTTP API.",
+        "Starts Passo again with its machine file as it is now: heaters and motors go off, consoles"
+        " are closed and opened again. Refused while a file is printed, and for a file with errors."
+        " With `--stdin`, and in a program that opened the printer, as FIRMWARE_RESTART.",
         kind=Kind.SERVED,
         bare=None,
         in_turn=True,
     )
+    def _restart_program(self, command: Command, reply: Reply) -> Wait | None:
+        if (restart := self._printer.state.program_restart) is None:
+            return self._halt_and_restart(command, reply)
+        try:
+            restart.check()
+        except ConfigError as error:
+            raise CommandError(error.problems) from None
+        restart.begin()
+        return None
+
     @command(
         "FIRMWARE_RESTART",
         Subject.STOPS,
         When.IMMEDIATE,
         "",
-        "As RESTART.",
+        "Restarts the boards; the machine stays as it was read. All heaters and motors go off at"
+        " once, and a print ends.",
         kind=Kind.SERVED,
         bare=None,
         in_turn=True,

@@ -373,7 +373,7 @@ class Printer:
             self.supervisor.request_restart()
 
     def restart(self) -> None:
-        """RESTART: everything off at once, then as M999."""
+        """FIRMWARE_RESTART: everything off at once, then as M999."""
         self.halt(MachineError.of("machine.restart"))
         self.request_restart()
 

@@ -10,6 +10,7 @@ from passo.board.faults import HeaterFault
 from passo.errors import MachineError, PassoError, Problem
 from passo.gcode.command import Command
 from passo.printer.console_lines import ConsoleLines
+from passo.printer.program_restart import ProgramRestart
 from passo.printer.wait_requests import Reply, Stopped
 
 _log = logging.getLogger(__name__)
@@ -47,6 +48,7 @@ class State:
         self.settings: Callable[[], Iterable[str]] = tuple  # commands that restore the settings
         self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere
         self.greeting: Callable[[], str] = str  # for a console that opens
+        self.program_restart: ProgramRestart | None = None  # None: nothing would start it again
 
     def halt(self, cause: PassoError, reason: str = "") -> None:
         """From now on nothing moves or heats until M999, and the reason is shown: by default the

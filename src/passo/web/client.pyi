@@ -98,9 +98,10 @@ class Machine:
         self,
     ) -> None:
         """Ends the printer, and starts it again with the machine file as it is now: heaters
-        go off, and axes are not homed. The commands RESTART and M999 do not read the
-        machine file. Consoles and this connection are closed; connect again after some
-        seconds. Log-ins stay valid if the printer has a folder for them (`--state`)."""
+        go off, and axes are not homed. The command RESTART does the same; FIRMWARE_RESTART
+        and M999 do not read the machine file. Consoles and this connection are closed;
+        connect again after some seconds. Log-ins stay valid if the printer has a folder for
+        them (`--state`)."""
         ...
     def library(
         self,
@@ -741,9 +742,10 @@ class AsyncMachine:
         self,
     ) -> None:
         """Ends the printer, and starts it again with the machine file as it is now: heaters
-        go off, and axes are not homed. The commands RESTART and M999 do not read the
-        machine file. Consoles and this connection are closed; connect again after some
-        seconds. Log-ins stay valid if the printer has a folder for them (`--state`)."""
+        go off, and axes are not homed. The command RESTART does the same; FIRMWARE_RESTART
+        and M999 do not read the machine file. Consoles and this connection are closed;
+        connect again after some seconds. Log-ins stay valid if the printer has a folder for
+        them (`--state`)."""
         ...
     async def library(
         self,

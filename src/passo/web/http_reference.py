@@ -60,7 +60,8 @@ A client may send
 | `{{"type": "listen", "console": true}}` | the lines of all consoles follow, or not any more |
 | the same with `"builds": true` | and those of builds of firmware |
 
-It closes with 1008 when the log-in ends. The connection ends without a code if the client does not read for 5 s.
+It closes with 1008 when the log-in ends. The connection ends without a code if the client does not
+read for 5 s.
 """
 
 

@@ -7,7 +7,7 @@ import pytest
 from tests.web.fake_bridge import STATUS
 from tests.web.klippy.client import Served
 
-from passo.errors import CommandError, MachineError
+from passo.errors import CommandError, ConfigError, MachineError
 from passo.events import Message, RemoteCall
 from passo.printer.status import EndedJob, FaultStatus, JobStatus, PrinterState
 
@@ -218,14 +218,40 @@ def test_failed_start_is_an_error():
     run(test)
 
 
-@pytest.mark.parametrize("line", ["RESTART", "firmware_restart ; at last"])
-def test_restart_is_asked_for_by_methods_and_scripts(line):
+@pytest.mark.parametrize(
+    ("line", "method", "asked", "yet"),
+    [
+        ("restart", "gcode/restart", ["restart program"], False),
+        ("FIRMWARE_restart ; at last", "gcode/firmware_restart", [], True),
+    ],
+)
+def test_restart_is_asked_for_by_methods_and_scripts(line, method, asked, yet):
     async def test(served):
         client = served.client()
         assert await client.ask("gcode/script", script=f"M105\n{line}\nG28") == {}
-        assert served.bridge.asked == ["M105"]
-        assert await client.ask("gcode/firmware_restart") == {}
-        assert served.restarts == [True, True]
+        assert served.bridge.asked == ["M105", *asked]
+        assert await client.ask(method) == {}
+        assert served.restarts == [yet, yet]
+
+    run(test)
+
+
+def test_restart_is_refused_during_a_print_and_the_connection_stays():
+    async def test(served):
+        refusal = CommandError.of("job.printing", value="part.gcode")
+        served.bridge.answers["restart program"] = refusal
+        answer = await served.client().ask("gcode/restart")
+        assert "part.gcode is being printed" in answer["message"]
+        assert served.restarts == []
+
+    run(test)
+
+
+def test_restart_restarts_the_boards_where_nothing_starts_the_program():
+    async def test(served):
+        served.bridge.answers["restart program"] = ConfigError.of("machine.no-restart")
+        assert await served.client().ask("gcode/restart") == {}
+        assert served.restarts == [True]
 
     run(test)
 

@@ -61,7 +61,7 @@ def test_restart_ends_connections_and_makes_the_socket_anew(tmp_path):
         reader, writer, _ = await ask(path, "gcode/firmware_restart")
         assert await reader.read() == b""
         writer.close()
-        while "RESTART" not in bridge.asked:
+        while "FIRMWARE_RESTART" not in bridge.asked:
             await asyncio.sleep(0.01)
         await asyncio.sleep(0.05)
         _, writer, info = await ask(path, "info")

@@ -205,9 +205,9 @@ async def apply(call: Call, body: NewMachineFile) -> Applied:
 )
 async def restart(call: Call) -> None:
     """Ends the printer, and starts it again with the machine file as it is now: heaters go off, and
-    axes are not homed. The commands RESTART and M999 do not read the machine file. Consoles and
-    this connection are closed; connect again after some seconds. Log-ins stay valid if the printer
-    has a folder for them (`--state`)."""
+    axes are not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do not read the
+    machine file. Consoles and this connection are closed; connect again after some seconds. Log-ins
+    stay valid if the printer has a folder for them (`--state`)."""
     await call.bridge.restart_program()
 
 

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from passo.errors import ConfigError
 from passo.events import Message, RemoteCall
 from passo.printer.klipper.machine import webhooks
 from passo.version import __version__
@@ -63,7 +64,7 @@ class Engine:
             "gcode/help": self._help,
             "gcode/subscribe_output": self._subscribe_output,
             "gcode/restart": self._restart,
-            "gcode/firmware_restart": self._restart,
+            "gcode/firmware_restart": self._firmware_restart,
             "emergency_stop": self._emergency_stop,
             "pause_resume/pause": partial(self._line, "PAUSE"),
             "pause_resume/resume": partial(self._line, "RESUME"),
@@ -162,7 +163,10 @@ class Engine:
         return {"eventtime": self._now_s(), "status": status}
 
     async def _script(self, _: Connection, arguments: Arguments) -> _Result:
-        if await self._scripts.run(arguments.text("script")):
+        restart = await self._scripts.run(arguments.text("script"))
+        if restart == "RESTART":
+            return await self._restart(_, arguments)
+        if restart:
             self._on_restart(True)
         return {}
 
@@ -178,6 +182,20 @@ class Engine:
         return {}
 
     async def _restart(self, _: Connection, __: Arguments) -> _Result:
+        """Reads the machine file again; where nothing would start the program, the boards alone
+        are restarted. Raises PassoError during a print, and for a file with errors: then all goes
+        on."""
+        try:
+            await self._bridge.restart_program()
+        except ConfigError as error:
+            if error.problems[0].code != "machine.no-restart":
+                raise
+            self._on_restart(True)
+        else:
+            self._on_restart(False)
+        return {}
+
+    async def _firmware_restart(self, _: Connection, __: Arguments) -> _Result:
         self._on_restart(True)
         return {}
 

@@ -12,7 +12,7 @@ from passo.web.klippy.output import failed, shown
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
-RESTARTS = ("RESTART", "FIRMWARE_RESTART")  # clients expect that these end the connection
+_RESTARTS = ("RESTART", "FIRMWARE_RESTART")  # clients expect that these end the connection
 
 
 class Scripts:
@@ -22,27 +22,28 @@ class Scripts:
     def __init__(self, bridge: Bridge, broadcast: Callable[[str], None]) -> None:
         self._bridge, self._broadcast = bridge, broadcast
 
-    async def run(self, script: str) -> bool:
-        """Carries out lines of G-code, and returns when they are done; True if the printer is to
-        be restarted then. The first line that fails ends the script: raises RequestError."""
-        before, restarts = _up_to_restart(script.splitlines())
+    async def run(self, script: str) -> str:
+        """Carries out lines of G-code, and returns when they are done: the command by which the
+        printer is to be restarted then, or an empty text. The first line that fails ends the
+        script: raises RequestError."""
+        before, restart = _up_to_restart(script.splitlines())
         if before.strip():
             try:
                 await self._bridge.run(before, self.hear, sender="Klipper's socket")
             except PassoError as error:
                 self._broadcast(failed(str(error)))
                 raise RequestError(str(error)) from None
-        return restarts
+        return restart
 
     def hear(self, line: str) -> None:
         """A line that the printer answers, or tells everyone."""
         self._broadcast(shown(line))
 
 
-def _up_to_restart(lines: Iterable[str]) -> tuple[str, bool]:
+def _up_to_restart(lines: Iterable[str]) -> tuple[str, str]:
     before: list[str] = []
     for line in lines:
-        if line.strip().upper().split(";")[0].strip() in RESTARTS:
-            return "\n".join(before), True
+        if (command := line.strip().upper().split(";")[0].strip()) in _RESTARTS:
+            return "\n".join(before), command
         before.append(line)
-    return "\n".join(before), False
+    return "\n".join(before), ""

@@ -77,7 +77,7 @@ class KlippySocket:
 
     async def _restart(self) -> None:
         try:
-            await self._bridge.run("RESTART", sender="Klipper's socket")
+            await self._bridge.run("FIRMWARE_RESTART", sender="Klipper's socket")
         except PassoError as error:
             _log.error("The restart failed: %s", error)
 
