@@ -18,3 +18,26 @@ test("a line is explained through its stages, also one of a file", async ({ page
   await page.evaluate(() => (location.hash = "#/learn/demo.gcode:30268"));
   await page.getByText("demo.gcode:30268").waitFor();
 });
+
+test("a corner is planned again with the values of sliders", async ({ page }) => {
+  await page.getByRole("link", { name: "Learn" }).click();
+  await page.getByRole("button", { name: "A corner" }).click();
+  await page.getByText(/turns by 90.0°/).first().waitFor();
+  await page.getByRole("slider", { name: "Acceleration" }).fill("800");
+  await page.getByText("travel acceleration, 800 mm/s²").waitFor();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Values of the machine" }).click();
+  await page.getByText("800 mm/s²").first().waitFor({ state: "detached" });
+});
+
+test("a pulled thermistor halts the printer, and the way out leads back", async ({ page }) => {
+  await page.getByRole("link", { name: "Learn" }).click();
+  await page.getByRole("button", { name: "Pull the thermistor" }).click();
+  await page.locator("header .state", { hasText: "Halted" }).waitFor();
+  await page.getByRole("alert").getByText(/hotend/).first().waitFor();
+  await expectAccessible(page);
+  await picture(page, "learn-fault-1280-light");
+  await page.getByRole("button", { name: "Repair" }).click();
+  await page.getByRole("button", { name: "Start again" }).click();
+  await page.locator("header .state", { hasText: "Ready" }).waitFor();
+});

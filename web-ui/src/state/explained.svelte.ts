@@ -10,7 +10,8 @@ class Explained {
   waiting = $state(false);
   #asked = 0;
 
-  ofLine = (line: string) => this.#ask(call<Explanation>("POST", "explain", { line }));
+  ofLine = (line: string, before = "", after = "") =>
+    this.#ask(call<Explanation>("POST", "explain", { line, before, after }));
   ofFile = (path: string, line: number) => this.#ask(call<Explanation>("GET", `explain?${query({ path, line })}`));
 
   async #ask(asked: Promise<Explanation>): Promise<void> {
