@@ -57,7 +57,7 @@ void bind_job_settings(JobClass& job) {
          "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
       .def(
           "set_geometry",
-          [](JobView& self, const nb::dict& spec) {
+          [](JobView& self, const nb::typed<nb::dict, nb::str, nb::any>& spec) {
             self.job.motion.flush();
             self.job.motion.set_geometry(
                 make_geometry(get<std::string>(spec, "kind"), geometry_params(spec)));

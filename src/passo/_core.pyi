@@ -1816,7 +1816,7 @@ class Job:
     def set_steps_per_unit(self, stepper: int, value: float) -> None:
         """Another scale of a motor, while the machine stands."""
 
-    def set_geometry(self, spec: dict) -> None:
+    def set_geometry(self, spec: dict[str, Any]) -> None:
         """
         Other parameters of the machine's geometry, as in its spec, while the machine stands. No motor moves: set_axes must say where the axes are now.
         """

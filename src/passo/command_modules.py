@@ -18,6 +18,7 @@ from passo.printer.commands import (
     beeper,
     delta_calibration,
     drivers,
+    endstop_offsets,
     heater_control,
     heater_tuning,
     klipper_commands,
@@ -37,6 +38,7 @@ from passo.printer.commands import (
     steps_and_offsets,
     temperature,
     user_prompts,
+    z_motors,
 )
 from passo.printer.watch import endstops
 
@@ -47,12 +49,14 @@ MODULES = (
         beeper,
         delta_calibration,
         drivers,
+        endstop_offsets,
         heater_control,
         heater_tuning,
         limits,
         motor_moves,
         motors,
         outputs,
+        z_motors,
     ),
     *(power_supply, klipper_commands, levelling, probe_deployment, probing, program_flow, reports),
     *(set_points, simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),

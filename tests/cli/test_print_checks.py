@@ -117,7 +117,7 @@ def test_each_hotend_is_checked_for_its_tool(capsys, program):
 
 UNKNOWN = [
     "PRINT_START BED=60", "START_PRINT", "_PURGE_LINE", "print_end",
-    "G84 X1 Z-1 R1", "G33",
+    "G84 X1 Z-1 R1",
     "G38.2 Z-5", "G5 X1 Y1 I0 J1 P0 Q1", "G41 D1", "G51 X2", "O100 call", "O5 while [1]",
     "G90 G68 X0 Y0 R45",
 ]  # fmt: skip
@@ -162,7 +162,7 @@ def test_all_that_is_unknown_is_named_at_once(capsys, program):
     ]
 
 
-@pytest.mark.parametrize("line", ["G29", "g29 a", "G28 G29", "G32", "QUAD_GANTRY_LEVEL"])
+@pytest.mark.parametrize("line", ["G29", "g29 a", "G28 G29", "G32", "G33", "QUAD_GANTRY_LEVEL"])
 def test_levelling_without_a_probe_stops_first(capsys, program, line):
     path = program(f"{START}{line}\nG1 X20 F600\n")
     status, (error,), result = outcome(capsys, path)

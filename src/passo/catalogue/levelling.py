@@ -89,6 +89,11 @@ LEVELLING: Mapping[str, Entry] = {
         " adjustment makes the tilt worse, and the Z motors {order} may be in another order",
         "Compare the order of motors and pivots; move one motor and see which corner rises",
     ),
+    "levelling.motor-retries": _levelling(
+        "the motors of Z still tilt by {value:.4f} mm after {times} adjustments: at most {limit:g}"
+        " mm are allowed",
+        "Look for play in the gantry and the probe (M48), or raise tolerance_mm",
+    ),
     "levelling.skew": _levelling(
         "no parallelogram has the lengths {value} of AC, BD and AD",
         "Measure both diagonals and the side AD of the printed square again",

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from passo.config.types import Model, Position, Positive
+from passo.config.types import Model, Name, Pair, Position, Positive
 
 
 class DeltaCalibration(Model):
@@ -21,6 +21,31 @@ class DeltaCalibration(Model):
     """The maximum change of the angle of a tower."""
     max_endstop_mm: Positive = 5.0
     """The maximum change of the position of an endstop."""
+
+
+class Place(Model):
+    """A place of the probe."""
+
+    x: Position
+    """X of the probe, in mm."""
+    y: Position
+    """Y of the probe, in mm."""
+
+
+class ZMotors(Model):
+    """How G34 levels the gantry, or the bed, by the motors of Z, each of which turns by itself."""
+
+    pivots: Annotated[dict[Name, Pair], Field(min_length=2, max_length=4)]
+    """X and Y where each motor of Z carries the gantry, in mm. Four motors: front left, back left,
+    back right, front right."""
+    points: Annotated[list[Place], Field(min_length=2, max_length=100)]
+    """The points that G34 measures. For four motors: four points in the order of the motors."""
+    max_adjust_mm: Positive = 2.0
+    """The maximum distance that a motor moves against another one in a round."""
+    tolerance_mm: Positive = 0.01
+    """The tilt between the motors at which G34 is done."""
+    retries: Annotated[int, Field(ge=0, le=30)] = 5
+    """How often G34 measures and adjusts again."""
 
 
 _Three = Annotated[list[Position], Field(min_length=3, max_length=3)]

@@ -83,6 +83,15 @@ def _range_of_arm(machine: MachineConfig, name: str) -> tuple[float, float]:
     )
 
 
+def check_offsets(machine: MachineConfig) -> Iterator[Finding]:
+    """Checks that offsets of endstops are of motors with an endstop of their own."""
+    for name, homing in machine.homing.items():
+        for motor, mm in homing.offsets_mm.items():
+            if motor not in homing.stepper_pins:
+                limit = "the name of a motor in stepper_pins"
+                yield Finding("config.value", ("homing", name, "offsets_mm", motor), mm, limit)
+
+
 def check_park(machine: MachineConfig) -> Iterator[Finding]:
     """Checks that the parking position is within the axes."""
     place = machine.park.position_mm if machine.park else None

@@ -22,6 +22,9 @@ class Homing(Model):
     """The endstop, which stops all motors of the axis. `!` inverts it, `^` asks for the pull-up."""
     stepper_pins: dict[Name, Pin] = {}
     """An endstop for each motor of the axis, by the name of the motor."""
+    offsets_mm: dict[Name, Position] = {}
+    """How much higher than `position` the endstop of a motor in `stepper_pins` triggers: homing
+    levels the motors by it. G34 finds these offsets."""
     fast: Speed = 40.0
     """The speed towards the endstop, in mm/s or degrees/s."""
     retract: Positive = 3.0

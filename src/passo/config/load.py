@@ -19,7 +19,13 @@ from passo.config.findings import Finding, as_written, did_you_mean, key_text, t
 from passo.config.gains import question_gains
 from passo.config.geometry_kinds import KINDS
 from passo.config.heat_checks import check_sensors
-from passo.config.home_checks import check_home, check_home_sides, check_park, check_scales
+from passo.config.home_checks import (
+    check_home,
+    check_home_sides,
+    check_offsets,
+    check_park,
+    check_scales,
+)
 from passo.config.machine import MachineConfig
 from passo.config.origins import Origins
 from passo.config.probing_checks import check_probe
@@ -154,6 +160,7 @@ def _machine(text: str, file: str) -> Loaded:
         findings += [
             *check_home_sides(machine),
             *check_home(machine),
+            *check_offsets(machine),
             *check_park(machine),
             *check_scales(machine),
             *check_probe(machine),

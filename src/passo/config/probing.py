@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.calibration import DeltaCalibration, SimulatedDelta
-from passo.config.types import Model, NotNegative, Pair, Position, Positive
+from passo.config.calibration import DeltaCalibration, SimulatedDelta, ZMotors
+from passo.config.types import Model, Name, NotNegative, Pair, Position, Positive
 from passo.probes.base import HeightOffset
 
 PROBE = "probe"
@@ -64,6 +64,8 @@ class Levelling(Model):
     M666."""
     delta: DeltaCalibration = Field(default_factory=DeltaCalibration)
     """How a delta finds its geometry."""
+    motors: ZMotors | None = None
+    """How the motors of Z level the gantry."""
 
 
 class SimulatedBed(Model):
@@ -107,5 +109,7 @@ class Simulated(Model):
     """The simulated bed."""
     probe: SimulatedProbe = Field(default_factory=SimulatedProbe)
     """Faults of the simulated probe."""
+    endstops_mm: dict[Name, Position] = {}
+    """How much higher than `homing.z.position` the endstop of a motor really triggers."""
     delta: SimulatedDelta | None = None
     """The true geometry of a simulated delta."""

@@ -33,6 +33,7 @@ def check_probe(machine: MachineConfig) -> Iterator[Finding]:
         yield from _check_sensor(machine, probe)
     yield from _check_points(machine)
     yield from _check_area(machine)
+    yield from _check_motors(machine)
 
 
 def _check_sensor(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding]:
@@ -135,3 +136,27 @@ def _check_place(
             " is on the bed and the nozzle within its axes"
         )
         yield Finding("config.value", path, f"X{x:g} Y{y:g}", limit)
+
+
+def _check_motors(machine: MachineConfig) -> Iterator[Finding]:
+    """Checks that each motor of Z has a pivot, and the points suit them."""
+    motors = machine.levelling.motors
+    if motors is None:
+        return
+    z = machine.drivable.by_name.get("z")
+    of_z = {name for name in machine.steppers if machine.driven_by(name) == z}
+    if z is None or set(motors.pivots) != of_z:
+        path = ("levelling", "motors", "pivots")
+        limit = f"a pivot for each motor of Z: {', '.join(sorted(of_z)) or 'this machine has none'}"
+        yield Finding("config.value", path, ", ".join(motors.pivots), limit)
+    for (one, a), (other, b) in combinations(motors.pivots.items(), 2):
+        if hypot(a[0] - b[0], a[1] - b[1]) < MIN_DISTANCE_MM:
+            path = ("levelling", "motors", "pivots", other)
+            limit = f"a place at least {MIN_DISTANCE_MM:g} mm from that of {one}"
+            yield Finding("config.value", path, f"X{b[0]:g} Y{b[1]:g}", limit)
+    if len(motors.pivots) == 4 and len(motors.points) != 4:
+        path = ("levelling", "motors", "points")
+        limit = "four points for four motors, in the order of the pivots"
+        yield Finding("config.value", path, len(motors.points), limit)
+    for i, point in enumerate(motors.points):
+        yield from _check_place(machine, ("levelling", "motors", "points", i), point.x, point.y)

@@ -67,6 +67,8 @@ class SettingsCommands:
             yield "Probe and bed levelling", list(self._printer.levelling.setting_lines())
         if self._printer.delta:
             yield "Geometry of the delta", list(self._printer.delta.setting_lines())
+        if self._printer.z_endstops:
+            yield "Endstops of the motors of Z", list(self._printer.z_endstops.setting_lines())
         controls = self._printer.controls
         yield "Heater sensors", list(controls.sensor_lines())
         yield "Heater PID", list(controls.gain_lines())

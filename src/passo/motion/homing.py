@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from passo.config.homing import Homing
     from passo.config.machine import MachineConfig
     from passo.motion.bed_correction import BedCorrection
+    from passo.motion.lone_motors import LoneMotors
     from passo.motion.offsets import Offsets
     from passo.motion.rig import Rig
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
@@ -74,9 +75,11 @@ class Homer:
         problem: Callable[[], Problem],
         triggered: TriggeredMoves,
         correction: BedCorrection,
+        motors: LoneMotors,
     ) -> None:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
         self._triggered, self._correction = triggered, correction
+        self._lone_motors = motors
         self._problem_of_job = problem  # the error that the job stopped at
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
@@ -261,10 +264,22 @@ class Homer:
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
             rig.lock([*of_arms, *names])
             raise
-        found = {way.name: self._at(way.slot) for way in ways if way.name in names}
+        found = {w.name: self._at(w.slot) + await self._level(w) for w in ways if w.name in names}
         found |= point_of_arms(job.machine_position[:3])
         self.offset_mm |= {n: self._offsets.home_mm[n] for n in found}
         self._set({n: at + self.offset_mm[n] for n, at in found.items()})
+
+    async def _level(self, way: _HomingAxis) -> float:
+        """The motors of an axis, each at its own switch, get to the place of the one that is the
+        farthest inside; how far that is from home."""
+        offsets_mm = way.config.offsets_mm
+        if not offsets_mm:
+            return 0.0
+        at = {name: offsets_mm.get(name, 0.0) for name in way.config.stepper_pins}
+        inside = way.sign * min(way.sign * mm for mm in at.values())
+        by_mm = {name: inside - mm for name, mm in at.items()}
+        await self._lone_motors.move(way.name, by_mm, way.config.fast)
+        return inside
 
     def _arms_at_home(self, z: float) -> list[float]:
         """The actuators with all arms at home, and Z there where it moves by itself."""

@@ -51,6 +51,9 @@ class Rig:
         geometry has them, and homed if they were. Only while nothing is queued. Raises Unreachable,
         and changes nothing, if motors of homed axes are where that geometry has no place."""
         old, job = self.machine, self.job
+        if machine.geometry == old.geometry and not machine.axes_of_arms:
+            self.machine = self.positions.machine = machine
+            return
         locked = set(job.locked_axes)
         x, y, z, *_ = job.machine_position
         nozzle = x, y, job.nozzle_height(x, y, z)

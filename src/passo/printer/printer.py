@@ -13,12 +13,14 @@ from passo.gcode.registry import in_program
 from passo.motion.bed_correction import BedCorrection
 from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
+from passo.motion.lone_motors import LoneMotors
 from passo.motion.offsets import Offsets
 from passo.motion.probing import Prober
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.beeper import Beeper
-from passo.printer.commands.delta_calibration import DeltaCommands, has_endstops
+from passo.printer.commands.delta_calibration import DeltaCommands, is_calibrated
 from passo.printer.commands.drivers import DriverCommands
+from passo.printer.commands.endstop_offsets import EndstopCommands
 from passo.printer.commands.heater_control import ControlCommands
 from passo.printer.commands.heater_tuning import TuneCommands
 from passo.printer.commands.levelling import LevellingCommands
@@ -31,6 +33,7 @@ from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
 from passo.printer.commands.temperature import HeatCommands
 from passo.printer.commands.user_prompts import UserPrompts
+from passo.printer.commands.z_motors import EndstopOffsets, ZMotorCommands, has_endstops
 from passo.printer.dispatch import Dispatch
 from passo.printer.laser import Laser
 from passo.printer.live_rig import LiveRig
@@ -103,6 +106,7 @@ class Printer:
             lambda: rig.commands.problem(),
             self.triggered,
             self.correction,
+            motors := LoneMotors(rig, state, self.triggered),
         )
         self.prober = Prober(rig, state, self.triggered, self.correction)
         self.endstops = EndstopWatch(rig, state, self.triggered, self.stop_by_endstop)
@@ -123,9 +127,24 @@ class Printer:
             self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling)
             self.dispatch.add(ProbeDeploymentCommands(self.prober))
         self.delta = None
-        if has_endstops(machine):
+        if is_calibrated(machine):
             self.delta = DeltaCommands(rig, self.prober, self.correction)
             self.dispatch.add(self.delta)
+        self.z_endstops = EndstopOffsets(rig) if has_endstops(machine) else None
+        if machine.levelling.motors is not None and machine.probe is not None:
+            self.dispatch.add(
+                ZMotorCommands(
+                    rig,
+                    machine.levelling.motors,
+                    self.prober,
+                    self.correction,
+                    self.triggered,
+                    motors,
+                    self.z_endstops,
+                )
+            )
+        if self.delta is not None or self.z_endstops is not None:
+            self.dispatch.add(EndstopCommands(self.delta, self.z_endstops))
         self.dispatch.add(MotorMoves(rig, state, self.triggered))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)

@@ -51,7 +51,8 @@ class Skips(NamedTuple):
         if machine.probe is None:
             return self
         of_delta = OF_DELTAS if machine.geometry.kind == "delta" else frozenset[str]()
-        return self._replace(levels=PROBING | of_delta)
+        of_motors = OF_Z_MOTORS if machine.levelling.motors else frozenset[str]()
+        return self._replace(levels=PROBING | of_delta | of_motors)
 
 
 NOTHING = Skips()

@@ -3,7 +3,7 @@
 from passo.simulator.board import SimulatedBoard
 from passo.simulator.fault_injector import SimulatedFaults
 from passo.simulator.machine import Cable, SimulatedMachine
-from passo.simulator.plant import Actuator, Bed, BedProbe, Body, PlantDescription, Switch
+from passo.simulator.plant import Actuator, Bed, BedProbe, Body, Lift, PlantDescription, Switch
 
 __all__ = [
     "Actuator",
@@ -11,6 +11,7 @@ __all__ = [
     "BedProbe",
     "Body",
     "Cable",
+    "Lift",
     "PlantDescription",
     "SimulatedBoard",
     "SimulatedFaults",

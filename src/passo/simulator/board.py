@@ -155,6 +155,8 @@ class SimulatedBoard:
             probe.touchy_areas,
             self._mechanism(probe),
         )
+        lifts = [(self._felt_pin(lift.stepper), lift.weight) for lift in probe.lifts]
+        self.device.carry_probe(self._pins[bare(pin)], lifts)
         self.force_switch(probe.endstop, probe.forced)
 
     def _mechanism(self, probe: BedProbe) -> _core.ProbeMechanism:

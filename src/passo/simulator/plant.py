@@ -78,6 +78,15 @@ class Bed:
 
 
 @dataclass(frozen=True, slots=True)
+class Lift:
+    """One of several motors that carry the gantry. At X, Y of the nozzle its position has the
+    `weight` c · (1, x, y, x y)."""
+
+    stepper: str
+    weight: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class BedProbe:
     """The endstop `endstop` is a probe on the head. It triggers when the nozzle is `trigger_mm`
     above the bed at the place of the probe, which is `offset_mm` from the nozzle, and opens
@@ -100,6 +109,7 @@ class BedProbe:
     mechanism: Mechanism = field(default_factory=Mechanism)
     control: str | None = None
     jammed: bool = False
+    lifts: tuple[Lift, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

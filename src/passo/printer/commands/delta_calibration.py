@@ -1,4 +1,4 @@
-"""G33, DELTA_CALIBRATE, M665 and M666: the geometry of a delta is measured and set."""
+"""G33, DELTA_CALIBRATE and M665: the geometry of a delta is measured and set."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _MARGIN_MM = 2.0  # nozzle and probe keep from the edge, since the geometry is n
 _DIGITS = 6  # of mm and degrees: what is stored is what is in force
 
 
-def has_endstops(machine: MachineConfig) -> bool:
-    """Whether a machine is a delta whose carriages have an endstop each."""
+def is_calibrated(machine: MachineConfig) -> bool:
+    """Whether a machine is a delta whose carriages have an endstop each, so that it can be."""
     return isinstance(machine.geometry, Delta) and set("abc") <= set(machine.homing)
 
 
 class DeltaCommands:
-    """The geometry of one delta: `has_endstops` holds for its machine. What is in force is that of
+    """The geometry of one delta: `is_calibrated` holds for its machine. What is in force is that of
     the rig."""
 
     def __init__(self, rig: Rig, prober: Prober, correction: BedCorrection) -> None:
@@ -203,27 +203,11 @@ class DeltaCommands:
         update = {"radius": radius, "angles": angles, "rods": rods}
         self._use(_with_heights(geometry.model_copy(update=update), heights))
 
-    @command(
-        "M666",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "X Y Z (mm)",
-        "Sets how much the endstops of a delta's towers are off: as Marlin has it, at most 0, and"
-        ' lower for a higher endstop; with levelling.dialect = "rrf" higher for a higher endstop.'
-        " Without parameters it reports them.",
-        kind=Kind.SERVED,
-        lacks=NO_DELTA,
-    )
-    def _set_endstops(self, command: Command, reply: Reply) -> Wait | None:
-        words = {k: v for k, v in command.words().items() if k in "XYZ"}
-        if words:
-            return WaitForMoves(lambda: self._move_endstops(words))
+    def endstop_line(self) -> str:
+        """M666 with what holds now, and whose signs it has."""
         shown = zip("XYZ", self._offsets(), strict=True)
-        whose = "Marlin's" if self._marlin else "RepRapFirmware's"
-        reply.say(
-            "  M666 " + " ".join(f"{k}{mm + 0.0:.4f}" for k, mm in shown) + f" ; {whose} signs"
-        )
-        return None
+        words = " ".join(f"{k}{round(mm, 4) + 0.0:.4f}" for k, mm in shown)
+        return f"M666 {words} ; {'Marlin' if self._marlin else 'RepRapFirmware'}'s signs"
 
     @property
     def _marlin(self) -> bool:
@@ -238,7 +222,8 @@ class DeltaCommands:
         height = self._height(heights)
         return [height - e if self._marlin else e - height for e in heights]
 
-    def _move_endstops(self, words: dict[str, float]) -> None:
+    def move_endstops(self, words: dict[str, float]) -> None:
+        """M666 with these words. Raises CommandError."""
         heights = _heights(self._now)
         height = self._height(heights)
         offsets = self._offsets()

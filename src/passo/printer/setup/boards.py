@@ -31,6 +31,7 @@ from passo.config.sensor_tables import (
 )
 from passo.geometry.delta import Delta
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
+from passo.levelling.least_squares import solve
 from passo.motion.endstops import (
     Switch,
     inputs,
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
         Bed,
         BedProbe,
         Cable,
+        Lift,
         SimulatedBoard,
         SimulatedMachine,
     )
@@ -335,7 +337,33 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
         probe.mechanism,
         SERVO if probe.servo_pin else None,
         simulated.probe.jammed,
+        _lifts(machine),
     )
+
+
+def _lifts(machine: MachineConfig) -> tuple[Lift, ...]:
+    """How the motors of Z carry the gantry, if the file gives their pivots: Z at each pivot is that
+    of its motor."""
+    from passo.simulator import Lift
+
+    motors = machine.levelling.motors
+    if motors is None:
+        return ()
+    pivots = [(x, y) for x, y in motors.pivots.values()]
+    if len(pivots) == 2:
+        (x0, y0), (x1, y1) = pivots
+        dx, dy = x1 - x0, y1 - y0
+        square = dx * dx + dy * dy
+        second = (-(x0 * dx + y0 * dy) / square, dx / square, dy / square, 0.0)
+        first = (1 - second[0], -second[1], -second[2], 0.0)
+        weights = [first, second]
+    else:
+        rows = [[1.0, x, y, x * y][: len(pivots)] for x, y in pivots]
+        unit = [[float(i == k) for i in range(len(pivots))] for k in range(len(pivots))]
+        found = [[*solve(rows, values), 0.0] for values in unit]
+        weights = [(c[0], c[1], c[2], c[3]) for c in found]
+    named = zip(motors.pivots, weights, strict=True)
+    return tuple(Lift(name, weight) for name, weight in named)
 
 
 def _corners(area: Sequence[float]) -> tuple[float, float, float, float]:
@@ -375,7 +403,8 @@ def _felt_at(
 ) -> float:
     """The sum of weighted positions at which the switch is pressed."""
     if is_actuator(machine, switch.home) or len(weights) == 1:
-        return _simulated_home(machine, switch.home)
+        off_mm = machine.simulated.endstops_mm.get(switch.name, 0.0)
+        return _simulated_home(machine, switch.home) + off_mm
     q = machine.geometry.inverse(pressed_point(machine, switch))
     total = 0.0
     for name, weight in weights:

@@ -1,0 +1,46 @@
+"""Moves of one motor alone, while the other motors that drive the same axis stand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from passo._core import Within
+from passo.config.motor_roles import axis_order
+from passo.motion.axis_slots import slot_of_axis
+from passo.motion.endstops import steppers_of
+
+if TYPE_CHECKING:
+    from passo.motion.rig import Rig
+    from passo.motion.triggered_moves import Interrupts, TriggeredMoves
+
+
+class LoneMotors:
+    """Moves single motors of one printer. Callers hold the motion lock, the machine is idle, and no
+    board brakes by itself (`TriggeredMoves.prepared`)."""
+
+    def __init__(self, rig: Rig, interrupts: Interrupts, triggered: TriggeredMoves) -> None:
+        self._rig, self._interrupts, self._triggered = rig, interrupts, triggered
+        self._order = [row["name"] for row in rig.machine.core_spec()["steppers"]]
+
+    async def move(self, axis: str, by_mm: Mapping[str, float], speed_mm_s: float) -> None:
+        """Moves each of these motors of a linear axis by its distance, one after the other. The
+        position of the axis stays. Raises Stopped after M108 or M410, and MachineError; then the
+        motors may be anywhere on their way."""
+        rig, job = self._rig, self._rig.job
+        number = axis_order(rig.machine.axes).index(axis)
+        slot = slot_of_axis(number)
+        at = job.machine_position[slot]
+        for name, mm in by_mm.items():
+            if not mm:
+                continue
+            others = [n for n in steppers_of(rig.machine, axis) if n != name]
+            job.let_rest([self._order.index(n) for n in others])
+            try:
+                rig.queue.move({slot: at + mm}, speed_mm_s, Within.ANYTHING)
+                rig.queue.flush()
+                await self._triggered.standstill()
+            finally:
+                job.let_rest([])
+                job.set_axes([(number, at)])
+            self._interrupts.raise_if_interrupted()

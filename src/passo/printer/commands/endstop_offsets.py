@@ -1,0 +1,58 @@
+"""M666: how much endstops are off, of a delta's towers or of the motors of Z."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves
+
+if TYPE_CHECKING:
+    from passo.printer.commands.delta_calibration import DeltaCommands
+    from passo.printer.commands.z_motors import EndstopOffsets
+
+NO_OFFSETS = "This machine has one endstop for each axis."
+_MOST_MM = 50.0
+
+
+class EndstopCommands:
+    """M666 of one printer: of its delta, or of its motors of Z."""
+
+    def __init__(self, delta: DeltaCommands | None, motors: EndstopOffsets | None) -> None:
+        self._delta, self._motors = delta, motors
+
+    @command(
+        "M666",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "X Y Z S(mm)",
+        "Sets how much endstops are off. X, Y and Z are the towers of a delta: as Marlin has it, at"
+        ' most 0, and lower for a higher endstop; with levelling.dialect = "rrf" higher for a'
+        " higher endstop. On other machines Z is the endstop of motor S of Z (2), and higher for a"
+        " higher endstop. Without parameters it reports them.",
+        kind=Kind.SERVED,
+        lacks=NO_OFFSETS,
+    )
+    def _offsets(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if self._delta is not None:
+            if words.keys() & set("XYZ"):
+                delta = self._delta
+                return WaitForMoves(lambda: delta.move_endstops(words))
+            reply.say(f"  {self._delta.endstop_line()}")
+        elif self._motors is not None:
+            if "Z" in words:
+                return self._motor(self._motors, words)
+            for line in self._motors.setting_lines():
+                reply.say(f"  {line}")
+        return None
+
+    def _motor(self, motors: EndstopOffsets, words: dict[str, float]) -> Wait:
+        names, n, mm = list(motors.offsets), words.get("S", 2.0), words["Z"]
+        if n not in range(1, len(names) + 1):
+            raise CommandError.bad_value("S", n, f"1 to {len(names)}")
+        if abs(mm) > _MOST_MM:
+            raise CommandError.bad_value("Z", mm, f"-{_MOST_MM:g} to {_MOST_MM:g} mm")
+        return WaitForMoves(lambda: motors.use(motors.offsets | {names[int(n) - 1]: mm}))
