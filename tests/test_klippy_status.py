@@ -46,6 +46,31 @@ async def _until(condition):
         await asyncio.sleep(0.25)
 
 
+def test_printing_time_is_that_since_the_machine_stood(tmp_path):
+    async def test(bridge: LiveBridge):
+        def times():
+            (found,) = shown(bridge, "idle_timeout")
+            return found["state"], found["printing_time"]
+
+        assert times() == ("Idle", 0.0)
+        await bridge.run("G28\nM400")
+        await asyncio.sleep(1)
+        assert times() == ("Ready", 0.0)
+        await bridge.run("G1 X100 F600")  # 10 s, by hand
+        await asyncio.sleep(5)
+        assert times() == ("Printing", pytest.approx(5, abs=0.6))
+        await asyncio.sleep(10)
+        assert times() == ("Ready", 0.0)
+        await bridge.start_print("/part.gcode")
+        await asyncio.sleep(60)
+        assert times() == ("Printing", pytest.approx(60, abs=0.6))
+        await bridge.pause_print()
+        await asyncio.sleep(20)
+        assert times() == ("Ready", 0.0)
+
+    on_printer(test, tmp_path)
+
+
 def test_print_duration_begins_with_the_first_extrusion(tmp_path):
     async def test(bridge: LiveBridge):
         def stats():

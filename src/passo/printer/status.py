@@ -210,7 +210,8 @@ class Status:
     started at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c`
     the hotend of `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the
     settings that M500 would change on its medium, as commands with their values, by headings;
-    `saved_variables` are those of SAVE_VARIABLE.
+    `saved_variables` are those of SAVE_VARIABLE. `moving_s` is the print time for which the
+    machine has printed or moved without a rest.
     """
 
     state: PrinterState
@@ -239,6 +240,7 @@ class Status:
     min_extrude_c: float = 0.0
     unsaved: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
     saved_variables: dict[str, Any] = field(default_factory=dict[str, Any])
+    moving_s: float = 0.0
 
 
 def planned_status(

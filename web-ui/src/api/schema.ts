@@ -738,7 +738,8 @@ export interface SpeedFactor {
  * once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the hotend of
  * `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the settings that
  * M500 would change on its medium, as commands with their values, by headings; `saved_variables`
- * are those of SAVE_VARIABLE. */
+ * are those of SAVE_VARIABLE. `moving_s` is the print time for which the machine has printed or
+ * moved without a rest. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -766,6 +767,7 @@ export interface Status {
   min_extrude_c: number;
   unsaved: Record<string, Record<string, string>>;
   saved_variables: Record<string, unknown>;
+  moving_s: number;
 }
 
 /** The status, and a number that counts up with each change of it. */

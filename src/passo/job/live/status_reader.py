@@ -51,6 +51,7 @@ class StatusReader:
         self._objects, self._library = objects, library
         self._letters = axis_order(printer.machine.axes)
         self._ended: EndedJob | None = None
+        self._moves_since_s: float | None = None
         self.unsaved: Callable[[], dict[str, dict[str, str]]] = dict  # as `Status.unsaved`
         runner.watchers.append(self._job_changed)
 
@@ -58,9 +59,9 @@ class StatusReader:
         """The printer now."""
         printer, job = self._printer, self._printer.job
         shown = {k.lower(): mm for k, mm in printer.positions.shown().items()}
-        homed = _homed_axes(printer)
+        homed, state = _homed_axes(printer), self._state()
         return Status(
-            state=self._state(),
+            state=state,
             halted=printer.halted,
             time_s=max(printer.queue.now_s, 0.0),
             position_mm=shown,
@@ -88,7 +89,18 @@ class StatusReader:
             min_extrude_c=printer.heat.cold.min_c(job.tool),
             unsaved=self.unsaved(),
             saved_variables=printer.rig.macros.saved,
+            moving_s=self._moving_s(state, max(printer.queue.now_s, 0.0)),
         )
+
+    def _moving_s(self, state: PrinterState, now_s: float) -> float:
+        """Since the first reading at which the machine printed or moved, at `now_s` of print
+        time."""
+        if state not in (PrinterState.PRINTING, PrinterState.BUSY):
+            self._moves_since_s = None
+            return 0.0
+        if self._moves_since_s is None:
+            self._moves_since_s = now_s
+        return now_s - self._moves_since_s
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if was.active and not state.active:

@@ -69,7 +69,7 @@ def idle_timeout(machine: MachineConfig, status: Status) -> Object:
     rests = "Ready" if status.motion.motors_on else "Idle"
     return {
         "state": "Printing" if busy else rests,
-        "printing_time": 0.0,
+        "printing_time": status.moving_s,
         "idle_timeout": machine.idle.motors_off_s,
     }
 
