@@ -50,8 +50,8 @@ _MAX_EVENTS = 10_000  # that wait for a slow reader
 
 @dataclass(frozen=True, slots=True)
 class PrintSummary:
-    """A print from a file that is over: print time without pauses, and filament that all extruders
-    have pushed together."""
+    """A print from a file that is over: print time without pauses, and the filament of all
+    extruders together."""
 
     file: str
     outcome: Literal["done", "cancelled"]
@@ -62,8 +62,8 @@ class PrintSummary:
 def run(main: Coroutine[Any, Any, _T], *, clock: Literal["real", "virtual"] | float = "real") -> _T:
     """Runs a coroutine as `asyncio.run` does, in a time of its own.
 
-    `clock` is `real`; `virtual`, in which every wait is over at once and each run is the same; or
-    a factor: so many times as fast as real. All printers that `main` opens share that time. Boards
+    `clock` is `real`; `virtual`, in which every wait is over at once and each run is the same; or a
+    factor: so many times as fast as real. All printers that `main` opens share that time. Boards
     that are not simulated need `real`.
     """
     scale = 1.0 if clock == "real" else None if clock == "virtual" else float(clock)
@@ -93,12 +93,11 @@ class Printer:
     ) -> None:
         """`machine` is a machine, or the name or file of one. `fast`: print time of a simulated
         board passes as fast as it can, but only while something waits for it. `card` is the SD card
-        (a folder, an image or a device), `state` the folder of settings, history, the journal and
-        a report of each halt; without it `halt_reports` begins the path of the reports, if given.
-        `skip_unknown` and `skip_levelling` let prints leave out commands as `Machine.print` does.
-        `machine_source` is where a machine that is given as such was loaded from; with `restarts`
-        the web may end the printer to start it again, see `serve`. Raises ConfigError.
-        """
+        (a folder, an image or a device). `state` is the folder of settings, history, the journal
+        and a report of each halt; without it `halt_reports` begins the path of the reports, if
+        given. `skip_unknown` and `skip_levelling` let prints leave out commands as `Machine.print`
+        does. `machine_source` is the file that a given machine was loaded from. With `restarts` the
+        web may end the printer to restart it, see `serve`. Raises ConfigError."""
         self._source = machine_source
         if isinstance(machine, str | os.PathLike):
             self._source = os.fspath(machine)
@@ -168,12 +167,12 @@ class Printer:
     # -- what it does -----------------------------------------------------------------------------
 
     async def send(self, line: str) -> Reply:
-        """Carries out one line of G-code and returns what it answers.
+        """Carries out one line of G-code and returns its answer.
 
-        A move is answered when it is planned; `M400` waits until the machine stands. Raises
-        CommandError when the line is not carried out, and ValueError for more than one line. When
-        the calling task is cancelled, a line that has not begun is not carried out any more, and a
-        wait ends as M108 ends it: moves that are planned still happen.
+        A move is answered when it is planned; `M400` waits until the machine is at standstill.
+        Raises CommandError if the line is not carried out, and ValueError for more than one line.
+        If the calling task is cancelled, a line that has not begun is not carried out, and a wait
+        ends as with M108: moves that are planned still happen.
         """
         self._raise_if_ended()
         if self._client is None:
@@ -184,10 +183,10 @@ class Printer:
         """Prints a file of this computer, and returns when the last move is done or the print was
         cancelled. A pause is part of it.
 
-        When the calling task is cancelled the print is, too: the machine brakes, and heaters and
-        fans go off. Raises InputError for a file that cannot be read, CommandError while another
-        one is printed, and CommandError or MachineError when the print fails; heaters keep their
-        targets then, so that `resume` can go on after the line that failed.
+        If the calling task is cancelled, the print is cancelled, too: the machine brakes, and
+        heaters and fans go off. Raises InputError for a file that cannot be read, CommandError
+        while another one is printed, and CommandError or MachineError when the print fails; heaters
+        keep their targets then, so that `resume` can continue after the line that failed.
         """
         self._raise_if_ended()
         assembly, printer = self._opened, self._printer
@@ -237,7 +236,7 @@ class Printer:
         await self.send("M25")
 
     async def resume(self) -> None:
-        """Ends a pause, or goes on after a line that failed (M24). Raises CommandError."""
+        """Ends a pause, or continues after a line that failed (M24). Raises CommandError."""
         await self.send("M24")
 
     async def cancel(self) -> None:
@@ -246,7 +245,7 @@ class Printer:
 
     @property
     def faults(self) -> dict[str, tuple[str, ...]]:
-        """The faults that each part of a simulated printer can have, by the part's name; empty of
+        """The faults that each part of a simulated printer can have, by the part's name; empty for
         real boards."""
         injector = self._printer.connection.injector
         return {} if injector is None else dict(injector.values)
@@ -255,15 +254,15 @@ class Printer:
         self, part: str, value: str, *, after_s: float = 0.0, for_s: float | None = None
     ) -> None:
         """Gives a part of the simulated printer a fault after so many seconds of print time, for so
-        many or for good; `none` ends one (docs/how-to/simulate-faults.md). Raises CommandError for
-        a part or a fault that does not exist, and for real boards."""
+        many or permanently; `none` ends one (docs/how-to/simulate-faults.md). Raises CommandError
+        for a part or a fault that does not exist, and for real boards."""
         self._printer.faults.order(FaultOrder(part, value, after_s, for_s))
 
     # -- what it reports --------------------------------------------------------------------------
 
     @property
     def status(self) -> Status:
-        """The printer now."""
+        """The status of the printer now."""
         return self._opened.status.read()
 
     @property
@@ -273,8 +272,8 @@ class Printer:
 
     @property
     def start_messages(self) -> tuple[str, ...]:
-        """What the printer reported while it started, until the first console has shown it, and why
-        it is halted, if it is."""
+        """The messages from the start, until the first console has shown them, and why the printer
+        is halted, if it is."""
         printer = self._printer
         halted = (f"Printer halted: {printer.state.why_halted}",) if printer.halted else ()
         return (*printer.state.unheard, *halted)
@@ -286,17 +285,18 @@ class Printer:
     def on_status(
         self, call: Callable[[Status], object], *, every_s: float = 1.0
     ) -> Callable[[], None]:
-        """Calls `call` with the status now, and then whenever `every_s` have passed, of host time
-        or of print time where that runs faster; 0.25 s is the shortest. Returns what ends it."""
+        """Calls `call` with the status now, and then every `every_s`, of host time or of print time
+        if that runs faster; the minimum is 0.25 s. Returns a function that ends it."""
         return self._observer.on_status(call, every_s)
 
     def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
-        """Calls `call` with each event from now on: see `passo.events`. Returns what ends it."""
+        """Calls `call` with each event from now on: see `passo.events`. Returns a function that
+        ends it."""
         return self._observer.on_event(call)
 
     async def events(self) -> AsyncGenerator[Event]:
-        """The events from now on, until the printer is closed. The oldest are dropped
-        where more than 10000 wait for the reader."""
+        """The events from now on, until the printer is closed. If more than 10000 wait for the
+        reader, the oldest are dropped."""
         queue: asyncio.Queue[Event | None] = asyncio.Queue()
 
         def put(event: Event) -> None:
@@ -318,8 +318,8 @@ class Printer:
     async def open_tcp(
         self, host: str = "127.0.0.1", port: int = 0, *, clients: int = 2, advanced_ok: bool = False
     ) -> str:
-        """Opens a TCP console for so many clients at once; port 0 is any that is free. Returns
-        `tcp HOST:PORT`. Raises ConsoleError."""
+        """Opens a TCP console for so many clients at once; port 0 is any free port. Returns `tcp
+        HOST:PORT`. Raises ConsoleError."""
         from passo.console.transports.streams import open_tcp
 
         opened = self._greet(advanced_ok=advanced_ok)
@@ -354,11 +354,11 @@ class Printer:
         names: Collection[str] = (),
         log: str | None = None,
     ) -> str:
-        """Serves the web interface, in a thread of its own; port 0 is any that is free; `names` are
-        host names that it is reached by; `log` is a log file that may be downloaded. Accounts are
-        kept in the folder `state`, else in memory (docs/explanation/security.md). Returns
-        `http://HOST:PORT`. Needs the extra `passo[web]`; raises InputError where nothing can listen
-        there, WebError where the accounts cannot be used, and ImportError without the extra."""
+        """Serves the web interface, in a thread of its own; port 0 is any free port; `names` are
+        the host names that clients may use for it; `log` is a log file that may be downloaded.
+        Accounts are kept in the folder `state`, else in memory (docs/explanation/security.md).
+        Returns `http://HOST:PORT`. Needs the extra `passo[web]`; raises InputError if nothing can
+        listen there, WebError if the accounts cannot be used, and ImportError without the extra."""
         from passo.web.access import Binding
         from passo.web.app import web_app
         from passo.web.logs import Logs
@@ -384,14 +384,14 @@ class Printer:
 
     @property
     def one_time_code(self) -> str:
-        """What creates the administrator of the web interface from another computer; empty where
-        there is one, or no web interface is open."""
+        """The code that creates the administrator of the web interface from another computer; empty
+        if there is one, or no web interface is open."""
         return "" if self._opened_accounts is None else self._opened_accounts.code
 
     def open_klippy(self, path: str, *, log_file: str | None = None) -> str:
         """Serves Klipper's API on a Unix socket that only this user may open, for Moonraker.
-        `log_file` is what clients show as its log. Returns `klippy PATH`. Needs the extra
-        `passo[web]` and a card that is a folder; raises InputError where the socket cannot be made,
+        `log_file` is the file that clients show as its log. Returns `klippy PATH`. Needs the extra
+        `passo[web]` and a card that is a folder; raises InputError if the socket cannot be made,
         and ImportError without the extra."""
         from passo.web.klippy.server import KlippySocket
 
@@ -400,8 +400,8 @@ class Printer:
         return f"klippy {path}"
 
     async def serve(self) -> bool:
-        """Serves the consoles until `end` is called; True if the printer is to be opened again with
-        its machine file as it is then. Raises what ends the printer otherwise."""
+        """Serves the consoles until `end` is called; True if the printer must be opened again with
+        its current machine file. If the printer ends with an error, raises that error."""
         assert self._serving is not None
         await asyncio.wait([self._serving])
         if not self._serving.cancelled():

@@ -43,15 +43,15 @@ if TYPE_CHECKING:
     from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
-_PIECE = 1 << 20  # bytes of a file read at once, to be planned
+_PIECE = 1 << 20  # bytes of a file read at once for planning
 _NICE = 10  # of the thread that plans
-TICK_S = 0.25  # between two snapshots, of host time, or of print time where that is faster
+TICK_S = 0.25  # between two snapshots, of host time, or of print time if that is faster
 
 
 class LiveBridge:
-    """The bridge of one printer. It is made in the printer's loop; `listen` and all that follows
-    are called in the web's. `close` is for the printer's loop. A call that has returned shows in
-    the latest snapshot."""
+    """The bridge of one printer. Create it in the printer's loop, and call `listen` and all later
+    methods in the web's loop. `close` is for the printer's loop. The latest snapshot includes each
+    call that has returned."""
 
     def __init__(self, assembly: Assembly, observer: Observer, machine_source: str) -> None:
         self._assembly, self._source = assembly, machine_source
@@ -72,7 +72,7 @@ class LiveBridge:
         ]
 
     def close(self) -> None:
-        """Nothing crosses any more."""
+        """Ends all calls."""
         for end in self._ends:
             end()
         self._listeners.clear()
@@ -82,7 +82,7 @@ class LiveBridge:
         self._planner.shutdown(wait=False, cancel_futures=True)
 
     def fail_all(self, error: BaseException) -> None:
-        """The printer has ended: no command is answered any more."""
+        """Ends all open calls: the printer has ended, and no command is answered any more."""
         for client in (self._scripts, self._overtaking):
             client.fail_all(error)
 
@@ -110,7 +110,7 @@ class LiveBridge:
             self._tick()
 
     def _tell(self, tell: Callable[[Listener], None]) -> None:
-        """Crosses once to each loop, however many listeners it has."""
+        """Crosses once to each loop, for any number of listeners."""
         for loop, listeners in list(self._listeners.items()):
             _call(loop, partial(_tell_each, listeners, tell))
 
@@ -137,8 +137,8 @@ class LiveBridge:
         return tuple(answers)
 
     async def _restore_states(self, lines: Sequence[str]) -> None:
-        """Of the lines after one that has failed, carries out those that restore modes without a
-        move: how lines are read is as before the script."""
+        """After a failed line, carries out the later lines that restore modes without a move, so
+        that lines are read as before the script."""
         for line in lines:
             with suppress(PassoError):  # the line is malformed, or the state was not saved
                 command = command_of(uncommented(line))
@@ -150,7 +150,7 @@ class LiveBridge:
             _call(loop, partial(call, line))
 
     def _event(self, event: Event) -> None:
-        self._tick()  # what the event tells of is in the snapshot before it
+        self._tick()  # the snapshot must include what the event reports
         self._tell(lambda listener: listener.on_event(event))
 
     # -- the web's loop ---------------------------------------------------------------------------
@@ -438,7 +438,7 @@ def _estimate(
 
 
 def _be_modest() -> None:
-    """Others have the processor first; on Linux a thread has a priority of its own."""
+    """Lowers the priority of this thread; on Linux a thread has a priority of its own."""
     os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICE)
 
 

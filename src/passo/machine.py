@@ -1,4 +1,4 @@
-"""Machines as a library: load one, plan a file on it, look at its moves and steps."""
+"""Machines as a library: load one, plan a file on it, read its moves and steps."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PlannedMove:
-    """A planned move and what bound it. Times in s from the start of the file, lengths in mm;
-    `core` has all figures, and `steps` solves its step times."""
+    """A planned move and the limits that bound it. Times in s from the start of the file, lengths
+    in mm; `core` has all figures, and `steps` solves its step times."""
 
     core: _core.Move
     start_s: float
@@ -52,7 +52,7 @@ class Machine:
     def plan(self, path: str | os.PathLike[str]) -> Iterator[PlannedMove]:
         """The moves of a file as planned, in order; memory does not grow with the file.
 
-        Raises InputError when the file cannot be read or asks for what the machine cannot do.
+        Raises InputError if the file cannot be read or demands what the machine cannot do.
         """
         job = _core.Job(self._spec, False)
         job.keep_moves(True)
@@ -76,7 +76,7 @@ class Machine:
         count, place = 0, None
         for move in moves:
             start, end = ([at[s] for s in slots] for at in (move.core.start_mm, move.core.end_mm))
-            # The first one, or homing has set axes; filament goes on from where it is.
+            # The first one, or homing has set axes; filament continues from its position.
             if start != place and rows[i]["drive"] != "extruder":
                 solver.set_position([*start, 0.0])
                 count = solver.counts()[i]
@@ -89,9 +89,9 @@ class Machine:
     ) -> Estimate:
         """Time and filament of a file, without a board and without steps: see `Estimate`.
 
-        `clamp` moves targets beyond the machine's limits to the limit, and `ignore_tools` goes on
-        with the tool in place where the machine lacks one; otherwise such a file is an error.
-        Raises InputError.
+        `clamp` moves targets beyond the machine's limits to the limit. `ignore_tools` continues
+        with the current tool if the machine lacks one. Without them such a file is an error. Raises
+        InputError.
         """
         from passo.job.batch.estimate import estimate
 
@@ -128,7 +128,7 @@ class Machine:
         """Prints a file on a simulated board of this machine, in virtual time.
 
         The print fails where a print from the card of the served printer stops. `assume_ready`
-        takes the machine as homed and its hotends as warm, for a piece of G-code; `skip_unknown`
+        treats the machine as homed and its hotends as warm, for a piece of G-code; `skip_unknown`
         leaves out unknown commands that may move the machine, and `skip_levelling` the levelling of
         the bed without a probe. Raises InputError, MachineError.
         """

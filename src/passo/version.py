@@ -1,3 +1,3 @@
-"""The version of Passo, apart from all else: what is built and what is served both name it."""
+"""The version of Passo, in a file without imports, for the build and the server."""
 
 __version__ = "0.1.0"

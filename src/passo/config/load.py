@@ -79,8 +79,8 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 
 
 def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
-    """As `load`, with a question for each value that is probably wrong, each with its line, and with
-    the files that values come from."""
+    """As `load`, with a question for each value that is probably wrong, each with its line, and
+    with the files that values come from."""
     name = os.fspath(name_or_path)
     path = machine_path(name)
     if path is not None:

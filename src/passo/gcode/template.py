@@ -94,9 +94,9 @@ class Template:
             raise TemplateFault(_sentence(error)) from None
 
     def render(self, values: Mapping[str, Any], budget: Budget) -> str:
-        """The text. Raises TemplateFault with the line where it fails, for a budget that is used
-        up too; a function among `values` may raise anything else that is no ordinary error of
-        Python, which passes through."""
+        """The rendered text. Raises TemplateFault with the line where it fails, also if a budget is
+        used up. A function among `values` may raise an error that is not an ordinary error of
+        Python; it passes through."""
         self._environment.begin(budget)
         parts: list[str] = []
         try:
@@ -111,7 +111,7 @@ class Template:
         return "".join(parts)
 
     def _line_of(self, error: BaseException) -> int | None:
-        """The innermost line of the template on the way to the error."""
+        """The innermost line of the template in the traceback of the error."""
         line, trace = None, error.__traceback__
         while trace is not None:
             if "__jinja_template__" in trace.tb_frame.f_globals:
@@ -133,15 +133,15 @@ def _sentence(error: BaseException) -> str:
 
 
 class _Missing(Undefined):
-    """A name without a value: it is false, and has a default; written into G-code it is an error,
-    where Jinja2 would write nothing."""
+    """A name without a value: it is false, and may have a default. Writing it into G-code is an
+    error, where Jinja2 would write nothing."""
 
     __slots__ = ()
     __str__ = Undefined._fail_with_undefined_error  # pyright: ignore[reportPrivateUsage]
 
 
 class _Bounded(NodeTransformer):
-    """Puts counters into a template: at loops, comparisons, joined texts and written lists."""
+    """Adds counters to a template: at loops, comparisons, joined texts and written lists."""
 
     def visit_For(self, node: nodes.For) -> nodes.Node:  # noqa: N802
         written = sum(len(data.data) for data in node.find_all(nodes.TemplateData))
@@ -178,7 +178,7 @@ def _filter(node: nodes.Expr, name: str, *arguments: nodes.Expr) -> nodes.Filter
 
 
 class _Environment(SandboxedEnvironment):
-    """One of each template, so that what a rendering has left belongs to it alone."""
+    """The environment of one template, so that the counts of a rendering belong to it alone."""
 
     intercepted_binops = frozenset({"+", "-", "*", "/", "//", "%", "**"})
 
@@ -189,7 +189,7 @@ class _Environment(SandboxedEnvironment):
             undefined=_Missing,
             extensions=["jinja2.ext.do"],
             finalize=self._written,
-            optimized=False,  # nothing is computed while a machine file is loaded
+            optimized=False,  # compute nothing while a machine file is loaded
         )
         self.filters = {name: self._limited(name, FILTERS[name]) for name in _FILTERS.split()}
         self.filters["sum"] = self._limited("sum", self._sum)
@@ -200,8 +200,8 @@ class _Environment(SandboxedEnvironment):
         self._budget, self._characters = Budget(), 0
 
     def begin(self, budget: Budget) -> None:
-        """A rendering begins. It may write eight times the text that it returns, as blocks that are
-        kept in variables are written too."""
+        """A rendering begins. It may write eight times the text that it returns, because blocks
+        that are kept in variables count too."""
         self._budget, self._characters = budget, 8 * MAX_BYTES
 
     def _parse(self, source: str, name: str | None, filename: str | None) -> nodes.Template:
@@ -210,7 +210,7 @@ class _Environment(SandboxedEnvironment):
     # -- what may be done -------------------------------------------------------------------------
 
     def is_safe_attribute(self, obj: Any, attr: str, value: Any) -> bool:
-        """See SandboxedEnvironment; of values only the methods that are listed here."""
+        """See SandboxedEnvironment; allows only the methods of values that are listed here."""
         if isinstance(obj, tuple) and attr in getattr(cast("object", obj), "_fields", ()):
             return True
         for kind, methods in _METHODS.items():
@@ -255,7 +255,7 @@ class _Environment(SandboxedEnvironment):
         return self._sized(super().call_binop(context, operator, left, right))
 
     def _of_text(self, method: str, text: str, args: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Arguments for a method of a text, which must not become too long a one."""
+        """Checks the arguments of a text method, whose result must not become too long."""
         if method in ("center", "ljust", "rjust", "zfill") and args:
             self._fit(args[0], _MAX_WIDTH, "columns")
         elif method == "join" and args:
@@ -266,7 +266,7 @@ class _Environment(SandboxedEnvironment):
         return args
 
     def _limited(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """A filter that counts steps, and whose result has a size that fits."""
+        """A filter that counts steps, and whose result is limited in size."""
         passes = hasattr(function, "jinja_pass_arg")  # a context or the environment comes first
 
         @wraps(function)
@@ -316,7 +316,7 @@ class _Environment(SandboxedEnvironment):
 
     @pass_context
     def _written(self, _: Context, value: Any) -> Any:
-        """What an expression writes."""
+        """The text that an expression writes."""
         text = value if isinstance(value, str) else str(value)
         self._write(len(text))
         return text
@@ -383,7 +383,7 @@ def _most_of(value: Sized) -> int:
 
 
 def _weight(value: object) -> int:
-    """Steps that it costs to look at all of a value."""
+    """The number of steps that it costs to visit all of a value."""
     if isinstance(value, str):
         return len(value) // _ITEM
     if isinstance(value, list | tuple | dict):
@@ -392,7 +392,8 @@ def _weight(value: object) -> int:
 
 
 def _items(value: object) -> Iterator[object]:
-    """The items of a list or a table and of all that are in it; one that is in two places twice."""
+    """The items of a list or a table and of all nested ones; one that is in two places counts
+    twice."""
     if isinstance(value, dict):
         value = list(cast("dict[object, object]", value).values())
     if isinstance(value, list | tuple):

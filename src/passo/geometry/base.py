@@ -1,4 +1,4 @@
-"""What every geometry model has in common."""
+"""The common base of all geometry models."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Offset = Annotated[float, Field(ge=-1e4, le=1e4)]
 
 
 class Unreachable(ValueError):
-    """No motor positions lead to this point, or these positions lead to no point."""
+    """No motor positions reach this point, or these positions give no point."""
 
 
 class GeometryModel(BaseModel):
-    """Parameters of a geometry. `actuators` names its motors, `rotary` those in degrees; where it
+    """Parameters of a geometry. `actuators` names its motors, `rotary` those in degrees. If it
     `lifts_together`, a move of Z in the middle moves all of them alike. `arms` are the actuators
-    that find their own switches, since no move of an axis moves one of them alone."""
+    that home by their own endstops, because no move of an axis moves one of them alone."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True
@@ -37,14 +37,15 @@ class GeometryModel(BaseModel):
         return self.model_dump()
 
     def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
-        """The same geometry on a machine. `middle` is that of its axes, mm; `limits` are those of
-        the positions of actuators, infinite where there are none. Angles of arms that turn about a
-        shoulder end behind it, as seen from that middle."""
+        """The same geometry on a machine. `middle` is the middle of its axes, mm; `limits` are
+        those of the positions of actuators, infinite without limits. Angles of arms that turn about
+        a shoulder end on the far side of it, seen from that middle."""
         del middle, limits
         return self
 
     def options(self) -> dict[str, float]:
-        """Its parameters by APrinter's names, lengths in mm; none of a geometry without any."""
+        """Its parameters by APrinter's names, lengths in mm; empty for a geometry without
+        parameters."""
         return {}
 
     def inverse(self, point: Point) -> Point:
@@ -72,7 +73,7 @@ class GeometryModel(BaseModel):
             raise Unreachable(f"no point belongs to the motor positions {where}") from None
 
     def reaches(self, point: Point) -> bool:
-        """The motors have positions for this point (mm)."""
+        """Whether the motors can reach this point (mm)."""
         return self._found(point) is not None
 
     def why_not(self, point: Point) -> str:
@@ -80,11 +81,11 @@ class GeometryModel(BaseModel):
         return self.reason(point) or self.edge(point)
 
     def reason(self, point: Point) -> str:
-        """What is too far from this point (mm), with value and limit; empty where nothing is."""
+        """What is too far from this point (mm), with value and limit; empty if nothing is."""
         del point
         return ""
 
     def edge(self, point: Point) -> str:
-        """What ends at this point (mm), next to which the motors reach others."""
+        """The boundary at this point (mm), next to which the motors reach other points."""
         del point
         return "it lies on the edge of what the motors reach"

@@ -14,7 +14,8 @@ Angle = Annotated[float, Field(ge=-360, le=360)]
 
 
 class Delta(GeometryModel):
-    """Lengths in mm. `radius`: tower to middle, less the offsets of effector and carriage."""
+    """Lengths in mm. `radius` is the distance from a tower to the middle, less the offsets of
+    effector and carriage."""
 
     actuators = ("a", "b", "c")
     lifts_together = True
@@ -39,7 +40,8 @@ class Delta(GeometryModel):
         ]
 
     def options(self) -> dict[str, float]:
-        """APrinter subtracts both offsets from what its rods stand on; `radius` has none left."""
+        """APrinter subtracts both offsets from its rod radius; `radius` already has them
+        subtracted."""
         first, *_ = self.rods
         corrections = {f"DeltaDiagonalRodCorr{i}": r - first for i, r in enumerate(self.rods, 1)}
         return {
@@ -52,7 +54,7 @@ class Delta(GeometryModel):
         }
 
     def reason(self, point: Point) -> str:
-        """The limit radius, or a rod."""
+        """The limit radius, or the rod that is too short."""
         x, y, _ = point
         if x * x + y * y > self.limit_radius**2:
             return (

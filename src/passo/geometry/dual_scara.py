@@ -1,4 +1,5 @@
-"""Dual-arm SCARA (five-bar): two arms from two shoulders meet at the nozzle, Z by itself."""
+"""Dual-arm SCARA (five-bar): two arms from two shoulders meet at the nozzle, with an
+independent Z."""
 
 from __future__ import annotations
 
@@ -38,16 +39,16 @@ class DualScara(GeometryModel):
     """Added to X of both shoulders, in mm."""
     y_offset: Offset = 0.0
     """Y of both shoulders, in mm."""
-    # Each arm's direction to the nozzle, degrees, where its angles are in their middle.
+    # Each arm's direction to the nozzle, degrees, in the middle of the range of its angles.
     _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
 
     def spec(self) -> dict[str, Any]:
-        """Kind, parameters and the middles of the angles."""
+        """Kind, parameters and the middles of the ranges of the angles."""
         return self.model_dump() | {"middles": list(self._middles)}
 
     def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
-        """The angles of each arm end opposite to the bed's middle; of the turns about which they
-        may lie it is the one that the limits are of."""
+        """The range of angles of each arm ends opposite to the bed's middle. Of the possible turns
+        it is the one that contains the limits."""
         a, b = (degrees(atan2(*self._from_shoulder(arm, middle))) for arm in (0, 1))
         faced = self.model_copy()
         faced._middles = (a, b)
@@ -59,7 +60,7 @@ class DualScara(GeometryModel):
         return faced
 
     def edge(self, point: Point) -> str:
-        """Behind a shoulder its angles end."""
+        """The angles of an arm end on the far side of its shoulder."""
         for arm, shoulder in enumerate((self.shoulder1_x, self.shoulder2_x)):
             dx, dy = self._from_shoulder(arm, point)
             if at_end(dx, dy, self._middles[arm]):

@@ -1,4 +1,4 @@
-"""SCARA: an upper arm about the shoulder, a forearm at its end, Z by itself."""
+"""SCARA: an upper arm about the shoulder, a forearm at its end, and an independent Z."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ Positive = Annotated[float, Field(gt=0, le=1e4)]
 
 
 class Scara(GeometryModel):
-    """Lengths in mm; the offsets are the shoulder's place. With `external_motor` the elbow's motor
-    sits on the base and turns the forearm against the room, else against the upper arm."""
+    """Lengths in mm; the offsets are the position of the shoulder. With `external_motor` the
+    elbow's motor sits on the base and turns the forearm relative to the base, otherwise relative to
+    the upper arm."""
 
     actuators = ("a", "b", "z")
     rotary = ("a", "b")
@@ -34,16 +35,16 @@ class Scara(GeometryModel):
     """X of the shoulder, in mm."""
     y_offset: Offset = 0.0
     """Y of the shoulder, in mm."""
-    # Each arm's direction to the nozzle, degrees, where its angles are in their middle.
+    # Each arm's direction to the nozzle, degrees, in the middle of the range of its angles.
     _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
 
     def spec(self) -> dict[str, Any]:
-        """Kind, parameters and the middles of the angles."""
+        """Kind, parameters and the middles of the ranges of the angles."""
         return self.model_dump() | {"middles": list(self._middles)}
 
     def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
-        """The angles end opposite to the bed's middle; of the turns about which they may lie it is
-        the one that the limits are of."""
+        """The range of angles ends opposite to the bed's middle. Of the possible turns it is the
+        one that contains the limits."""
         towards = degrees(atan2(middle[1] - self.y_offset, middle[0] - self.x_offset))
         faced = self.model_copy()
         faced._middles = (towards, towards)
@@ -55,7 +56,7 @@ class Scara(GeometryModel):
         return faced
 
     def edge(self, point: Point) -> str:
-        """Behind the shoulder the angles end."""
+        """The angles end on the far side of the shoulder."""
         x, y = point[0] - self.x_offset, point[1] - self.y_offset
         behind = at_end(y, x, self._middles[0])
         return why_it_ends(self.x_offset, self.y_offset) if behind else super().edge(point)

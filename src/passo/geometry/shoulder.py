@@ -1,4 +1,4 @@
-"""Where the angles of an arm that swings about a shoulder in the plane X, Y lie, and end."""
+"""The range of the angles of an arm that swings about a shoulder in the plane X, Y."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _AT_END_DEG = 1e-4
 
 
 def reach(part1: float, part2: float) -> Limits:
-    """From and to how far from its shoulder, mm, an arm of two parts reaches."""
+    """The minimum and maximum distance from its shoulder, mm, that an arm of two parts reaches."""
     return abs(part1 - part2) + _LEFT_MM, part1 + part2 - _LEFT_MM
 
 
@@ -27,18 +27,18 @@ def direction(y: float, x: float, middle_deg: float) -> float:
 
 
 def at_end(y: float, x: float, middle_deg: float) -> bool:
-    """Whether this is where the angles end, and so an arm would jump by a full turn."""
+    """Whether the range of angles ends here, where an arm would jump by a full turn."""
     return abs(degrees(direction(y, x, middle_deg)) - middle_deg) > 180 - _AT_END_DEG
 
 
 def turned(angle_deg: float, limits: Limits) -> float:
-    """What to add to an angle to have it within limits: 0, or else a full turn, or 0."""
+    """The correction that brings an angle within limits: 0, a full turn, or 0 if none does."""
     low, high = limits
     return next((turn for turn in (0.0, 360.0, -360.0) if low <= angle_deg + turn <= high), 0.0)
 
 
 def why_it_ends(x: float, y: float) -> str:
-    """Why no line crosses the place, behind the shoulder at x, y, mm."""
+    """Why no line crosses the place on the far side of the shoulder at x, y, mm."""
     return (
         f"behind the shoulder at X {x:g}, Y {y:g} its arms would have to turn back by a full turn;"
         " lead the line round the shoulder's other side"

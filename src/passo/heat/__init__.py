@@ -1,1 +1,1 @@
-"""Heat: sensors and what they tell."""
+"""Heat: sensors, control, tuning and calibration."""

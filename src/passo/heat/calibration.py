@@ -18,7 +18,7 @@ _INVERSE_GOLDEN = (sqrt(5) - 1) / 2
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A temperature that was shown, and the true one that a thermometer said, °C."""
+    """A temperature that was shown, and the true one that a thermometer measured, °C."""
 
     shown_c: float
     true_c: float
@@ -41,17 +41,17 @@ class Calibration:
 
 
 def by_averages(ntc: Ntc, points: Sequence[Point]) -> Calibration:
-    """The rule as it is taught: β · mean of the shown / mean of the true temperatures.
+    """The common rule: β · mean of the shown / mean of the true temperatures.
 
-    It goes too far: it scales in °C, where the thermistor's equation is linear in 1/T.
+    It overcorrects: it scales in °C, where the thermistor's equation is linear in 1/T.
     """
     ratio = sum(p.shown_c for p in points) / sum(p.true_c for p in points)
     return _with_beta(ntc, points, ntc.beta_k * ratio)
 
 
 def by_least_squares(ntc: Ntc, points: Sequence[Point]) -> Calibration:
-    """The β with the least sum of squares of the residuals, by golden section search (J. Kiefer,
-    1953); R25 and C stay as they are."""
+    """The β with the minimum sum of squares of the residuals, by golden section search (J. Kiefer,
+    1953); R25 and C stay unchanged."""
 
     def squares(beta_k: float) -> float:
         return sum(r * r for r in _with_beta(ntc, points, beta_k).residuals_c)

@@ -1,4 +1,4 @@
-"""From a machine file's heater to the controller, the protections and the model of the core."""
+"""Makes the controller, the protections and the model of the core from a machine file's heater."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from passo.heat.rules import FULL_POWER
 
 _SETTLES_S = 10.0
 _HOTEND_WATCH_S = 20.0
-_SLOW_WATCH_S = 90.0  # a bed near the end of what it can do gains 2 °C in a minute
+_SLOW_WATCH_S = 90.0  # a bed near its maximum temperature gains 2 °C in a minute
 
 
 def model_of(heater: Heater) -> _core.HeatModel:
@@ -42,7 +42,7 @@ def control_of(heater: Heater) -> _core.PidControl | _core.OnOffControl | _core.
 
 def pid_gains(model: _core.HeatModel) -> tuple[float, float, float]:
     """kp, ki, kd in 1/255 of full power, by the SIMC rules (S. Skogestad, 2003) for an integrating
-    body: with the sensor's lag as dead time θ and as the wanted time constant, Kc = τ / (k 2θ) and
+    process. The sensor's lag is the dead time θ and the desired time constant: Kc = τ / (k 2θ) and
     τI = 8θ."""
     lag = model.sensor_lag_s
     kp = FULL_POWER * model.time_constant_s / model.rise_c / (2 * lag)
@@ -50,16 +50,16 @@ def pid_gains(model: _core.HeatModel) -> tuple[float, float, float]:
 
 
 def arrival_of(heater: Heater) -> _core.Arrival:
-    """When its target is reached."""
+    """The condition for having reached its target."""
     a, swings = heater.arrival, isinstance(heater.control, BangBangControl)
     usual_s = 0.0 if swings else _SETTLES_S
     return _core.Arrival(a.window_c, a.leaves_c, usual_s if a.seconds is None else a.seconds)
 
 
 def limits_of(heater: Heater) -> _core.ProtectionLimits:
-    """The heater's protections. Where the file does not describe how the heater heats, the model
-    deviation is not watched unless the file asks for it: the usual figures would be wrong for a
-    heater of another power."""
+    """The heater's protections. If the file does not describe how the heater heats, the model
+    deviation is watched only if the file asks for it: the usual figures would be wrong for a heater
+    of another power."""
     p = heater.protection
     judged = heater.known_model or "deviation" in p.model_fields_set
     usual_s = _HOTEND_WATCH_S if heater.kind == "hotend" else _SLOW_WATCH_S

@@ -8,7 +8,7 @@ from passo import _core
 from passo.heat.rules import FULL_POWER, RULES, Gains
 
 MIN_CYCLES, MAX_CYCLES = 3, 20
-HEADROOM_C = 15.0  # a target must lie so far below the heater's limit
+HEADROOM_C = 15.0  # minimum distance of a target from the heater's limit
 
 _OVERSHOOT_C = 20.0
 _TIMEOUT_S = 1200.0  # for the sum of the times since the last two switchings
@@ -16,16 +16,16 @@ _FIRST_USED = 2  # cycles before it are not yet balanced
 
 
 class TuneError(ValueError):
-    """A tune that cannot begin; the text is what to reply."""
+    """A tune that cannot begin; the text is the reply."""
 
 
 class RelayTune:
-    """Feed it with the samples of a heater that is controlled by `control` and has the target.
+    """Takes the samples of a heater that is controlled by `control` and has the target.
 
     The heater swings around `target_c`; each cycle gives gains by rule number `rule`. When `done`,
-    either `result` has the gains of the last cycle, or `failed` says why there are none; switch the
-    heater off, or give it a control of the gains. `label` names it in the lines, as in `Hotend:0`,
-    `BED`, `CHAMBER`.
+    either `result` has the gains of the last cycle, or `failed` says why there are none; then
+    switch the heater off, or give it a control with these gains. `label` names it in the lines, as
+    in `Hotend:0`, `BED`, `CHAMBER`.
     """
 
     control = _core.RelayControl(half_cycle_s=5.0)
@@ -41,7 +41,7 @@ class RelayTune:
         clock_hz: float,
         limit_c: float,
     ) -> None:
-        """`cycles` is brought into 3 to 20. Raises TuneError for a target above `limit_c` - 15."""
+        """`cycles` is clamped to 3 to 20. Raises TuneError for a target above `limit_c` - 15."""
         if target_c > limit_c - HEADROOM_C:
             raise TuneError("PID Autotune failed! Temperature too high")
         if not 0 <= rule < len(RULES):
@@ -63,16 +63,16 @@ class RelayTune:
 
     @property
     def done(self) -> bool:
-        """There is nothing more to feed."""
+        """Whether the tune has ended."""
         return self.result is not None or bool(self.failed)
 
     def begin(self, note: str = "") -> list[str]:
-        """The first lines; `note` stands at their end."""
+        """Begins the tune. Returns the first lines of the reply, with `note` at their end."""
         cycles = f"Cycles:{self.cycles} Method:{self.rule}"
         return ["PID Autotune start", f"{self.label} Temp:{self.target_c:g} {cycles}{note}"]
 
     def feed(self, sample: _core.HeatSample) -> list[str]:
-        """Lines to reply after this sample; none most of the time."""
+        """Takes a sample. Returns the lines to reply after it; usually none."""
         if self.done or sample.target != self.target_c:
             return []
         now_s = sample.clock / self._hz
@@ -97,7 +97,7 @@ class RelayTune:
         return []
 
     def _cycle(self, sample: _core.HeatSample, now_s: float) -> list[str]:
-        """The power goes up again: a cycle is over."""
+        """The power rises again: a cycle is over."""
         lines: list[str] = []
         if self._count > 0:
             bias, swing = (
@@ -117,7 +117,7 @@ class RelayTune:
         return lines
 
     def _reckon(self, tu_s: float) -> list[str]:
-        """Ku = 4 d / (π a): the relay's swing d, with which the temperature swings by a."""
+        """Ku = 4 d / (π a), where the relay switches by ±d and the temperature swings by ±a."""
         ku = 4 * FULL_POWER * self._swing / (pi * (self._most_c - self._least_c) / 2)
         rule = RULES[self.rule]
         self._gains = rule.gains(ku, tu_s)

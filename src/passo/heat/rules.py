@@ -1,4 +1,4 @@
-"""Rules that make PID gains of an oscillation."""
+"""Rules that derive PID gains from an oscillation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ FULL_POWER = 255.0  # in the unit of gains, which is that of Klipper's and Marli
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """PID gains in 1/255 of full power by °C, by °C·s and by °C/s."""
+    """PID gains in 1/255 of full power per °C, per °C·s and per °C/s."""
 
     kp: float
     ki: float

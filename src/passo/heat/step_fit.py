@@ -10,14 +10,14 @@ _NUDGE = 1e-5  # of a logarithm, for a derivative
 
 
 def step_response(t_s: float, rise_c: float, time_constant_s: float, lag_s: float) -> float:
-    """Rise at a time after a step of power: two first-order lags in series, of unequal length."""
+    """Rise at a time after a step of power: two first-order lags in series, of different length."""
     slow = time_constant_s * exp(-t_s / time_constant_s)
     fast = lag_s * exp(-t_s / lag_s)
     return rise_c * (1 - (slow - fast) / (time_constant_s - lag_s))
 
 
 def fit_step(rows: Rows, start_c: float) -> tuple[float, float, float]:
-    """(rise °C, time constant s, lag s) that fit rows of (s, °C) best in the least squares: by the
+    """(rise °C, time constant s, lag s) that fit rows of (s, °C) best by least squares: the
     Gauss-Newton method, damped (D. Marquardt, 1963)."""
     end_s, end_c = rows[-1]
     logs = [log(2 * (end_c - start_c)), log(1.5 * end_s), log(0.02 * end_s)]

@@ -7,22 +7,21 @@ from passo.heat.relay_tune import HEADROOM_C, TuneError
 from passo.heat.step_fit import fit_step
 
 _MIN_RISE_C = 20.0
-_COLD_C = 45.0  # a heater that starts hotter is not at the temperature of its room
+_COLD_C = 45.0  # a heater that starts hotter is not at ambient temperature
 _MIN_SAMPLES = 20
 _TIMEOUT_S = 3600.0
 _LAGS_BEFORE = 6.0  # of settling, in lags of the sensor, before the power is averaged
 _HOLD_S = 40.0
-# Until the fan's part is known: so much is near enough for the protections, whatever it is.
+# Until the fan's part is known: this value is close enough for the protections with any fan.
 _ANY_FAN_LOSS = 0.5
 
 
 class StepTune:
-    """Feed it with the samples of a heater that starts at room temperature, and has the target.
+    """Takes the samples of a heater that starts at room temperature, and has the target.
 
-    Keep `control` and `fan` (the speed, 0 to 1, of the fan that cools the heater) as they are
-    asked for after each sample: full power up to the target, then, `with_fan`, the target is held
-    without and with the fan. When `done`, `result` has the model, or `failed` says why there is
-    none.
+    After each sample, set `control` and `fan` (the speed, 0 to 1, of the fan that cools the heater)
+    as they are then: full power up to the target; then, `with_fan`, the target is held without and
+    with the fan. When `done`, `result` has the model, or `failed` says why there is none.
     """
 
     def __init__(
@@ -54,15 +53,15 @@ class StepTune:
 
     @property
     def done(self) -> bool:
-        """There is nothing more to feed."""
+        """Whether the tune has ended."""
         return self.result is not None or bool(self.failed)
 
     def begin(self, note: str = "") -> list[str]:
-        """The first lines; `note` stands at their end."""
+        """Begins the tune. Returns the first lines of the reply, with `note` at their end."""
         return ["MPC Autotune start", f"{self.label} Temp:{self.target_c:g}{note}"]
 
     def feed(self, sample: _core.HeatSample) -> list[str]:
-        """Lines to reply after this sample; none most of the time."""
+        """Takes a sample. Returns the lines to reply after it; usually none."""
         if self.done or sample.target != self.target_c:
             return []
         now_s = sample.clock / self._hz

@@ -16,9 +16,9 @@ MAX_JSON_BYTES = 8 << 20
 
 @contextmanager
 def replaced(path: Path) -> Generator[Path, None, None]:
-    """A temporary file beside `path` to write; it takes the place of `path` when all went well, and
-    is removed otherwise. What was flushed to it survives a power cut then. A link stays, and what
-    it leads to is replaced; a folder or a device is refused. Raises OSError."""
+    """A temporary file beside `path` to write; it takes the place of `path` if all went well, and
+    is removed otherwise. Flushed data then survives a power cut. A link stays, and its target is
+    replaced; a folder or a device is refused. Raises OSError."""
     path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
         raise OSError(errno.EINVAL, "it is no regular file", str(path))
@@ -82,8 +82,7 @@ def directory_held(path: Path) -> int | None:
 
 
 def fsync_directory(path: Path) -> None:
-    """Names that have come, changed or gone in a directory are durable when this returns. Raises
-    OSError."""
+    """Makes new, changed and deleted names in a directory durable. Raises OSError."""
     directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(directory)

@@ -1,4 +1,4 @@
-"""A look through a whole program before it begins: its sub-programs, and what would spoil the
+"""Scans a whole program before it begins: its sub-programs, and the commands that would spoil the
 print."""
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ class Reader(Protocol):
         ...
 
     def seek(self, offset: int, /) -> int:
-        """The next read begins here."""
+        """Sets the position of the next read."""
         ...
 
 
 def survey(machine: MachineConfig, pieces: Iterable[bytes]) -> _core.Survey:
-    """What a program does beside its moves."""
+    """The sub-programs and unusual commands of a program."""
     found = _core.Survey(machine.core_spec())
     for piece in pieces:
         found.feed(piece)
@@ -49,8 +49,8 @@ async def survey_beside(
     going: Callable[[], bool] = lambda: True,
     rest_s: float = 0.0,
 ) -> _core.Survey:
-    """The same of a file on a card, which is read from its beginning while `going`; between two
-    pieces others have the event loop. Raises CardError."""
+    """As `survey`, of a file on a card, which is read from its beginning while `going`; other tasks
+    run between two pieces. Raises CardError."""
     found = _core.Survey(machine.core_spec())
     reader.seek(0)
     while going() and (piece := reader.read(_PIECE)):
@@ -62,9 +62,9 @@ async def survey_beside(
 
 
 def prepare(job: _core.Job, found: _core.Survey, file: str, skips: Skips) -> list[Problem]:
-    """Gives a job the sub-programs of the program that it is to read. Returns what a print of this
-    program must not leave out, in the order of its lines. Nothing for a text without any command
-    that is known: reading it says so."""
+    """Gives a job the sub-programs of the program that it will read. Returns the commands that a
+    print of this program must not leave out, in the order of its lines. Empty for a text without
+    any known command: reading it reports that."""
     job.use_survey(found)
     job.ignore_calls = skips.unknown
     commands = [Command(*row) for row in found.commands]

@@ -1,4 +1,4 @@
-"""The variables of SAVE_VARIABLE, in a file that is whole or refused."""
+"""The variables of SAVE_VARIABLE, in a file that is complete or refused."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class SavedVariables:
         self._refused: CommandError | None = None
 
     def load(self) -> dict[str, Any]:
-        """What is stored; empty without a file. Raises CommandError for a damaged one."""
+        """The stored variables; empty without a file. Raises CommandError for a damaged one."""
         if self._path is None:
             return {}
         try:
@@ -29,8 +29,8 @@ class SavedVariables:
             raise self._refused from None
 
     def save(self, variables: Mapping[str, Any]) -> None:
-        """Stores all variables; they survive a power cut when this returns. Raises CommandError,
-        and the file is as before then."""
+        """Stores all variables; they survive a power cut when this returns. Raises CommandError;
+        the file is unchanged then."""
         if self._path is None:
             raise CommandError.of("settings.nowhere")
         if self._refused is not None:

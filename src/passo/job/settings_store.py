@@ -1,4 +1,4 @@
-"""Stored settings: what commands have changed, in a file that is whole or refused."""
+"""Stored settings: the values that commands have changed, in a file that is complete or refused."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from passo.errors import CommandError
 from passo.job.durable_files import load_json, store_json
 
 VERSION = 2  # version 1 held the commands of all settings, changed or not
-# Words that name what a command sets, by its code: a tool, a heater, a motor, a material.
+# Words that select the target of a command, by its code: a tool, a heater, a motor, a material.
 _NAMING = {
     "G29": "IJ",
     "M92": "T",
@@ -36,7 +36,7 @@ _NAMING = {
 
 
 class Setting(NamedTuple):
-    """One value of a command: the command with the words that name what it sets, the word of the
+    """One value of a command: the command with the words that select its target, the word of the
     value (with the `=` of an extended command), and the value as text."""
 
     head: str
@@ -45,7 +45,7 @@ class Setting(NamedTuple):
 
     @property
     def key(self) -> tuple[str, str]:
-        """What is set, without its value."""
+        """The command and its target, without the value."""
         return self.head, self.word
 
     def __str__(self) -> str:
@@ -54,7 +54,7 @@ class Setting(NamedTuple):
 
 
 def settings_in(lines: Iterable[str]) -> Iterator[Setting]:
-    """Each value of these commands, which are as M503 reports them."""
+    """Each value of these commands, in the form of M503."""
     for line in lines:
         code, *words = line.split()
         pairs = [_pair(word) for word in words]
@@ -77,7 +77,7 @@ def same(one: str | None, other: str | None) -> bool:
 
 
 def commands_of(settings: Iterable[Setting]) -> list[str]:
-    """Commands that set these values, those of the same thing in one command."""
+    """Commands that set these values, those of the same target in one command."""
     words: dict[str, list[str]] = {}
     for setting in settings:
         words.setdefault(setting.head, []).append(setting.word + setting.value)
@@ -90,8 +90,8 @@ def _pair(word: str) -> tuple[str, str]:
 
 
 class Override(NamedTuple):
-    """A stored value. `file` is the value that the machine file gave when it was stored; None if
-    that is not known, or the file gave none."""
+    """A stored value. `file` is the value of the machine file when it was stored; None if that is
+    not known, or the file had none."""
 
     setting: Setting
     file: str | None = None

@@ -1,1 +1,1 @@
-"""Explanations: one line, one print, for people who want to see how it works."""
+"""Explanations for users who want to see how a line or a print works."""

@@ -11,14 +11,14 @@ from passo.learn.labels import clock_label, clock_unit, label, round_step, ticks
 from passo.learn.series import Series
 
 _STATIC = 480  # columns of the picture without scripts
-_SIDE = 1000.0  # of the square that SVG stretches over the plot
+_SIDE = 1000.0  # of the square that SVG scales to the plot
 _TIMES, _VALUES = 6, 5  # labels at most
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
     """A series with its name in the legend. `colour` is a number of the page's palette; a `dashed`
-    curve is what another one of that colour should be."""
+    curve is the target of another one of that colour."""
 
     name: str
     series: Series
@@ -36,11 +36,11 @@ class Chart:
     curves: Sequence[Curve]
 
     def data(self) -> dict[str, object]:
-        """What the script draws from."""
+        """The data that the script draws."""
         return {"key": self.key, "curves": [curve.series.encoded() for curve in self.curves]}
 
     def html(self, end_s: float) -> str:
-        """The section of the page, with all that is from 0 to `end_s`."""
+        """The section of the page, with all data from 0 to `end_s`."""
         low, high, step = self._scale()
         rows = ticks(low, high, step)
         time = time_step(end_s, _TIMES)
@@ -92,8 +92,8 @@ def _key(curve: Curve) -> str:
 
 
 def _paths(curve: Curve, end_s: float, low: float, high: float) -> str:
-    """The line, and a band from the lowest to the highest value where there is more in a column
-    than a line can show; the line is its mean there."""
+    """The line, and a band from the lowest to the highest value if a column has more values than a
+    line can show; the line is their mean."""
     series = curve.series
     dashed = ' stroke-dasharray="5 4"' if curve.dashed else ""
     if not series:

@@ -1,4 +1,4 @@
-"""What a report shows of a print, gathered in bounded memory."""
+"""The data of a print for a report, collected in bounded memory."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from passo.job.batch.simulated_print import Progress
 from passo.learn.series import Series
 from passo.learn.toolpath import Line, Toolpath
 
-_APART_MM = 2.0  # where the planner looks at the slopes of a line, too
+_APART_MM = 2.0  # the distance at which the planner checks the slopes of a line, too
 _FIRST_LOOK_S = 0.1
 _MANY_LOOKS = 6000
 
@@ -35,8 +35,8 @@ Rates = Callable[[Series, _core.Move, float, list[Phase]], None]
 
 
 def of_axis(slot: int, steps_per_unit: float, extruder: int | None = None) -> Rates:
-    """Of a motor that follows one place of a move's positions; an extruder's follows E in its own
-    moves."""
+    """The step rates of a motor that follows one coordinate of a move's positions; an extruder's
+    follows E in its own moves."""
 
     def add(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
         steps_mm = 0.0
@@ -48,7 +48,8 @@ def of_axis(slot: int, steps_per_unit: float, extruder: int | None = None) -> Ra
 
 
 def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) -> Rates:
-    """Of a motor of the geometry. Where it is not linear, at places at most `_APART_MM` apart."""
+    """The step rates of a motor of the geometry. If it is not linear, at points at most `_APART_MM`
+    apart."""
     linear = geometry.linear(actuator)
 
     def add_linear(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
@@ -87,13 +88,13 @@ def _add_even(series: Series, steps_mm: float, phases: list[Phase]) -> None:
 
 
 def way_mm(move: _core.Move) -> float:
-    """How far a move goes, in mm also where its path is measured in steps."""
+    """The length of a move in mm, also if its path is measured in steps."""
     start, end = move.start_mm, move.end_mm
     return math.dist(start[:3], end[:3]) or max(abs(b - a) for a, b in zip(start, end, strict=True))
 
 
 class HeaterSeries:
-    """What a heater did: °C, °C, and per cent of full power."""
+    """The curves of a heater: temperature and target in °C, and per cent of full power."""
 
     def __init__(self) -> None:
         self.celsius, self.target, self.power = Series(), Series(), Series()
@@ -102,7 +103,7 @@ class HeaterSeries:
 
 class Collector:
     """Takes planned moves and readings in the order of time. A series is exact for a short job, and
-    takes no more memory for a long one, see Series; so does the path, see Toolpath."""
+    takes no more memory for a long one, see Series; the same holds for the path, see Toolpath."""
 
     def __init__(self, clock_hz: int, motors: Mapping[str, Rates], path: Toolpath) -> None:
         self._hz = clock_hz
@@ -145,7 +146,7 @@ class Collector:
                 self.path.add(drawn, b[2], first_s, last_s)
 
     def look(self, at: Progress) -> None:
-        """Adds the readings of a moment. `look_s` grows with the length of the job."""
+        """Adds the current readings. `look_s` grows with the length of the job."""
         self._looks += 1
         if self._looks % _MANY_LOOKS == 0:
             self.look_s *= 2
@@ -163,11 +164,11 @@ class Collector:
             heater.last = (at.print_s, celsius)
 
     def finish(self, end_s: float) -> None:
-        """The machine stands still from the last move to the end of the job."""
+        """The machine is at standstill from the last move to the end of the job."""
         self._rest(end_s)
 
     def _phases(self, move: _core.Move, unit: float) -> list[Phase]:
-        """Where the speed is straight; `unit` is mm for each unit of the path."""
+        """The phases with linear speed; `unit` is mm per unit of the path."""
         phases, at, mm = list[Phase](), move.start_ticks, 0.0
         speeds = (move.start_speed, move.cruise_speed, move.cruise_speed, move.end_speed)
         lasting = (move.accelerate_ticks, move.cruise_ticks, move.decelerate_ticks)

@@ -30,11 +30,11 @@ from passo.learn.explanation import (
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-_BEHIND_S = 1.0  # all commands of a move are done so long after it
+_BEHIND_S = 1.0  # all commands of a move are executed this long after it
 
 
 class _EnoughError(Exception):
-    """All that is to be told of the line has been seen."""
+    """All data about the line has been collected."""
 
 
 @dataclass(slots=True)
@@ -52,7 +52,8 @@ class _Seen:
             self.calls.append((command, text))
 
     def take(self, moves: list[_core.Move], line: int, *, jumps: bool) -> None:
-        """`jumps`: lines may come again, in sub-programs; then the first time is shown."""
+        """Takes a move. `jumps`: lines may come again, in sub-programs; then only the first time is
+        shown."""
         for move in moves:
             if self.after is not None:
                 return
@@ -72,10 +73,10 @@ def explain(
     *,
     ended: Callable[[], bool] = lambda: False,
 ) -> Explanation:
-    """Prints the file on the simulated board until one line is done, and tells what became of it.
-    What is wrong with a later line ends the print there; so does `ended`, as soon as it is true.
+    """Prints the file on the simulated board until one line is done, and explains that line. An
+    error in a later line ends the print there; so does `ended`, as soon as it is true.
 
-    Raises InputError (no such line, or the file is bad up to it) or MachineError.
+    Raises InputError (no such line, or an error in the file before it) or MachineError.
     """
     text = _line(path, line)
     try:
@@ -134,7 +135,7 @@ def _printed(
         if ended():
             raise _EnoughError
         seen.take(job.job.take_moves(), line, jumps=job.job.calls)
-        if not seen.moves:  # what the board has done by now is of other lines
+        if not seen.moves:  # so far the board has executed other lines
             for stepper in job.connection.board.steppers:
                 job.board.take_commands(stepper.name)
         if seen.after is None:
@@ -234,7 +235,7 @@ def _runs(job: Print, begin: float, end: float) -> list[_Run]:
     for connection in job.connection.connections:
         commands = connection.dictionary.commands
         number = next(i for i, text in commands if text.startswith("queue_step "))
-        margin = connection.board.clock_hz // 1000  # 1 ms: more than clocks are known wrong by
+        margin = connection.board.clock_hz // 1000  # 1 ms: more than the error of the clocks
         for oid, stepper in enumerate(connection.board.steppers):
             name = stepper.name
             early = job.board.own_clock(name, job.base + int(begin)) - margin

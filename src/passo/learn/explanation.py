@@ -1,4 +1,4 @@
-"""What one line of a file becomes, as data, and as the text of `passo explain`."""
+"""The explanation of one line of a file, as data, and as the text of `passo explain`."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ MAX_MACRO_LINES = 40  # that all macros of a line become, in the text
 
 @dataclass(frozen=True, slots=True)
 class ExplainedCommand:
-    """A command of the line: what it does, and its words as the lexer reads them. `code` is empty
-    for a move without a G."""
+    """A command of the line: its effect, and its words as the lexer reads them. `code` is empty for
+    a move without a G."""
 
     code: str
     text: str
@@ -34,8 +34,8 @@ class ExplainedMove:
     """A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in
     units/s², times in seconds. `start_s` and `end_s` are print times. `start_mm` and `end_mm` are
     positions of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or
-    constant speed. `tolerance_us`: by how much its steps may miss their ideal times, so that the
-    board's budget suffices."""
+    constant speed. `tolerance_us` is the maximum error of its step times, which may be larger to
+    keep within the board's budget."""
 
     kind: str
     unit: str
@@ -83,15 +83,16 @@ class WireCommand:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """What one line became. `number` is its line number (N), empty without one; `checksum`: it has
-    a checksum.
+    """The explanation of one line. `number` is its line number (N), empty without one; `checksum`:
+    it has a checksum.
 
     `planned` is the number of planned moves; `moves` has all of them, or the first and the last.
-    `junction_before` and `junction_after` say what bounds the speed there; both are empty if the
+    `junction_before` and `junction_after` say what limits the speed there; both are empty if the
     line moves nothing. `sub_program`: it calls a sub-program, whose lines move. `wire` has the
     commands of boards whose bytes are known; `frame` is a frame with the first command. `tick_ns`
     is the length of a clock tick by board; the name of the main board is empty. `unseen`: commands
-    of other boards are missing in `wire`."""
+    of other boards are missing in `wire`.
+    """
 
     place: str
     line: str
@@ -153,7 +154,7 @@ def _commands(told: Explanation) -> str:
 
 
 def _macros(macros: Sequence[ExplainedMacro]) -> str:
-    """What macros, and those that they call, became: the lines that are not empty."""
+    """The lines, not empty, of macros and of those that they call."""
     rows: list[str] = []
     for macro in macros:
         rows.append(f"{macro.call} became:")

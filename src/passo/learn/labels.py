@@ -1,5 +1,5 @@
-"""Times as text, and round values for the axes of pictures. `page.js` has the same rules for axes,
-for the part that is shown."""
+"""Times as text, and round values for the axes of charts. `page.js` has the same rules for axes,
+for the visible part."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ _HOUR_S = 3600.0
 
 
 def round_step(span: float, most: int) -> float:
-    """The smallest of 1, 2 and 5 with any power of ten that divides `span` into at most `most`."""
+    """The smallest of 1, 2 and 5 times a power of ten that divides `span` into at most `most`
+    parts."""
     if not span > 0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(span / most))
@@ -21,7 +22,7 @@ def round_step(span: float, most: int) -> float:
 
 
 def time_step(span_s: float, most: int) -> float:
-    """The same for times: from seconds on steps that a clock has."""
+    """The same for times: from seconds on, steps as on a clock."""
     if span_s <= _SECONDS[0] * most:
         return round_step(span_s, most)
     return next(

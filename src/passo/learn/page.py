@@ -1,4 +1,4 @@
-"""A page with pictures: one file of HTML that needs no network and is complete without scripts."""
+"""A page with charts: one file of HTML that needs no network and is complete without scripts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from importlib.resources import files
 
 
 def page(title: str, sections: Iterable[str], data: Mapping[str, object]) -> str:
-    """The text of the page. `sections` are HTML; `data` is what the script zooms into: `end_s`,
+    """The text of the page. `sections` are HTML; `data` is for the zoom of the script: `end_s`,
     `charts` (see Chart.data), and `path` (see Toolpath.data) if there is one."""
     room = files("passo.learn")
     style, script = (room.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
@@ -43,7 +43,7 @@ def table(title: str, rows: Iterable[tuple[str, str]]) -> str:
 
 
 def bars(title: str, rows: Iterable[tuple[str, str, float]]) -> str:
-    """A section with names, values and the share of each, 0 to 1, largest first."""
+    """A section with names, values and the fraction of each, 0 to 1, largest first."""
     lines = list(rows)
     most = max((share for _, _, share in lines), default=1.0) or 1.0
     cells = "".join(
@@ -55,7 +55,7 @@ def bars(title: str, rows: Iterable[tuple[str, str, float]]) -> str:
 
 
 def problems(title: str, texts: Iterable[str]) -> str:
-    """A section with what went wrong."""
+    """A section with the problems."""
     rows = "".join(f"<li>{escape(text)}</li>\n" for text in texts)
     return _section("problems", title, f"<ul>\n{rows}</ul>\n")
 

@@ -32,9 +32,9 @@ _MIN_SHARE = 0.0005  # of a bar
 def write_report(
     machine: MachineConfig, path: str | os.PathLike[str], output: Path, policy: Policy
 ) -> PrintResult:
-    """Prints the file on the simulated board and writes the page; it appears whole or not at all.
-    A print that stops gets a page, too, with what went wrong and what was planned until then,
-    before the error is raised; a file that cannot be read, or holds no command, gets none.
+    """Prints the file on the simulated board and writes the page; it appears whole or not at all. A
+    print that stops gets a page, too, with the error and the plan until then, before the error is
+    raised; a file that cannot be read, or holds no command, gets none.
 
     Raises InputError, MachineError, OSError.
     """
@@ -66,7 +66,7 @@ def write_report(
         if failed is not None:
             raise failed
     finally:
-        failed = None  # its traceback refers to this frame: the two would keep the whole print
+        failed = None  # its traceback refers to this frame, and the two would keep the whole print
     return result
 
 
@@ -125,7 +125,7 @@ def _page(
 
 
 def _charts(collector: Collector) -> list[Chart]:
-    """Those that have something to show."""
+    """The charts that have data."""
     charts = list[Chart]()
     if any(collector.speed.range()):
         charts += [

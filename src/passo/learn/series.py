@@ -10,22 +10,22 @@ from collections.abc import Iterator
 
 MAX_CORNERS = 16_384
 MAX_COLUMNS = 16_384
-_EMPTY = -32_768  # in 16 bits: nothing is known of a column
+_EMPTY = -32_768  # in 16 bits: a column without values
 _LARGEST = 32_767
 
 Band = tuple[float, float, float, float, float]  # start s, end s, lowest, highest, mean
 
 
 class Columns:
-    """Columns of equal width from 0 on: what a quantity was within each of them."""
+    """Columns of equal width from 0 on, each with the values of a quantity within it."""
 
     def __init__(self, width_s: float) -> None:
         self.width_s = width_s
         self.lows, self.highs = array("d"), array("d")
-        self.areas, self.spans_s = array("d"), array("d")  # integral, and time, of what is known
+        self.areas, self.spans_s = array("d"), array("d")  # integral and time of the known values
 
     def put(self, i: int, low: float, high: float, area: float, span_s: float) -> None:
-        """Adds to column `i` values of so many seconds, whose integral is `area`."""
+        """Adds values to column `i` that last so many seconds and have the integral `area`."""
         while len(self.lows) <= i:
             self.lows.append(math.inf)
             self.highs.append(-math.inf)
@@ -39,14 +39,14 @@ class Columns:
         self.spans_s[i] += span_s
 
     def add(self, start_s: float, start: float, end_s: float, end: float) -> None:
-        """Adds a straight piece."""
+        """Adds a linear part."""
         width = self.width_s
         first, last = int(start_s / width), math.ceil(end_s / width) - 1
         if last <= first:
             low, high = (start, end) if start < end else (end, start)
             if first >= len(self.lows):
                 self.put(first, low, high, 0.0, 0.0)
-            if low < self.lows[first]:  # as `put`, without its cost: this is most of all pieces
+            if low < self.lows[first]:  # as `put`, without its cost: most parts are such
                 self.lows[first] = low
             if high > self.highs[first]:
                 self.highs[first] = high
@@ -79,10 +79,10 @@ class Columns:
 
 
 class Series:
-    """Straight pieces in the order of time. They are kept exactly while they have at most
-    MAX_CORNERS corners; after that each of at most MAX_COLUMNS columns of equal width keeps the
-    lowest, the highest and the mean value within it. Columns are joined in pairs when they get too
-    many, so a series takes the same memory for a job of any length."""
+    """Linear parts in the order of time. They are kept exactly while they have at most MAX_CORNERS
+    corners; after that each of at most MAX_COLUMNS columns of equal width keeps the lowest, the
+    highest and the mean value within it. Columns are joined in pairs when they get too many, so a
+    series takes the same memory for a job of any length."""
 
     def __init__(self) -> None:
         self.times_s, self.values = array("d"), array("d")  # of the corners
@@ -96,11 +96,11 @@ class Series:
 
     @property
     def width_s(self) -> float:
-        """Of a column; 0: the series is exact."""
+        """Width of a column; 0: the series is exact."""
         return self.columns.width_s if self.columns else 0.0
 
     def add(self, start_s: float, start: float, end_s: float, end: float) -> None:
-        """A piece that begins where the one before it ended. Its value may jump there."""
+        """Adds a part that begins where the previous one ended. Its value may jump there."""
         if end_s <= start_s:
             return
         self.end_s, self._last = end_s, end
@@ -124,11 +124,11 @@ class Series:
             self.times_s, self.values = array("d"), array("d")
 
     def hold(self, end_s: float) -> None:
-        """The last value goes on until then."""
+        """Keeps the last value until then."""
         self.add(self.end_s, self._last, end_s, self._last)
 
     def bands(self, end_s: float, most: int) -> list[Band]:
-        """At most that many columns from 0 to `end_s` with what is known within them."""
+        """At most that many columns from 0 to `end_s` with the known values within them."""
         width_s = end_s / most
         if self.columns is None:
             columns = self._columns(width_s, end_s)
@@ -142,7 +142,7 @@ class Series:
         ]
 
     def range(self) -> tuple[float, float]:
-        """The lowest and the highest value; 0 and 0 of nothing."""
+        """The lowest and the highest value; 0 and 0 of an empty series."""
         if self.columns is None:
             return min(self.values, default=0.0), max(self.values, default=0.0)
         return (
@@ -151,9 +151,9 @@ class Series:
         )
 
     def encoded(self) -> dict[str, object]:
-        """For a page. Exact: `s`, the time of each corner after the one before it, and `v`, float32
-        in base64. Columns: their width `w`, and `low`, `high`, `mean`, int16 in base64, of which
-        `scale` is the unit; -32768 where nothing is known."""
+        """The series for a page. Exact: `s`, the time of each corner after the one before it, and
+        `v`, float32 in base64. Columns: their width `w`, and `low`, `high`, `mean`, int16 in
+        base64, of which `scale` is the unit; -32768 without values."""
         if self.columns is None:
             times = self.times_s
             steps = [t - (times[i - 1] if i else 0.0) for i, t in enumerate(times)]
@@ -181,7 +181,8 @@ class Series:
 
 
 def _width_s(end_s: float) -> float:
-    """Of columns that reach to `end_s`: a power of two, so that columns are joined in pairs."""
+    """Width of columns that reach to `end_s`: a power of two, so that columns are joined in
+    pairs."""
     return 2.0 ** math.ceil(math.log2(end_s / MAX_COLUMNS))
 
 

@@ -16,7 +16,7 @@ MAX_STATIC_LINES = 20_000
 COLOURS = 12  # of the scale of speeds
 _ASPECT = 4 / 3  # width by height of the picture
 _GRID = 65_535  # coordinates are multiples of so many parts of the longest side
-_FINEST_MM, _COARSEST_MM = 0.005, 1.0  # by which lines that are joined may miss the path
+_FINEST_MM, _COARSEST_MM = 0.005, 1.0  # maximum error of joined lines
 _FEWER = 0.9  # of the lines: joining still helps
 _THREAD_MM = 0.4  # how wide extruded lines are drawn
 _PIXELS = 700.0  # across the picture, where a line is at least one wide
@@ -26,7 +26,7 @@ Box = tuple[float, float, float, float]  # x and y from, x and y to, mm
 
 @dataclass(slots=True)
 class Line:
-    """A straight part of the path: layer, ends in mm, fastest speed in mm/s."""
+    """A straight part of the path: layer, ends in mm, maximum speed in mm/s."""
 
     layer: int
     x0: float
@@ -37,7 +37,7 @@ class Line:
     prints: bool
 
     def joined(self, after: Line, miss_mm: float) -> Line | None:
-        """One line for both, if none of the path is farther than that from it."""
+        """One line for both, if no part of the path is farther than that from it."""
         if (after.layer, after.prints) != (self.layer, self.prints):
             return None
         if (after.x0, after.y0) != (self.x1, self.y1):
@@ -55,7 +55,7 @@ class Line:
 
 @dataclass(slots=True)
 class Layer:
-    """Its height, and when its moves begin and end."""
+    """The height of a layer, and the begin and end of its moves."""
 
     z_mm: float
     start_s: float
@@ -64,19 +64,19 @@ class Layer:
 
 @dataclass(slots=True)
 class Toolpath:
-    """Takes moves in order; `bed` is what the machine reaches. When there are too many lines, those
-    that are almost straight on become one; if that is not enough, only some of them are kept. So
-    memory stays the same for any file."""
+    """Takes moves in order; `bed` is the area that the machine reaches. When there are too many
+    lines, those that are almost straight on become one; if that is not enough, only some of them
+    are kept. So the memory is bounded for any file."""
 
     bed: Box
     lines: list[Line] = field(default_factory=list[Line])
     layers: dict[int, Layer] = field(default_factory=dict[int, Layer])
     _miss_mm: float = _FINEST_MM
-    _every: int = 1  # of so many lines one is kept
+    _every: int = 1  # one of so many lines is kept
     _count: int = 0
 
     def add(self, line: Line, z_mm: float, start_s: float, end_s: float) -> None:
-        """The next move."""
+        """Adds the next move."""
         layer = self.layers.get(line.layer)
         if layer is None:
             layer = self.layers[line.layer] = Layer(z_mm, start_s, end_s)
@@ -105,7 +105,7 @@ class Toolpath:
         return min(self.top, max(1, round(self.top / 2)))
 
     def data(self) -> dict[str, object]:
-        """What the script draws from: four coordinates a line, of which `unit` mm is one, from
+        """The data that the script draws: four coordinates a line, in units of `unit` mm from
         `origin` on, and its colour from 1, 0 for a move without extrusion."""
         x0, y0, x1, y1 = _box(self.lines, self.bed)
         unit = max(x1 - x0, y1 - y0) / _GRID
@@ -197,8 +197,8 @@ coloured by speed">
         return max((line.speed for line in self.lines if line.prints or not by_print), default=1.0)
 
     def _view(self) -> Box:
-        """All layers from above, in the shape of the picture; moves without extrusion, and what
-        comes before the first layer, count only if there is nothing else."""
+        """All layers from above, in the shape of the picture; moves without extrusion, and those
+        before the first layer, count only if there is nothing else."""
         printed = [line for line in self.lines if line.prints]
         x0, y0, x1, y1 = _box(
             [line for line in printed if line.layer] or printed or self.lines, self.bed
@@ -211,9 +211,9 @@ coloured by speed">
 
 
 def reduced(lines: list[Line], most: int, miss_mm: float) -> tuple[list[Line], float, int]:
-    """At most so many lines. Lines are joined that miss the path by `miss_mm` or, where need be,
-    more, up to `_COARSEST_MM`; then every second one goes. Also returns by how much they miss it,
-    and how often every second one went."""
+    """At most so many lines. Lines are joined with an error of `miss_mm` or, if necessary, more, up
+    to `_COARSEST_MM`; then every second one is dropped. Also returns this error, and how often
+    lines were dropped."""
     halved = 0
     while len(lines) > most:
         fewer = thinned(lines, miss_mm)
@@ -227,8 +227,8 @@ def reduced(lines: list[Line], most: int, miss_mm: float) -> tuple[list[Line], f
 
 
 def thinned(lines: Iterable[Line], miss_mm: float) -> list[Line]:
-    """Two lines after each other become one where that misses the path by at most so much."""
-    out, single = list[Line](), False  # whether the last one is as it was
+    """Joins two lines in sequence if the error is at most so much."""
+    out, single = list[Line](), False  # whether the last one is unchanged
     for line in lines:
         joined = out[-1].joined(line, miss_mm) if single else None
         if joined is None:
@@ -240,7 +240,7 @@ def thinned(lines: Iterable[Line], miss_mm: float) -> list[Line]:
 
 
 def _box(lines: Iterable[Line], otherwise: Box) -> Box:
-    """Around all ends."""
+    """The rectangle around all ends."""
     ends = [(x, y) for a in lines for x, y in ((a.x0, a.y0), (a.x1, a.y1))]
     if not ends:
         return otherwise

@@ -1,4 +1,4 @@
-"""Places in the core's lists of positions: X, Y, Z, the active extruder, four further axes."""
+"""Indices in the core's lists of positions: X, Y, Z, the active extruder, four further axes."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ SLOTS = 8
 
 
 def slot_of_axis(index: int) -> int:
-    """The place of axis number `index`, in the order of the core's axes."""
+    """The index of axis number `index`, in the order of the core's axes."""
     return index if index < E else index + 1

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 
 class BedCorrection:
-    """What the bed adds to Z. Homing and probing switch it off while they run. It survives a
-    restart of the boards. No motor moves when it changes; Z of the plan does.
+    """The height of the bed that is added to Z. Homing and probing switch it off while they run. It
+    survives a restart of the boards. No motor moves when it changes, but Z of the plan does.
 
-    `correction` is what was measured, set or loaded last, also while it is not `on`. Only while the
-    machine is idle.
+    `correction` is the one that was last measured, set or loaded, also while it is not `on`. Only
+    while the machine is idle.
     """
 
     def __init__(self, rig: Rig, halted: Callable[[], bool]) -> None:
@@ -45,7 +45,7 @@ class BedCorrection:
 
     @contextmanager
     def suspended(self) -> Generator[None]:
-        """Positions are those of the machine itself within."""
+        """Within the block, positions are those of the machine without correction."""
         if self._suspended:
             yield
             return
@@ -59,7 +59,7 @@ class BedCorrection:
                 self._apply()
 
     def expected(self, x: float, y: float) -> float:
-        """The height of the bed at a place, mm, as far as it is known; else 0."""
+        """The height of the bed at a place, mm, if it is known; else 0."""
         return self.correction.plain(x, y) if self.correction else 0.0
 
     def _apply(self) -> None:

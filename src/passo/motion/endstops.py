@@ -1,4 +1,4 @@
-"""Which switch stops which motors, worked out from the machine file."""
+"""Which endstop stops which motors, derived from the machine file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NUDGE = 1e-3  # mm, to see which actuators a move turns
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """A switch at `pin` that stops `steppers` when `home`, an axis or an actuator, reaches it."""
+    """An endstop at `pin` that stops `steppers` when `home`, an axis or an actuator, reaches it."""
 
     name: str
     home: str
@@ -30,7 +30,7 @@ class Switch:
 
 
 def switches(machine: MachineConfig) -> tuple[Switch, ...]:
-    """All switches, in the order of the machine file. One for a whole axis has the axis' name, one
+    """All endstops, in the order of the machine file. One for a whole axis has the axis' name, one
     for a single motor the motor's."""
     found: list[Switch] = []
     for name, homing in machine.homing.items():
@@ -41,14 +41,14 @@ def switches(machine: MachineConfig) -> tuple[Switch, ...]:
 
 
 def probe_switch(machine: MachineConfig) -> Switch | None:
-    """The probe as a switch that stops every motor that lifts the nozzle."""
+    """The probe as an endstop that stops every motor that lifts the nozzle."""
     if not isinstance(machine.probe, SensingProbe):
         return None
     return Switch(PROBE, "z", machine.probe.pin, steppers_of(machine, "z"))
 
 
 def inputs(machine: MachineConfig) -> tuple[Switch, ...]:
-    """All switches, and the probe."""
+    """All endstops, and the probe."""
     probe = probe_switch(machine)
     return (*switches(machine), probe) if probe else switches(machine)
 
@@ -64,7 +64,7 @@ def motors_of_actuators(machine: MachineConfig) -> tuple[str, ...]:
 
 
 def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
-    """The motors that move when an axis, or an actuator that is homed by itself, does."""
+    """The motors that move with an axis, or with an actuator that homes by its own endstop."""
     axes = axis_order(machine.axes)
     actuators = machine.geometry.actuators
     if home in axes[3:]:
@@ -86,14 +86,14 @@ def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
 
 
 def homed_axes(machine: MachineConfig) -> set[str]:
-    """The axes that find their positions by switches."""
+    """The axes that are homed by endstops."""
     own = {name for name in machine.homing if not is_actuator(machine, name)}
     return own | set(machine.axes_of_arms)
 
 
 def named_axes(machine: MachineConfig, letters: str) -> set[str]:
-    """The axes that G28 homes for these letters; without one, all that home by default. Arms home
-    together."""
+    """The axes that G28 homes for these letters; without letters, all that home by default. Arms
+    home together."""
     axes, homing = axis_order(machine.axes), machine.homing
     names = {name for name in axes if name.upper() in letters}
     names = names or {name for name in axes if name not in homing or homing[name].by_default}
@@ -101,7 +101,7 @@ def named_axes(machine: MachineConfig, letters: str) -> set[str]:
 
 
 def axes_lost(machine: MachineConfig, steppers: Collection[str]) -> set[str]:
-    """The axes with a switch whose positions are unknown once these motors are off."""
+    """The axes with an endstop whose positions are unknown once these motors are off."""
     lost = set[str]()
     for name in machine.homing:
         if set(steppers) & set(steppers_of(machine, name)):
@@ -135,7 +135,8 @@ def is_actuator(machine: MachineConfig, home: str) -> bool:
 
 
 def pressed_point(machine: MachineConfig, switch: Switch) -> Point:
-    """Where the nozzle is when it presses an axis' switch, all else being at home, mm."""
+    """The position of the nozzle when it triggers an axis' endstop, with all other axes at home,
+    mm."""
     x, y, z = (
         machine.homing[name].position if name == switch.home else at
         for name, at in zip("xyz", machine.home_point, strict=True)
@@ -149,8 +150,8 @@ def _moved(point: Point, k: int, by: float) -> Point:
 
 
 def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float], ...]:
-    """How the place that a switch feels follows its motors, one motor for each actuator: the weight
-    of each motor's position, near home."""
+    """How the trigger position of an endstop follows its motors, one motor for each actuator: the
+    weight of each motor's position, near home."""
     if len(switch.steppers) == 1:
         return ((switch.steppers[0], 1.0),)
     geometry = machine.geometry

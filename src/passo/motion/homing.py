@@ -1,4 +1,4 @@
-"""Homing: axes find their switches, fast, then back a little, then slowly."""
+"""Homing: axes move to their endstops, fast, then back a little, then slowly."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
 
 _FULL_TURN = 360.0  # of an arm whose range is not given
-_OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
-SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
+_OVERRUN = 1.2  # an endstop is sought this far beyond the axis' whole range
+SLOW_OVERRUN = 2.0  # and this many times the retraction in the slow approach
 
 
 @dataclass(frozen=True, slots=True)
 class _HomingAxis:
-    """One axis or arm on its way to its switches, in its own unit: mm, or degrees of an arm. `axis`
+    """One axis or arm that moves to its endstops, in its own unit: mm, or degrees of an arm. `axis`
     is its number among the axes, or among the actuators; `sign` the direction of its end."""
 
     name: str
@@ -49,7 +49,7 @@ class _HomingAxis:
 
     @property
     def home(self) -> float:
-        """Its position at its switches."""
+        """Its position at its endstops."""
         return self.config.position
 
     @property
@@ -59,7 +59,7 @@ class _HomingAxis:
 
     @property
     def steppers(self) -> set[str]:
-        """The motors that its switches stop."""
+        """The motors that its endstops stop."""
         return {stepper for switch in self.switches for stepper in switch.steppers}
 
 
@@ -80,7 +80,7 @@ class Homer:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
         self._triggered, self._correction = triggered, correction
         self._lone_motors = motors
-        self._problem_of_job = problem  # the error that the job stopped at
+        self._problem_of_job = problem  # the error at which the job stopped
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
         self._joints = False
@@ -88,7 +88,7 @@ class Homer:
 
     def begin(self) -> None:
         """The boards have been replaced."""
-        self.offset_mm: dict[str, float] = {}  # of M206, by axis, when it was placed last
+        self.offset_mm: dict[str, float] = {}  # of M206, by axis, at the last homing
 
     @property
     def _machine(self) -> MachineConfig:
@@ -96,7 +96,7 @@ class Homer:
 
     @property
     def active(self) -> bool:
-        """Homing or probing is under way."""
+        """Homing or probing is in progress."""
         return self._triggered.active
 
     @property
@@ -105,18 +105,18 @@ class Homer:
 
     @property
     def axes(self) -> set[str]:
-        """The axes that find their place by switches."""
+        """The axes that are homed by endstops."""
         return homed_axes(self._machine)
 
     def states(self) -> dict[str, bool]:
-        """All switches: whether they are pressed."""
+        """All endstops: whether they are triggered."""
         return {switch.name: self._endstops.pressed(switch.name) for switch in self._switches}
 
     async def home(self, letters: str) -> None:
-        """Homes the axes of these letters, all by default. An axis without a switch is taken to be
-        at home already. An axis that does not find its switch no longer knows where it is. With the
-        letter O axes that know where they are stay; with B the nozzle goes back to where it was,
-        where that was known."""
+        """Homes the axes of these letters, all by default. An axis without an endstop is assumed to
+        be at home already. An axis that does not find its endstop is no longer homed. With the
+        letter O, homed axes stay as they are; with B the nozzle returns to its position, if that
+        was known."""
         back = "B" in letters and "b" not in self._axes
         letters = letters.replace("B", "") if back else letters
         before = None if self._rig.job.locked_axes else self._rig.job.machine_position
@@ -132,7 +132,7 @@ class Homer:
             await self._return(before)
 
     async def _return(self, to: Sequence[float]) -> None:
-        """Back to a machine position."""
+        """Returns to a machine position."""
         slots = [slot_of_axis(i) for i in range(len(self._axes))]
         reached = go_back(self._rig, {slot: to[slot] for slot in slots}, math.inf)
         self._rig.queue.flush()
@@ -142,8 +142,8 @@ class Homer:
             raise CommandError([self._problem_of_job()])
 
     async def swing(self, x: float, y: float) -> None:
-        """Brings the nozzle over this place, machine mm, each arm going its own way: between two
-        places that arms reach the straight way may lead where they do not."""
+        """Brings the nozzle over this place, machine mm, each arm on its own path: between two
+        places that arms reach, the straight line may leave their range."""
         rig, job, geometry = self._rig, self._rig.job, self._machine.geometry
 
         def point(position: Sequence[float]) -> Point:
@@ -190,8 +190,8 @@ class Homer:
                 await self._together(batch)
 
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_HomingAxis]:
-        """Arms first. Z of a delta that has a switch of its own needs them only to know where it
-        is."""
+        """The homing moves, arms first. Z of a delta that has an endstop of its own needs the arms
+        only for its position."""
         machine, homing = self._machine, self._machine.homing
         of_arms = set(machine.axes_of_arms)
         wanted: set[str] = of_arms & set(names)
@@ -210,7 +210,7 @@ class Homer:
         return _HomingAxis(name, among.index(name), sign, config, own)
 
     def travel(self, name: str) -> float:
-        """How far an axis or arm goes at most to find its switch, mm or degrees."""
+        """The maximum distance of an axis or arm to its endstop, mm or degrees."""
         longest = self._machine.homing[name].max_travel
         if longest is not None:
             return longest
@@ -238,9 +238,7 @@ class Homer:
 
         names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
         self._joints = arms
-        moved: list[
-            tuple[_HomingAxis, float]
-        ] = []  # how far places of axes are off, for the search
+        moved: list[tuple[_HomingAxis, float]] = []  # error of axis positions, for the search
         try:
             job.use_joints(arms)
             travel = [self.travel(way.name) for way in ways]
@@ -282,7 +280,7 @@ class Homer:
         return inside
 
     def _arms_at_home(self, z: float) -> list[float]:
-        """The actuators with all arms at home, and Z there where it moves by itself."""
+        """The actuators with all arms at home, and Z there if it moves independently."""
         machine = self._machine
         return [
             machine.homing[n].position if n in machine.geometry.arms else z
@@ -292,7 +290,8 @@ class Homer:
     async def _seek(
         self, ways: Sequence[_HomingAxis], travel: Sequence[float], *, fast: bool
     ) -> None:
-        """All ways at once, each at its own speed, until each has met all its switches."""
+        """Moves all axes at once, each at its own speed, until each has triggered all its
+        endstops."""
         rig = self._rig
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
@@ -326,7 +325,7 @@ class Homer:
         rig.job.set_axes(overshoot.places())
 
     async def _go(self, by: Sequence[float], ways: Sequence[_HomingAxis]) -> None:
-        """A move of all these axes, by so much towards their switches."""
+        """A move of all these axes, by so much towards their endstops."""
         rig = self._rig
         target: dict[int, float] = {}
         square = 0.0

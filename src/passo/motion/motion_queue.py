@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     from passo import _core
     from passo.board.boards import Boards
 
-TICK_S = 0.01  # host time between two looks at the board in real time
-HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
-COMMITS_AHEAD_S = 0.2  # the same where motion comes in commits, less the time to notice
-_SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
+TICK_S = 0.01  # host time between two checks of the board in real time
+HORIZON_S = 0.16  # of print time ahead that cannot be recalled: the board has it
+COMMITS_AHEAD_S = 0.2  # the same if motion is sent in commits, less the time to notice
+_SHARE_OF_SLOTS = 4  # a commit takes at most this part of the move queue
 RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
-TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
-LEAD_S = 0.2  # from a command on a standing machine to its first step
-SOON_S = 0.3  # what comes so soon comes at once, as far as a fan matters
-MIN_LEAD_S = 0.05  # less than is left after GATHER_S
-GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
-BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
+TAKE_BACK_S = 1.0  # if more moves came in, that stop is cancelled when it is so near
+LEAD_S = 0.2  # from a command at standstill to its first step
+SOON_S = 0.3  # for a fan, a time so near counts as now
+MIN_LEAD_S = 0.05  # less than what is left after GATHER_S
+GATHER_S = 0.08  # host time at standstill to wait for more moves to plan with
+BUFFER_S = 2.0  # of print time ahead; a console that sends more must wait
 MAX_QUEUED = 2048  # moves that wait for look-ahead
 _SAME_MM = 1e-6
-_STRIDE_S = 0.25  # print time between two looks where time is free
+_STRIDE_S = 0.25  # print time between two checks if time is free
 
 
 @dataclass(slots=True)
@@ -75,8 +75,8 @@ class MotionQueue:
         self._loop = asyncio.get_running_loop()
         self._start_s = self._loop.time()
         self._start_clock = connection.now
-        # Print time, ticks, up to which boards and marks have been served: what the wall clock
-        # has run ahead of it since, on a busy computer, is still to come.
+        # Print time, ticks, until which boards and marks have been served. On a busy computer the
+        # wall clock runs ahead of it; that time is still to come.
         self.passed = self.now
         self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None], bool]] = []
         self._alarms: list[Alarm] = []
@@ -104,14 +104,14 @@ class MotionQueue:
     @property
     def standing(self) -> bool:
         """All moves so far are done, and all targets of heaters before and after them have reached
-        their heaters. Print time that no pass has looked at yet does not count: what is due in it
-        has not been carried out."""
+        their heaters. Print time that no pass has processed yet does not count: events due in it
+        have not been carried out."""
         job = self._job
         planned = job.queued == 0 and job.clock <= self.passed and not job.holds
         planned = planned and job.next_mark is None
         if not planned or not self._connection.survives:
             return planned
-        # What the board does not have yet comes too late, and it will say so.
+        # Moves that the board does not have yet will be late, and it will report that.
         return not self.interrupted and self._connection.delivered
 
     @property
@@ -165,8 +165,8 @@ class MotionQueue:
         speed_mm_s: float,
         within: Within = Within.LIMITS,
     ) -> bool:
-        """Adds a straight move to these positions, by slot, in machine mm; other axes stay. False,
-        and nothing moves, if it is too long or not `within` the limits: see the error of the
+        """Adds a straight move to these positions, by axis index, in machine mm; other axes stay.
+        False, and nothing moves, if it is too long or not `within` the limits: see the error of the
         job."""
         places = [target.get(slot, math.nan) for slot in range(SLOTS)]
         self.before_moves()
@@ -183,12 +183,12 @@ class MotionQueue:
         self.after_moves()
 
     def replan(self) -> None:
-        """Replans the moves that the board does not have yet, by the present limits."""
+        """Replans the moves that the board does not have yet, by the current limits."""
         self._job.replan_from(self._earliest())
         self._replanned()
 
     def shift(self, axis: int, mm: float) -> bool:
-        """Offsets along an axis all moves that the board does not have yet. False if that is out of
+        """Offsets all moves that the board does not have yet along an axis. False if that is out of
         range; the error of the job says why."""
         self.before_moves()
         if self._job.shift_from(self._earliest(), axis, mm) is None:
@@ -214,18 +214,18 @@ class MotionQueue:
         return clock
 
     def skip_dwell(self) -> None:
-        """Ends the present dwell, as early as it can be revoked."""
+        """Ends the current dwell, as early as it can be recalled."""
         if self._job.skip_dwell_from(self._earliest()) is not None:
             self._replanned()
 
     def hold(self) -> None:
         """Brakes to a stop on the path and holds the rest of the plan. The laser goes off."""
-        self.before_moves()  # where the machine stands, darkness must not come in the past
+        self.before_moves()  # at standstill, the laser must not be switched off in the past
         self._job.hold_from(self._earliest())
         self._replanned()
 
     def stop(self, *, program: bool = True) -> None:
-        """Brakes to a stop on the path and forgets the rest of the plan; of a `program` its
+        """Brakes to a stop on the path and discards the rest of the plan; of a `program` its
         retraction, too. The laser goes off."""
         self.before_moves()
         self._job.stop_from(self._earliest(), program)
@@ -301,7 +301,7 @@ class MotionQueue:
             self._alarms.remove(alarm)
 
     def close(self) -> None:
-        """Ends: cancels the tasks that wait for print time."""
+        """Ends the queue: cancels the tasks that wait for print time."""
         self._closed = True
         for _, future, _ in self._waiting:
             future.cancel()
@@ -358,22 +358,23 @@ class MotionQueue:
             await asyncio.sleep(TICK_S)
 
     async def catch_up(self) -> None:
-        """Waits where questions have let the time of simulated boards run ahead of the loop's."""
+        """Waits until the loop's time reaches that of simulated boards, which questions have
+        advanced."""
         while (ahead := self._connection.now - self.base - self.now) > 0:
             await asyncio.sleep(ahead / self.hz)
 
     def wait(self) -> None:
-        """The same, whichever links are lost. Raises MachineError when a board has shut down."""
+        """Waits even if links are lost. Raises MachineError when a board has shut down."""
         self._connection.wait(max(self.base + self.now, self._connection.now))
 
     def stand_by(self) -> None:
-        """Time passes up to now at boards that are shut down."""
+        """Lets time pass until now at boards that are shut down."""
         self._connection.stand_by(max(self.base + self.now, self._connection.now))
 
     def live_on(self, seconds: float) -> None:
-        """Lets so much time pass at the boards, whatever their state and that of their links."""
+        """Lets so much time pass at the boards, in any state of the boards and their links."""
         boards, until = self._connection, self._connection.now
-        if not boards.live:  # questions may have let it run ahead of the loop's
+        if not boards.live:  # questions may have advanced it beyond the loop's
             until = max(until + int(seconds * self.hz), self.base + self.now)
         boards.live_on(until)
 
@@ -398,13 +399,13 @@ class MotionQueue:
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
         if until > self._connection.now or self._connection.live:
-            self._connection.run(until)  # a live board may have news at any time
+            self._connection.run(until)  # a live board may send reports at any time
 
     def _settle(self, now: int) -> None:
-        """A plan that runs dry is settled for a stop; what came in since takes the stop back, but
-        late, since all that is planned anew is work done twice."""
+        """Settles a plan that runs dry for a stop. Moves that came in later cancel the stop, but
+        late, because all that is replanned is work done twice."""
         job, stop = self._job, self._stop_clock
-        # After many short moves the stop lies in the midst of what is settled.
+        # After many short moves the stop lies within the settled part.
         passed_by = job.clock > stop
         near = job.queued > 0 and stop - now < TAKE_BACK_S * self.hz
         if stop > self._earliest() and (passed_by or near):
@@ -426,14 +427,14 @@ class MotionQueue:
             self._stop_clock = job.clock
 
     def _begin_in_time(self) -> None:
-        """After a stall of the program: moves from rest that should begin now begin later."""
+        """After a stall of the program, delays moves from rest that should begin now."""
         job = self._job
         if job.queued > 0 and job.rests and job.clock < self.now + MIN_LEAD_S * self.hz:
             job.wait_until(self.now + LEAD_S * self.hz)
 
     def end_waits(self) -> None:
-        """Ends the waits whose conditions hold. A fault of the program in one is that wait's own.
-        Raises MachineError."""
+        """Ends the waits whose conditions are true. If a condition raises an error, only its own
+        wait gets it. Raises MachineError."""
         for condition, future, _ in list(self._waiting):
             try:
                 if not future.done() and condition():
@@ -445,7 +446,7 @@ class MotionQueue:
 
 
 async def either(event: asyncio.Event, timeout: float | None) -> None:
-    """Until the event, or the time is over."""
+    """Waits for the event, or until the time is over."""
     try:
         async with asyncio.timeout(timeout):
             await event.wait()

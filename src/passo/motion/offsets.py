@@ -1,4 +1,4 @@
-"""Offsets that live motion has beside the plan: of home positions, and of babysteps."""
+"""Offsets that live motion has in addition to the plan: of home positions, and of babysteps."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Offsets:
         self._suspended_mm = dict.fromkeys("xyz", 0.0)
 
     def resume(self) -> None:
-        """The job goes on, with its babysteps."""
+        """The job resumes, with its babysteps."""
         self.babysteps_mm = self.of_program_mm(suspended=True)
 
     def of_program_mm(self, *, suspended: bool) -> dict[str, float]:

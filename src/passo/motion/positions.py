@@ -1,4 +1,4 @@
-"""Where the machine is now, by the steps that the board has made."""
+"""The current position of the machine, by the steps that the board has made."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ class Positions:
     ) -> None:
         self.machine = machine
         self._connection, self._job = connection, job
-        self._passed = passed  # the job's clock up to which the plan was executed
+        self._passed = passed  # the job's clock until which the plan was executed
         self._letters = [name.upper() for name in axis_order(machine.axes)]
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last time
         self.settlings = 0  # how often the origins may have changed
-        # The motors have held since another host was there: their counts still tell where it is.
+        # The motors were on without a break since another host ran: their counts are still valid.
         self.held = connection.adopted
         self.known: set[str] = set()  # axes that homed, or a recovery placed, and held since
-        self._loose: set[str] = set()  # axes whose motors were off since they were known
+        self._loose: set[str] = set()  # homed axes whose motors were off since
         self._frozen: list[float] | None = None
 
     def freeze(self) -> None:
-        """Axes home now. What the plan calls positions are those of arms, or of axes that do not
-        know where they are: reports keep to where the program was, until `thaw`."""
+        """Axes home now. Positions of the plan are those of arms, or of axes that are not homed:
+        reports keep to where the program was, until `thaw`."""
         self._frozen = self._job.program_position
 
     def thaw(self) -> None:
-        """Positions mean again what they say."""
+        """Positions are valid again."""
         self._frozen = None
 
     @property
@@ -56,7 +56,7 @@ class Positions:
         return self._frozen or self._job.program_position
 
     def settle(self) -> None:
-        """The machine stands: whatever the board has not made of the plan, it never will. Lets time
+        """The machine is at standstill: the board will not execute the rest of the plan. Lets time
         pass; raises MachineError."""
         self.settled = False
         self.settlings += 1
@@ -66,7 +66,7 @@ class Positions:
         self.settled = True
 
     def loosen(self) -> None:
-        """Motors of axes are off: they may be moved by hand, and step counts do not show it."""
+        """Motors of axes are off: the axes may be moved by hand, and step counts do not show it."""
         axes = self.machine.axes
         self.held = False
         self.settlings += 1
@@ -80,7 +80,7 @@ class Positions:
 
     def origins(self) -> dict[str, int]:
         """Each motor's position, in steps, where the board's count of it is 0. Empty if a motor was
-        off since the axes were known."""
+        off since the axes were homed."""
         if self._loose:
             return {}
         return {
@@ -89,9 +89,9 @@ class Positions:
         }
 
     def restore(self, origins: dict[str, int]) -> bool:
-        """The machine is where a board that was adopted has counted to, from these origins. False,
-        and nothing is changed, if it does not know, or a motor was off since. Lets time pass;
-        raises MachineError."""
+        """Restores positions from these origins and the counts of a board that was adopted. False,
+        without any change, if the board does not know them, or a motor was off since. Lets time
+        pass; raises MachineError."""
         job, connection = self._job, self._connection
         rows = {row["name"]: row for row in job.steppers()}
         if not self.held or set(origins) != set(rows):
@@ -105,7 +105,7 @@ class Positions:
         return True
 
     def _real(self, counts: dict[str, int]) -> dict[tuple[str, int], float]:
-        """What each actuator, axis and extruder stands at, mm or degrees."""
+        """The position of each actuator, axis and extruder, mm or degrees."""
         machine = self.machine
         real: dict[tuple[str, int], float] = {}
         for row in self._job.steppers():
@@ -117,7 +117,7 @@ class Positions:
         return real
 
     def _places(self, real: dict[tuple[str, int], float]) -> list[float | None]:
-        """The axes, in machine mm, Z above the corrected bed; None where that is not known."""
+        """The axes, in machine mm, Z above the corrected bed; None if it is not known."""
         machine = self.machine
         places: list[float | None] = [None] * len(machine.axes)
         try:
@@ -144,14 +144,14 @@ class Positions:
         return found
 
     def shown(self) -> dict[str, float]:
-        """The program's coordinates of where the plan is now, by axis letter and E, without a
+        """The program's coordinates of the plan's current position, by axis letter and E, without a
         question to a board; while axes home, those of where the program was."""
         planned = None if self._frozen else self._planned(self._passed())
         return planned or dict(zip([*self._letters, "E"], self.program, strict=True))
 
     def at(self, clock: int) -> dict[str, float]:
-        """The program's coordinates of where the plan was at a clock of the job, about a second ago
-        at most, else of where the machine is now. Lets time pass; raises MachineError."""
+        """The program's coordinates of where the plan was at a clock of the job, at most about a
+        second ago; else of where the machine is now. Lets time pass; raises MachineError."""
         return self._planned(clock) or self.now()[0]
 
     def _planned(self, clock: int) -> dict[str, float] | None:
@@ -170,8 +170,8 @@ class Positions:
         }
 
     def now(self) -> tuple[dict[str, float], dict[str, int]]:
-        """The program's coordinates of what the motors have done, by axis letter and E, and the
-        motors' counts. Lets time pass; raises MachineError."""
+        """The program's coordinates by the steps made so far, by axis letter and E, and the motors'
+        counts. Lets time pass; raises MachineError."""
         machine, job = self.machine, self._job
         counts = self.counts()
         letters = self._letters

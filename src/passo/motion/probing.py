@@ -1,4 +1,4 @@
-"""Probing: the head descends until the probe stops its motors, and the bed has a height there."""
+"""Probing: the head descends until the probe stops its motors; that gives the height of the bed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""What moves one machine: its boards, its job and its motion queue, replaced as a whole by M999."""
+"""The parts that move one machine: its boards, its job and its motion queue, replaced as a whole by
+M999."""
 
 from __future__ import annotations
 
@@ -33,7 +34,7 @@ class Rig:
         self._free = free
 
     def connect(self, connection: Boards) -> None:
-        """These are the boards from now on; they have just been configured, or were adopted."""
+        """Sets the boards; they have just been configured, or were adopted."""
         self.connection = connection
 
     def plan(self, on_mark: Callable[[int, int], None]) -> None:
@@ -80,7 +81,7 @@ class Rig:
             job.lock_axis(axis, True)
 
     def lock(self, axes: Iterable[str]) -> None:
-        """The positions of these axes are unknown from now on."""
+        """Marks these axes as not homed."""
         axes = list(axes)
         self.positions.known.difference_update(axes)
         if self.machine.unhomed_moves == "refuse":

@@ -1,4 +1,4 @@
-"""Where G92 says that axes and motors are."""
+"""The positions that G92 gives axes and motors."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 def place_of_axes(command: Command, machine: MachineConfig, job: _core.Job) -> dict[int, float]:
-    """Places in mm, by number of axis, of axes that do not know where they are; the interpreter
-    does the others. Raises CommandError where no motors' positions lead, or far beyond an axis."""
+    """Positions in mm, by number of axis, of axes that are not homed; the interpreter handles the
+    others. Raises CommandError if no motor positions reach them, or they are far beyond an axis."""
     axes = axis_order(machine.axes)
     places = {axes.index(k.lower()): v for k, v in command.words().items()}
     x, y, z = (places.get(i, at) for i, at in enumerate(job.machine_position[:E]))
@@ -31,8 +31,8 @@ def place_of_axes(command: Command, machine: MachineConfig, job: _core.Job) -> d
 def place_of_actuators(
     command: Command, machine: MachineConfig, job: _core.Job
 ) -> dict[int, float]:
-    """The same for letters of motors: where the nozzle is follows from all of them; empty without
-    such a letter. Raises CommandError where they lead nowhere, or another one is not known."""
+    """The same for letters of motors: the nozzle's position follows from all of them; empty without
+    such a letter. Raises CommandError if they reach no position, or another one is not known."""
     geometry, words = machine.geometry, command.words()
     given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
     if not given:
@@ -48,7 +48,7 @@ def place_of_actuators(
             known = dict(zip(geometry.actuators, geometry.inverse(nozzle), strict=True))
         a, b, c = (known | given).values()
         point = geometry.forward((a, b, c))
-        geometry.inverse(point)  # a delta's rods meet also where its nozzle must not go
+        geometry.inverse(point)  # a delta's rods also meet where its nozzle must not go
         x, y, height = point
         point = x, y, job.plan_z(x, y, height)
     except Unreachable as error:
@@ -58,7 +58,7 @@ def place_of_actuators(
 
 
 def _near(places: dict[int, float], machine: MachineConfig) -> dict[int, float]:
-    """Raises CommandError for a place farther beyond an axis than it is long."""
+    """Raises CommandError for a position farther beyond an axis than it is long."""
     names = axis_order(machine.axes)
     for i, mm in places.items():
         low, high = (axis := machine.axes[names[i]]).min_mm, axis.max_mm

@@ -1,4 +1,4 @@
-"""The way to a place that the nozzle has left: over it first, and then down."""
+"""Returns to a place that the nozzle has left: first over it, and then down."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 
 def go_over(rig: Rig, place: Mapping[int, float], speed_mm_s: float) -> bool:
-    """Adds the moves that lead over a place, by slot in machine mm. Arms that lift together reach
-    only the middle at the top, so the nozzle goes down there first: to the height of parking above
-    the place, or to its own where that is too near the top. False if they do not reach it."""
+    """Adds the moves that lead over a place, by axis index in machine mm. Arms that lift together
+    reach only the middle at the top, so the nozzle goes down there first: to the height of parking
+    above the place, or to its own if that is too near the top. False if they do not reach it."""
     machine, queue = rig.machine, rig.queue
     across = {slot: mm for slot, mm in place.items() if slot != Z}
     if Z not in place or not machine.geometry.lifts_together:

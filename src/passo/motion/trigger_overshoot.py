@@ -1,4 +1,5 @@
-"""How far motors ran on after a switch on another board was hit, until they heard of it."""
+"""The overshoot of motors after an endstop on another board triggered, until the stop reached
+them."""
 
 from __future__ import annotations
 
@@ -17,9 +18,8 @@ if TYPE_CHECKING:
 
 
 class TriggerOvershoot:
-    """Counts the steps of one search: from where the plan was when the switch was hit to where the
-    motor stopped. So a switch is found as exactly as on the motor's own board; only the stop comes
-    later.
+    """Counts the steps of one search: from the plan's position at the trigger to the stop of the
+    motor. So an endstop is found as exactly as on the motor's own board; only the stop comes later.
 
     With `joints`, positions of the plan are those of the actuators.
     """
@@ -32,7 +32,8 @@ class TriggerOvershoot:
         self._hit_at: dict[str, Sequence[float]] = {}
 
     def look(self) -> None:
-        """While the plan still knows where it was when a switch was hit: within a second."""
+        """Call within a second after a trigger, while the plan still has its position at that
+        time."""
         for name, clock in self._endstops.hit.items():
             if name not in self._hit_at:
                 found = self._rig.job.position_at(clock - self._rig.queue.base)
@@ -40,8 +41,8 @@ class TriggerOvershoot:
                     self._hit_at[name] = found
 
     def measure(self, switches: Iterable[Switch]) -> None:
-        """After the search. Of motors that share an actuator, those on the switch's board count,
-        which have stopped at once."""
+        """Call after the search. Of motors that share an actuator, those on the endstop's board
+        count, because they stopped at once."""
         for switch in switches:
             at_once = [self._driven(s) for s in switch.steppers if self._is_beside(s, switch)]
             for stepper in switch.steppers:
@@ -50,8 +51,8 @@ class TriggerOvershoot:
                     self._ways[driven] = self._way(stepper, driven, self._hit_at[switch.name])
 
     def places(self) -> list[tuple[int, float]]:
-        """When the machine is said to be where its switches were hit: axes (or actuators), by
-        number, that are elsewhere, and where."""
+        """If the machine is assumed to be where its endstops triggered: axes (or actuators), by
+        number, that are elsewhere, and their positions."""
         if not any(self._ways.values()):
             return []
         position = self._rig.job.machine_position
@@ -90,11 +91,11 @@ class TriggerOvershoot:
         return a, b, c
 
     def _lost_steps(self, stepper: str) -> int:
-        """What this search has left out of the plan."""
+        """The steps of the plan that this search has left out."""
         return self._rig.positions.lost[stepper] - self._lost.get(stepper, 0)
 
     def _way(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:
-        """Way of an actuator, or an axis, from the hit to the stop."""
+        """The travel of an actuator, or an axis, from the trigger to the stop."""
         row = next(r for r in self._rig.job.steppers() if r["name"] == stepper)
         lost = self._lost_steps(stepper)
         if driven.drive == "axis":

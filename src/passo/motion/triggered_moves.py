@@ -1,4 +1,4 @@
-"""Moves that switches stop on the boards: the way to an endstop, or of a probe to the bed."""
+"""Moves that endstops stop on the boards: towards an endstop, or of a probe towards the bed."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ if TYPE_CHECKING:
     from passo.motion.endstops import Switch
     from passo.motion.rig import Rig
 
-_REST_S = 0.001  # the board looks at a switch at least this often
+_REST_S = 0.001  # the board samples an endstop at least this often
 _FASTEST_REST_S = 5e-5
-_ARMED_S = 0.005  # switches count from so long before the first step
+_ARMED_S = 0.005  # endstops are armed so long before the first step
 
 
 class Interrupts(Protocol):
-    """Whether the wait under way has to end. `halted` says why the printer is halted, or is
-    empty."""
+    """Whether the current wait has to end. `halted` says why the printer is halted, or is empty."""
 
     halted: str
 
     @property
     def interrupted(self) -> bool:
-        """After M108, M410 or a halt."""
+        """Whether M108, M410 or a halt has come."""
         ...
 
     def raise_if_interrupted(self) -> None:
@@ -36,7 +35,7 @@ class Interrupts(Protocol):
 class TriggeredMoves:
     """Carries out triggered moves of one printer, for the caller that holds the motion lock.
 
-    `active`: homing or probing is under way. `starts` are called before the switches are needed.
+    `active`: homing or probing is in progress. `starts` are called before the endstops are needed.
     """
 
     def __init__(self, rig: Rig, interrupts: Interrupts) -> None:
@@ -53,8 +52,8 @@ class TriggeredMoves:
 
     @contextmanager
     def prepared(self) -> Generator[None]:
-        """Switches may stop motors within: no other part uses them, and no board brakes by
-        itself."""
+        """Within the block, endstops may stop motors: no other part uses them, and no board brakes
+        by itself."""
         for start in self.starts:
             start()
         self._rig.queue.use_commits(False)
@@ -72,13 +71,13 @@ class TriggeredMoves:
         *,
         joints: bool = False,
     ) -> TriggerOvershoot:
-        """Adds moves to the plan by `move`, and carries them out until each switch has stopped its
-        motors. `steps_s`: the highest step rate; the boards look at the switches as often, between
+        """Adds moves to the plan by `move`, and carries them out until each endstop has stopped its
+        motors. `steps_s` is the maximum step rate; the boards sample the endstops as often, between
         1 and 20 kHz. With `joints`, positions of the plan are those of the actuators.
 
-        After that the machine is idle, also after M108, M410 or a halt, which end them early;
-        `endstops` says which switches were triggered, and `positions.lost` what the motors left
-        out. Raises MachineError.
+        After that the machine is idle, also after M108, M410 or a halt, which end the moves early;
+        `endstops` says which endstops were triggered, and `positions.lost` the steps that the
+        motors left out. Raises MachineError.
         """
         rig, queue = self._rig, self._rig.queue
         if not rig.positions.settled:
@@ -107,7 +106,7 @@ class TriggeredMoves:
         return overshoot
 
     async def standstill(self) -> None:
-        """Waits until the machine is idle, which a stop may bring about early."""
+        """Waits until the machine is idle, which a stop may cause early."""
         queue = self._rig.queue
         await queue.until(lambda: queue.standing or self._interrupts.interrupted)
         if not queue.standing:
@@ -115,7 +114,7 @@ class TriggeredMoves:
             await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
 
     def _all_hit(self, overshoot: TriggerOvershoot) -> bool:
-        """All switches are hit, or the boards of one have lost each other."""
+        """All endstops are triggered, or the boards of one have lost each other."""
         done = self.endstops.all_hit() or bool(self.endstops.expired)
         overshoot.look()
         return done

@@ -1,1 +1,1 @@
-"""The printer: what its commands mean, and the board that carries them out."""
+"""The printer: the handlers of its commands, and the boards that execute them."""

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 COLD_C = 170.0  # filament does not move below it, unless M302 sets another temperature
-# What such a sensor says, 400 °C of a short circuit maybe, melts nothing.
+# Readings of such a sensor, for example 400 °C of a short circuit, are not valid.
 _NO_TEMPERATURE = (FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT, FaultKind.SENSOR_ERRATIC)
 
 
 class ColdExtrusion:
-    """What M302 has set, and what follows from it. `cold_c` is the temperature below which filament
+    """The settings of M302, and the check of them. `cold_c` is the temperature below which filament
     does not move, °C."""
 
     def __init__(self, machine: MachineConfig) -> None:
@@ -43,7 +43,8 @@ class ColdExtrusion:
         return name
 
     def set(self, words: Mapping[str, float]) -> str:
-        """Carries M302 out; returns what it asked for, or nothing. Raises CommandError."""
+        """Carries M302 out; returns the report that it asked for, or nothing. Raises
+        CommandError."""
         meant = set(self.hotends)
         if "T" in words:
             meant = {self.hotend(int(words["T"]))}
@@ -66,7 +67,7 @@ class ColdExtrusion:
         return f"Cold extrudes are {state} (min temp {self.cold_c:g}C){for_some}"
 
     def lines(self, number_of: Callable[[str], int | None]) -> Iterable[str]:
-        """M302 as it is set."""
+        """M302 with the current setting."""
         every = bool(self.hotends) and set(self.hotends) <= self._allowed
         yield f"M302 S{numeral(self.cold_c)} P{int(every)}"
         if not every:
@@ -80,7 +81,7 @@ class ColdExtrusion:
             job.set_cold_axis(number, not self.melts(heater, heaters))
 
     def warm(self, heaters: Mapping[str, _core.Heater], tool: int) -> bool:
-        """The tool's hotend lets filament move."""
+        """Whether the tool's hotend lets filament move."""
         return not self.hotends or self.melts(self.hotend(tool), heaters)
 
     def min_c(self, tool: int) -> float:
@@ -90,7 +91,7 @@ class ColdExtrusion:
         return 0.0 if name is None else self.min_c_of(name)
 
     def min_c_of(self, heater: str) -> float:
-        """The same of a heater; 0 of one that is not a hotend."""
+        """The minimum temperature of a heater for moving filament; 0 if it is not a hotend."""
         limited = self._machine.heaters[heater].kind == "hotend" and not self.allows(heater)
         return self.cold_c if limited else 0.0
 
@@ -108,7 +109,7 @@ class ColdExtrusion:
         return heater in self._allowed
 
     def melts(self, heater: str | None, heaters: Mapping[str, _core.Heater]) -> bool:
-        """Filament may move through this hotend now; None is no hotend."""
+        """Filament may move through this hotend now; None stands for no hotend."""
         if heater is None or self.allows(heater):
             return True
         sensed = heaters[heater]

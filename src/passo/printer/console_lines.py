@@ -1,4 +1,4 @@
-"""The last lines of all consoles, both ways, for the report of a halt."""
+"""The last lines of all consoles, in both directions, for the report of a halt."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _log = logging.getLogger(__name__)
 
 KEPT = 200  # lines of each direction
 _LONGEST = 300  # characters that are kept of a line
-# Commands of other firmwares with a password or the access to a network.
+# Commands of other firmwares with a password or network credentials.
 _SECRET = re.compile(
     r"(\s*(?:[Nn]\s*\d+\s*)?[Mm]\s*0*(?:551|58[6-9])(?:\.\d+)?)(?!\d).*", re.DOTALL
 )
@@ -22,7 +22,7 @@ _SECRET = re.compile(
 
 class ConsoleLine(NamedTuple):
     """A line at a host time in seconds; `console` counts from 1, and 0 stands for all. `sender` is
-    who has sent a received line, where the console knows."""
+    the sender of a received line, if the console knows it."""
 
     host_s: float
     console: int
@@ -54,7 +54,7 @@ class ConsoleLines:
             _log.debug("> %s", without_secrets(decoded(text)), extra={"console": console})
 
     def sent(self, console: int, text: str) -> None:
-        """A line that a console, or 0 for all of them, is answered with."""
+        """A line that a console, or 0 for all of them, has received as an answer."""
         if text == "wait" or text.startswith("echo:busy: "):
             return  # they only keep a host from a timeout
         self._add(self._sent, ConsoleLine(self._now_s(), console, False, text))
@@ -80,5 +80,5 @@ def _shown(line: ConsoleLine) -> ConsoleLine:
 
 
 def without_secrets(text: str) -> str:
-    """A line without the words of a command that may hold a password."""
+    """A line without the words of a command that may contain a password."""
     return _SECRET.sub(r"\1 (not shown)", text)

@@ -22,7 +22,7 @@ _MAX_S = 1e6
 
 
 class _Everybody:
-    """What delayed G-code answers goes to all who listen."""
+    """The answers to delayed G-code go to all listeners."""
 
     def __init__(self, state: State) -> None:
         self._state = state
@@ -39,11 +39,11 @@ class _Everybody:
             self._state.tell(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
-        """The same: no `ok` comes."""
+        """Sends the text as a line: there is no `ok`."""
         self._state.tell(text)
 
     def warming(self, text: str) -> None:
-        """Nothing: consoles ask when they want to know."""
+        """Does nothing: consoles ask for temperatures when they need them."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """A command that was not carried out."""
@@ -91,7 +91,7 @@ class DelayedGcode:
         self._set(name, seconds)
 
     def _set(self, name: str, seconds: float) -> None:
-        """Carries it out after so many seconds, and no more when it was to be; 0: not at all."""
+        """Schedules it after so many seconds, in place of its earlier time; 0: not at all."""
         if (due := self._due.pop(name, None)) is not None:
             due.cancel()
         if seconds > 0:
@@ -101,7 +101,7 @@ class DelayedGcode:
     def _start(self, name: str) -> None:
         del self._due[name]
         task = asyncio.get_running_loop().create_task(self._carry_out(name))
-        self._tasks.add(task)  # the loop alone would not keep it
+        self._tasks.add(task)  # the loop keeps only a weak reference
         task.add_done_callback(self._tasks.discard)
 
     async def _carry_out(self, name: str) -> None:

@@ -1,4 +1,4 @@
-"""The way of a command to its handler, at once or in its place among the moves."""
+"""Brings a command to its handler, at once or in its place among the moves."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from passo.printer.wait_runner import WaitRunner
 
 
 class Dispatch:
-    """Commands of several sources, for one printer. To be used within one event loop.
+    """Commands of several sources, for one printer. Use it within one event loop.
 
     `immediate` has the handlers of commands that act at once, also while another source moves the
     machine; `planned` those of commands that take their place among the moves or wait for the
-    machine. The job's own commands act where neither has a handler. Parts may be added before the
+    machine. The job's own commands act if neither has a handler. Parts may be added before the
     first command.
     """
 
@@ -58,7 +58,7 @@ class Dispatch:
                 self.planned[code] = lambda c, r: rig.commands.run(c, r)
 
     def add(self, *parts: object) -> None:
-        """Takes in the handlers that the methods of these parts are."""
+        """Adds the methods of these parts that are handlers."""
         for part in parts:
             for code, role, method in commands_of(type(part)):
                 row = row_of(code)
@@ -71,7 +71,7 @@ class Dispatch:
         self._from_console = False
 
     def act(self, command: Command, reply: Reply) -> bool:
-        """Carries out a command that acts at once when it comes from there; else False."""
+        """Carries out a command from that source if it acts at once; else returns False."""
         if command.code in self._rig.machine.macros:
             return False
         handler, row = self.immediate.get(command.code), row_of(command.code)
@@ -85,8 +85,8 @@ class Dispatch:
         return True
 
     def answers_halted(self, code: str) -> bool:
-        """A halted printer carries such a command out: it acts at once, and not on the plan. What
-        has halted it is not rearmed; M999 restarts it, cold."""
+        """Whether a halted printer carries such a command out: it acts at once, and not on the
+        plan. It does not rearm the fault that has halted it; M999 restarts it, cold."""
         row = row_of(code)
         return code in self.immediate and row is not None and row.while_halted
 
@@ -96,10 +96,10 @@ class Dispatch:
         """True if a planned line can be read without a wait by the caller that holds the motion
         lock."""
         rig, state = self._rig, self._state
-        lost = rig.queue.interrupted and not state.halted  # what is held comes first
+        lost = rig.queue.interrupted and not state.halted  # a held plan comes first
         if state.host_paused or lost or not rig.job.at_boundary:
             return False
-        # Beside a print the plan is always full: a line comes behind what is planned.
+        # During a print the plan is always full: a line is appended to it.
         return rig.job.queued <= MAX_QUEUED if state.busy() else not rig.queue.full
 
     async def room(self) -> bool:
@@ -113,7 +113,7 @@ class Dispatch:
         return self._take(lambda: self._feed(text), reply)
 
     def take_delayed(self, name: str, reply: Reply) -> Wait | None:
-        """The same with delayed G-code. Raises CommandError for a template that fails."""
+        """As `take_line`, with delayed G-code. Raises CommandError for a template that fails."""
 
         def insert() -> None:
             self.select(console=True)
@@ -126,8 +126,8 @@ class Dispatch:
         return self._take(insert, reply)
 
     async def finish_macro(self, reply: Reply) -> None:
-        """What a suspended job has handed over of a macro is carried out, by who has the turn.
-        Raises as `finish`."""
+        """Carries out the rest of a macro that a suspended job has handed over, for the caller that
+        holds the motion lock. Raises as `finish`."""
         self.select(console=True)
         await self.finish(self._go_on(reply), reply)
 
@@ -145,7 +145,7 @@ class Dispatch:
     def take_setting(self, text: str, reply: Reply) -> None:
         """Carries out one line of stored settings. The machine is idle, and the caller holds the
         motion lock."""
-        self._rig.job.plain = True  # a setting is no call of a macro
+        self._rig.job.plain = True  # a setting is not a macro call
         try:
             self._settle_line(text, reply)
         finally:
@@ -183,11 +183,11 @@ class Dispatch:
                 wait = self._go_on(reply)
                 self._tell_of_line(done=True)
         except Exception:
-            self._forget_line()  # it would stand in everybody's way
+            self._forget_line()  # it would block all other sources
             raise
 
     def _forget_line(self) -> None:
-        """What is left of a console's line, and of the macros that it has called."""
+        """Discards the rest of a console's line, and of the macros that it has called."""
         self._rig.job.abandon()
         self._rig.job.forget_macros()
 
@@ -201,7 +201,7 @@ class Dispatch:
         return True
 
     def expand(self, command: Command, reply: Reply) -> None:
-        """A macro is called, the job reads next what it becomes. Raises CommandError."""
+        """A macro is called: the job reads its lines next. Raises CommandError."""
         try:
             self._rig.commands.expand(
                 command, lambda text: _respond(reply, text), console=self._from_console
@@ -219,23 +219,24 @@ class Dispatch:
         for listener in self._state.line_listeners:
             listener(done)
 
-    # -- the file, and lines of consoles beside it ------------------------------------------------
+    # -- the file, and lines of consoles during it
+    # --------------------------------------------------
 
     def select(self, *, console: bool) -> None:
-        """What is read next comes from a console, or else from the file."""
+        """Selects whether the next text comes from a console or from the file."""
         self._from_console = console
         self._rig.job.select(console)
         self._before_line()
 
     @property
     def in_console_line(self) -> bool:
-        """A line of a console is under way, none of the file."""
+        """Whether a line of a console is in progress, not one of the file."""
         return self._from_console and not self._rig.job.at_boundary
 
     @contextmanager
     def file_selected(self) -> Generator[_core.Job]:
-        """The job with the file's text selected: to ask or restart it, not to read on, while a line
-        of a console may be under way."""
+        """The job with the file's text selected: to query or restart it, not to read on, while a
+        line of a console may be in progress."""
         self._rig.job.select(False)
         try:
             yield self._rig.job
@@ -265,7 +266,7 @@ class Dispatch:
         return wait
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
-        """By a handler of a printer with consoles, or as in a print without them."""
+        """Carries it out by a handler of a printer with consoles, or as in a print without them."""
         try:
             if handler is None:
                 wait = self._rig.commands.run(command, reply)
@@ -315,7 +316,7 @@ def _respond(reply: Reply, text: str) -> None:
 
 
 def _note(code: str, reply: Reply) -> None:
-    """Says of a command that does nothing why it does not."""
+    """Reports why a command without an effect does nothing."""
     row = row_of(code)
     if row is not None and row.kind in (Kind.QUIET, Kind.SERVED, Kind.NOT_BUILT):
         reply.note(row.code, f"{row.code} does nothing here. {row.lacks or row.text}")

@@ -1,4 +1,4 @@
-"""What the interpreter found wrong, as a problem of the catalogue."""
+"""Errors of the interpreter, as problems of the catalogue."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from passo.gcode.command import written
 from passo.gcode.stray import stray_problem
 from passo.geometry.base import GeometryModel, Point
 
-Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core tells it
+Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core reports it
 
 
 def problem_of(job: _core.Job, path: str, geometry: GeometryModel) -> Problem:
@@ -93,11 +93,11 @@ _CALLS = {  # why a call fails
 
 
 def call_problem(line: int, call: str, fault: _core.CallFault, path: str = "") -> Problem:
-    """What is wrong with M98 or M99, `call` as it is written."""
+    """The problem of M98 or M99, `call` as it is written."""
     return Problem("input.call", path, line, {"axis": call, "value": _CALLS[fault]})
 
 
 def _beyond(axis: str, value: float, limit: float) -> dict[str, str | float]:
-    """Values of a problem, with as many decimals as tell the two apart."""
+    """Values of a problem, with enough decimals to distinguish the two."""
     decimals = next((d for d in range(3, 9) if round(value, d) != round(limit, d)), 9)
     return {"axis": axis, "value": value, "limit": limit, "decimals": decimals}

@@ -1,4 +1,4 @@
-"""The laser of a printer where the machine stands still."""
+"""The laser of a printer at standstill."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from passo.printer.state import State
 
 
 class Laser:
-    """Switches the laser of one printer off, for good or for as long as it stands."""
+    """Switches the laser of one printer off, permanently or during a standstill."""
 
     def __init__(self, rig: LiveRig, state: State) -> None:
         self._rig, self._state = rig, state
-        self._dark = False  # for now; it will be lit again
+        self._dark = False  # temporarily: it will be switched on again
 
     def begin(self) -> None:
         """The boards have been replaced: all outputs are off."""
         self._dark = False
 
     def off(self) -> None:
-        """Off when the moves so far are done, until it is switched on again."""
+        """Switches it off when the moves so far are done, until it is switched on again."""
         if self._rig.machine.laser and not self._state.halted:
             self._rig.queue.before_moves()
             self._rig.commands.outputs.laser_off()
@@ -29,8 +29,8 @@ class Laser:
 
     @contextmanager
     def dark(self) -> Generator[None]:
-        """Off when the moves so far are done, and as it was at the end, unless it was switched off
-        for good meanwhile."""
+        """Switches it off when the moves so far are done, and restores it at the end of the block,
+        unless it was switched off permanently meanwhile."""
         if self._rig.commands.outputs.lit and not self._dark:
             self._shade(dark=True)
         try:
@@ -39,7 +39,7 @@ class Laser:
             self.light()
 
     def light(self) -> None:
-        """Ends the darkness; a suspended job keeps it."""
+        """Ends the blanking; a suspended job keeps it."""
         if self._dark and not (self._state.halted or self._rig.job.suspended):
             self._shade(dark=False)
 

@@ -32,7 +32,7 @@ class LiveRig(Rig):
         during_print: Callable[[Reply], bool],
     ) -> None:
         """As `plan`; commands set their temperatures at `heat`, and those of a console
-        `during_print` change what is planned, too."""
+        `during_print` also change planned moves."""
         self.plan(on_mark)
         boards = self.connection
         full = [boards.full_scale(output.name) for output in boards.board.outputs]

@@ -1,4 +1,4 @@
-"""Macros of the machine file: what a call becomes, and their variables."""
+"""Macros of the machine file: the lines of a call, and their variables."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _VARIABLE = re.compile(r"[a-z_][a-z0-9_]{0,99}", re.ASCII)
 _MAX_SAVED = 1000  # variables of SAVE_VARIABLE
-MAX_DEPTH = 16  # macros within each other
+MAX_DEPTH = 16  # nested macros
 _LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
 
 Respond = Callable[[str], object]
@@ -38,7 +38,7 @@ class _Raised(Exception):
 
 
 class _Tree(Mapping[str, Object]):
-    """`printer` of a template: read-only, an object is made when it is asked for."""
+    """`printer` of a template: read-only; an object is made on demand."""
 
     def __init__(self, found: Objects) -> None:
         self._found = found
@@ -55,7 +55,7 @@ class _Tree(Mapping[str, Object]):
 
 class Macros:
     """The macros of one printer or of one program, with the values of their variables. `status` is
-    that of a printer; None of a program that is only planned."""
+    that of a printer; None for a program that is only planned."""
 
     def __init__(self, machine: MachineConfig) -> None:
         self._machine = machine
@@ -64,13 +64,14 @@ class Macros:
             name: deepcopy(macro.variables) for name, macro in machine.macros.items()
         }
         self.saved: dict[str, Any] = {}  # those of SAVE_VARIABLE
-        # Keeps `saved` durably, or raises CommandError. A program that is only planned forgets it.
+        # Stores `saved` durably, or raises CommandError. A program that is only planned discards
+        # it.
         self.keep: Callable[[Mapping[str, Any]], None] = lambda _: None
         # Calls a method of other programs, by name and arguments.
         self.call_remote: Callable[[str, Mapping[str, Any]], None] = lambda _, __: None
         self._templates: dict[str, Template] = {}
         self._budgets: dict[bool, Budget] = {}
-        # Called with each call and the text that it becomes.
+        # Called with each call and its resulting text.
         self.watch: Callable[[Command, str], None] | None = None
 
     def expand(
@@ -82,7 +83,7 @@ class Macros:
         *,
         console: bool = False,
     ) -> None:
-        """Lets the job read what the call means next: its `event` after MACRO. `respond` takes
+        """Lets the job read the lines of the call next: its `event` after MACRO. `respond` takes
         lines of action_respond_info; `console`: the call is not of a file. Raises CommandError, and
         EmergencyStop."""
         code = command.code
@@ -158,7 +159,7 @@ class Macros:
         self.saved = saved
 
     def take_variables(self, other: Macros) -> None:
-        """Variables have the values that another program has given them."""
+        """Copies the values that another program has given variables."""
         self.variables = deepcopy(other.variables)
 
     def _render(
@@ -217,7 +218,8 @@ def _stop(message: object = "") -> str:
 
 
 def _params(command: Command) -> dict[str, str]:
-    """KEY=VALUE of a command with a name; of one with a letter and a number its words by letter."""
+    """KEY=VALUE of a command with a name; for a command with a letter and a number its words by
+    letter."""
     if command.name:
         return command.pairs()
     words = _core.split_text(command.text)
@@ -225,7 +227,7 @@ def _params(command: Command) -> dict[str, str]:
 
 
 def _needed(command: Command, *keys: str) -> dict[str, str]:
-    """The words of a command, which must have these. Raises CommandError."""
+    """The words of a command, all of which are required. Raises CommandError."""
     words = command.pairs()
     for key in keys:
         if key not in words:
@@ -252,7 +254,7 @@ def _names(known: Mapping[str, object]) -> str:
 
 
 def _plain(value: object) -> bool:
-    """Only what a machine file can hold."""
+    """Only types that a machine file can hold."""
     if isinstance(value, dict):
         content = cast("dict[object, object]", value)
         return all(isinstance(key, str) and _plain(item) for key, item in content.items())

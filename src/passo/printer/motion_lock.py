@@ -1,4 +1,4 @@
-"""The lock of those who move the machine: one at a time, in the order of asking."""
+"""The lock for moving the machine: one holder at a time, in the order of requests."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class MotionLock:
 
     @property
     def locked(self) -> bool:
-        """A caller has the lock."""
+        """Whether a caller has the lock."""
         return self._locked
 
     def try_acquire(self) -> bool:
@@ -38,7 +38,7 @@ class MotionLock:
             if waiting in self._waiting:
                 self._waiting.remove(waiting)
             elif waiting.done() and not waiting.cancelled():
-                self.release()  # it was handed over in the same moment
+                self.release()  # it was handed over at the same moment
             raise
 
     def release(self) -> None:

@@ -1,4 +1,4 @@
-"""One printer: builds its parts, starts them again after a halt, and stops the machine."""
+"""One printer: builds its parts, restarts them after a halt, and stops the machine."""
 
 from __future__ import annotations
 
@@ -64,16 +64,16 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 _MAKE_SAFE = "Make the printer safe, then send M999"  # after M112
-# A sensor that is broken is known by two reports, 0.3 s apart; sensors report one after the other.
+# A broken sensor is detected after two reports, 0.3 s apart; sensors report one after the other.
 _FIRST_REPORTS_S, _NEXT_SENSOR_S = 0.6, 0.1
 
 
 class Printer:
-    """A machine that takes commands from several sources. To be used within one event loop.
+    """A machine that takes commands from several sources. Use it within one event loop.
 
-    Its parts: `rig` is what M999 replaces as a whole, `state` whether it runs and who listens,
-    `dispatch` the way of commands; the others are one subject each. `skips` are the commands that
-    prints may leave out; `free`: print time passes as fast as it goes.
+    Its parts: `rig` is replaced as a whole by M999, `state` says whether it runs and has the
+    listeners, `dispatch` brings commands to handlers; the others are one subject each. `skips` are
+    the commands that prints may leave out; `free`: print time passes as fast as it can.
     """
 
     def __init__(
@@ -219,15 +219,15 @@ class Printer:
         return self.state.halted
 
     def tell(self, text: str) -> None:
-        """A line to all consoles."""
+        """Sends a line to all consoles."""
         self.state.tell(text)
 
     # -- start and restart ------------------------------------------------------------------------
 
     def _begin(self, connection: Boards, *, first: bool) -> None:
         """Starts from boards that have just been configured, with nothing planned. Raises
-        MachineError, and lets go of them then; a machine that fails at the `first` start is a
-        printer all the same, for `report_start` to halt."""
+        MachineError, and releases them then; a machine that fails at the `first` start still
+        becomes a printer, which `report_start` halts."""
         try:
             self._set_up(connection, first=first)
             if not first:
@@ -243,7 +243,7 @@ class Printer:
         self.laser.begin()
         connection.keep_frames()
         if connection.survives:
-            connection.arm(True)  # from here on no word that comes late shuts a board down
+            connection.arm(True)  # from here on a late message shuts no board down
         self.power_supply.begin(connection)
         self.beeper.begin(connection)
         failure = self._first_reports(connection)
@@ -264,15 +264,15 @@ class Printer:
         self._stopped_tool = 0
         self._aside_mm, self._stopped_mm = 0.0, None
         if connection.adopted:
-            # No board tells whether the host before has left them on. So they go off when the
-            # machine stands idle, and what the journal says decides where it stands.
+            # No board reports whether the previous host has left them on. So they go off when the
+            # machine is idle, and the journal decides its position.
             self.motors.all_on()
             rig.positions.settle()
         if self.machine.unhomed_moves == "refuse":
             rig.lock(homed_axes(self.machine))
 
     def _restart(self) -> None:
-        """M999, or a board that was reset: starts with the settings as they are. Raises
+        """M999, or a board that was reset: starts with the current settings. Raises
         MachineError."""
         state = self.state
         for listener in state.stop_listeners:
@@ -296,7 +296,7 @@ class Printer:
             state.tell(greeting)
 
     def _first_reports(self, connection: Boards) -> MachineError | None:
-        """Lets all sensors report; what has failed by then and stops the machine."""
+        """Lets all sensors report; returns what has failed by then and stops the machine."""
         found: list[HeaterFault] = []
         connection.set_on_fault(lambda _, fault: found.append(fault))
         heaters = self.machine.heaters
@@ -325,8 +325,8 @@ class Printer:
         await self.supervisor.run()
 
     def close(self) -> None:
-        """Lets go of the board, heaters and laser off, then of all else,
-        whatever fails. Nothing may be asked of the printer after that."""
+        """Releases the board, with heaters and laser off, then all other parts, even if one fails.
+        Do not use the printer after that."""
         self.queue.close()
         with ExitStack() as last_comes_first:
             for closer in self.closers:
@@ -353,7 +353,7 @@ class Printer:
             self.beeper.mark_reached(value)
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:
-        """A protection has switched a heater off; how much more stops is the heater's policy."""
+        """A protection has switched a heater off; the heater's policy decides what else stops."""
         self.state.failures += 1
         policy = self.machine.heaters[fault.heater].on_fault
         if policy == "machine":
@@ -387,7 +387,7 @@ class Printer:
         self.halt(stop, stop.problems[0].sentence)
 
     def request_restart(self) -> None:
-        """M999: a halted printer starts again, cold, and without knowing where it is."""
+        """M999: a halted printer restarts, cold and not homed."""
         if self.halted:
             self.supervisor.request_restart()
 
@@ -398,7 +398,7 @@ class Printer:
 
     @in_program("M112")
     def _halt_by_line(self, _: Command, __: Reply) -> Wait | None:
-        """M112 where no console has seen it come: in a file, or behind another command."""
+        """M112 that no console has detected: in a file, or after another command."""
         self.emergency_stop()
         return None
 
@@ -408,7 +408,7 @@ class Printer:
         return None
 
     def stop_by_endstop(self, names: Sequence[str]) -> None:
-        """A switch was hit in mid-move: brakes, and ends the print if one is under way, with all
+        """An endstop was triggered during a move: brakes, and ends a running print, with all
         heaters off. A host that prints is asked to pause."""
         self.stop_all(f"endstop {', '.join(names)} was triggered")
         if not self.halted:
@@ -418,8 +418,8 @@ class Printer:
             self.tell("// action:pause")
 
     def stop_all(self, reason: str) -> None:
-        """M410: brakes to a stop on the path and forgets all moves that were planned. A print that
-        moves the machine ends: what is left of it would not follow on. A halted machine has stopped
+        """M410: brakes to a stop on the path and discards all planned moves. A print that moves the
+        machine ends, because its rest would not continue correctly. A halted machine has stopped
         already."""
         if self.halted:
             return
@@ -428,7 +428,7 @@ class Printer:
             listener(reason)
 
     def stop(self) -> None:
-        """Brakes to a stop on the path and forgets all moves that were planned."""
+        """Brakes to a stop on the path and discards all planned moves."""
         self.queue.stop()
         self.commands.outputs.plan_forgotten()
         self.commands.set_points.follow_tool()
@@ -440,8 +440,8 @@ class Printer:
     # -- waits ------------------------------------------------------------------------------------
 
     def go_on(self) -> None:
-        """M108: ends the wait under way, for moves, time, temperatures or the user. Moves go on.
-        Where only a paused file waits for the user, it goes on."""
+        """M108: ends the current wait, for moves, time, temperatures or the user. Moves continue.
+        If only a paused file waits for the user, it resumes."""
         waited = self.waits.busy
         self.queue.skip_dwell()
         self.waits.end()
@@ -452,7 +452,7 @@ class Printer:
 
     def suspend_job(self, *, hand_over_macro: bool = False) -> None:
         """Brakes to a stop on the path and suspends the rest of the job: other moves may come. With
-        `hand_over_macro` what is left of the file's macro comes in the pause."""
+        `hand_over_macro` the rest of the file's macro is carried out in the pause."""
         self.queue.hold()
         self.job.suspend(hand_over_macro)
         self.offsets.suspend()
@@ -461,12 +461,12 @@ class Printer:
         self.commands.set_points.follow_tool()
 
     def take_stopped_tool(self) -> None:
-        """The tool of the suspended job is in use, whatever was selected meanwhile."""
+        """Selects the tool of the suspended job again, if another was selected meanwhile."""
         self.job.use_tool(self._stopped_tool)
         self.commands.set_points.tool_changed(self._stopped_tool)
 
     def resume_job(self) -> None:
-        """Goes on with the suspended job, the machine being back at its stop position."""
+        """Resumes the suspended job, with the machine back at its stop position."""
         self.queue.before_moves()
         if self.job.suspended:
             self.offsets.resume()
@@ -483,8 +483,8 @@ class Printer:
         return bool(self.machine.extruders) and self.heat.warm()
 
     def filament_mm(self) -> float:
-        """Filament that all extruders together were to push so far, mm, but for what they pushed
-        and retracted while a job was suspended."""
+        """Planned filament of all extruders so far, mm, without what they pushed and retracted
+        while a job was suspended."""
         if not self.job.suspended:
             self._end_aside()
         if self._stopped_mm is not None:
@@ -495,7 +495,7 @@ class Printer:
         return sum(self.job.statistics()["filament_mm"])
 
     def _end_aside(self) -> None:
-        """The suspended job has resumed, or was forgotten."""
+        """The suspended job has resumed, or was discarded."""
         if self._stopped_mm is not None:
             self._aside_mm = self._pushed_mm() - self._stopped_mm
             self._stopped_mm = None

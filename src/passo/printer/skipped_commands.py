@@ -1,18 +1,18 @@
-"""What a print without consoles leaves out of its program, and says so once for each."""
+"""The commands that a print without consoles leaves out, each with one warning."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
 
-_MAX_CODES = 1000  # that are counted each on its own, however many a file makes up
+_MAX_CODES = 1000  # that are counted separately; a file may have many
 
 Counts = Mapping[str, tuple[int, int]]
-"""First line and times of each."""
+"""First line and count of each."""
 
 
 class SkippedCommand(Enum):
-    """Why something was left out: a sentence about it."""
+    """The reason why a command was left out: its sentence."""
 
     UNKNOWN = "{} is unknown and was skipped"
     NOT_BUILT = "{} does nothing here and was skipped"
@@ -31,10 +31,10 @@ class SkippedCommands:
         self._counts: dict[SkippedCommand, dict[str, tuple[int, int]]] = {
             why: {} for why in SkippedCommand
         }
-        self.cut_at = 0  # the line in the middle of which the file ended
+        self.cut_at = 0  # the line within which the file ended
 
     def count(self, why: SkippedCommand, what: str, line: int) -> None:
-        """It was left out once more."""
+        """Counts a command that was left out."""
         counts = self._counts[why]
         if what not in counts and len(counts) >= _MAX_CODES:
             what = "any other code"

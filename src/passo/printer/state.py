@@ -1,4 +1,5 @@
-"""What all parts of one printer share: whether it is halted or paused, and its subscribers."""
+"""The state that all parts of one printer share: whether it is halted or paused, and its
+subscribers."""
 
 from __future__ import annotations
 
@@ -37,13 +38,13 @@ class State:
         self.console_lines = ConsoleLines(asyncio.get_running_loop().time)
         self.unheard: list[str] = []  # told before anybody listened, for the console that opens
         self.listeners: list[Callable[[str], None]] = []
-        self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of what was done
+        self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of executed commands
         self.line_listeners: list[Callable[[bool], None]] = []  # a console's begins, or was `done`
         self.stop_listeners: list[Callable[[str], None]] = []
         self.halt_listeners: list[Callable[[PassoError], None]] = []  # of its cause
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
-        # What the parts above the printer answer.
-        self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
+        # Callbacks of the parts above the printer.
+        self.busy: Callable[[], bool] = lambda: False  # a print is running or paused
         self.end_asking: Callable[[], None] = lambda: None  # resumes a file that waits for the user
         self.settings: Callable[[], Iterable[str]] = tuple  # commands that restore the settings
         self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere
@@ -76,7 +77,7 @@ class State:
         self.tell(f"echo:{text}")
 
     def tell(self, text: str) -> None:
-        """A line to all consoles."""
+        """Sends a line to all consoles."""
         self.console_lines.sent(0, text)
         for listener in list(self.listeners):
             listener(text)
@@ -88,13 +89,13 @@ class State:
 
     @property
     def why_halted(self) -> str:
-        """`halted`, and what to do."""
+        """`halted`, and the next action."""
         said = self.halted.endswith("M999")
         return self.halted if said else f"{self.halted}. Make the printer safe, then send M999"
 
     @property
     def interrupted(self) -> bool:
-        """M108, M410 or a halt has to end the wait under way."""
+        """Whether M108, M410 or a halt has to end the current wait."""
         return self.ended or bool(self.halted)
 
     def raise_if_interrupted(self) -> None:

@@ -1,4 +1,4 @@
-"""What a printer is doing, as typed values: the one source of M408, the web and the Python API."""
+"""The status of a printer, as typed values: the one source of M408, the web and the Python API."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class PrinterState(Enum):
-    """What a printer does; the values are the letters of M408."""
+    """The state of a printer; the values are the letters of M408."""
 
     IDLE = "I"
     BUSY = "B"  # it moves, or a command waits
@@ -30,9 +30,9 @@ class PrinterState(Enum):
 @dataclass(frozen=True, slots=True)
 class HeaterStatus:
     """A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
-    `power` is a fraction of full power; `fault` says what a protection has found, or is empty.
-    Below `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it is
-    not a hotend."""
+    `power` is a fraction of full power; `fault` is the sentence of a protection, or empty. Below
+    `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it is not a
+    hotend."""
 
     celsius: float | None
     target_c: float
@@ -43,7 +43,7 @@ class HeaterStatus:
 
 @dataclass(frozen=True, slots=True)
 class PrintObject:
-    """An object that the file labels. `number` is the one of M486, or its place in the file; `name`
+    """An object that the file labels. `number` is the one of M486, or its index in the file; `name`
     is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, are those of
     EXCLUDE_OBJECT_DEFINE, else None and empty."""
 
@@ -57,14 +57,14 @@ class PrintObject:
 @dataclass(frozen=True, slots=True)
 class JobStatus:
     """The file that is printed. `fraction` is the part of its time that is done, or of its bytes
-    while its time is not known yet, 0 to 1; `line` and `layer` are those of the move under way (0:
+    while its time is not known yet, 0 to 1; `line` and `layer` are those of the current move (0:
     none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
     rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
     known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
-    is where the file is on the card; `offset` of its `size` bytes are read and planned; `elapsed_s`
-    is host time since the start, with pauses; `filament_mm` is what all extruders have pushed for
-    it, without pauses; `extruding_s` is the part of `printed_s` since the first of it, or all of it
-    on a machine without filament."""
+    is its path on the card; `offset` of its `size` bytes are read and planned; `elapsed_s` is host
+    time since the start, with pauses; `filament_mm` is the filament that all extruders have pushed
+    for it, without pauses; `extruding_s` is the part of `printed_s` since the first extrusion, or
+    all of it on a machine without filament."""
 
     file: str
     fraction: float
@@ -85,9 +85,9 @@ class JobStatus:
 
 @dataclass(frozen=True, slots=True)
 class AxisStatus:
-    """An axis. `position_mm` is where the plan is now, in the program's coordinates; `machine_mm`
-    the same in the machine's. `homed`: its position is certain. Targets are kept between `min_mm`
-    and `max_mm`, in machine coordinates."""
+    """An axis. `position_mm` is the plan's current position, in the program's coordinates;
+    `machine_mm` the same in the machine's. `homed`: its position is certain. Targets are kept
+    between `min_mm` and `max_mm`, in machine coordinates."""
 
     position_mm: float
     machine_mm: float
@@ -99,12 +99,12 @@ class AxisStatus:
 
 @dataclass(frozen=True, slots=True)
 class MotionStatus:
-    """How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
-    filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
-    `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path; the first is None
-    if the axes alone limit it. `absolute`, `absolute_e` and `feedrate_mm_s` are those that the next
-    move of the program has, and it begins at `end_mm` of the machine, X, Y, Z and filament, which
-    is `program_end_mm` of the program."""
+    """The motion of the machine. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of
+    the filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
+    `max_accel_mm_s2`, `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the
+    path; the first is None if the axes alone limit it. `absolute`, `absolute_e` and `feedrate_mm_s`
+    hold for the next move of the program. It begins at `end_mm` of the machine, X, Y, Z and
+    filament, which is `program_end_mm` of the program."""
 
     speed_mm_s: float
     filament_mm_s: float
@@ -130,7 +130,8 @@ class MotionStatus:
         queued_s: float = 0.0,
         motors_on: bool = True,
     ) -> MotionStatus:
-        """That of a job now; what the job does not know is given."""
+        """The motion status of a job now; the arguments are the values that the job does not
+        know."""
         machine, program = job.machine_position, job.program_position
         absolute, absolute_e, feed_mm_s = job.modal
         return cls(
@@ -152,10 +153,10 @@ class MotionStatus:
 
 @dataclass(frozen=True, slots=True)
 class BoardStatus:
-    """A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count
-    what went over its link since the start; `simulated`: it is software. `awake_s` is how much of
-    the last 5 s its firmware had work; `task_s` and `task_deviation_s` are mean and standard
-    deviation of one pass of its work. None until it reports them, and of a simulated chip."""
+    """A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count the
+    traffic of its link since the start; `simulated`: it is software. `awake_s` is how much of the
+    last 5 s its firmware had work; `task_s` and `task_deviation_s` are mean and standard deviation
+    of one pass of its work. None until it reports them, and for a simulated chip."""
 
     firmware: str
     mcu: str
@@ -170,8 +171,8 @@ class BoardStatus:
 
 @dataclass(frozen=True, slots=True)
 class FaultStatus:
-    """An error of the catalogue: its code, the part that it concerns, what is wrong, and what to do
-    next."""
+    """An error of the catalogue: its code, the part that it concerns, the sentence, and the next
+    action."""
 
     code: str
     part: str
@@ -191,7 +192,7 @@ class FilesStatus:
 
 @dataclass(frozen=True, slots=True)
 class EndedJob:
-    """A print that is over: done, cancelled or failed, why it failed, and how far it was."""
+    """A print that is over: done, cancelled or failed, why it failed, and its progress."""
 
     outcome: str
     reason: str

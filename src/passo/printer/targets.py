@@ -9,7 +9,7 @@ from passo.motion.rig import Rig
 
 class Targets:
     """The targets of one printer's heaters. `cooled_c` has the targets, by heater, that a long
-    pause or a fault has switched off and that return before the print goes on."""
+    pause or a fault has switched off and that return before the print resumes."""
 
     def __init__(self, rig: Rig, require_power: Callable[[], None]) -> None:
         self._rig = rig
@@ -18,8 +18,8 @@ class Targets:
         self.cooled_c: dict[str, float] = {}
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
-        """Sets a heater's target when the moves so far are done, or at once. Raises CommandError
-        where the power supply is off."""
+        """Sets a heater's target when the moves so far are done, or at once. Raises CommandError if
+        the power supply is off."""
         if celsius > 0:
             self._require_power()
         self.cooled_c.pop(heater, None)
@@ -31,31 +31,31 @@ class Targets:
         self._rig.queue.after_moves()
 
     def mark_reached(self, index: int, value: int) -> bool:
-        """Print time has reached a mark. True if it was that of a heater."""
+        """Handles a mark that print time has reached. True if it was that of a heater."""
         if index >= len(self._heaters):
             return False
         self._rig.connection.set_target(self._heaters[index], value / 100)
         return True
 
     def switch_off(self, heaters: Iterable[str] | None = None) -> None:
-        """Switches these heaters, by default all, off at once, and again after the moves so far: a
-        target that is still queued among them does not heat for longer than they take."""
+        """Switches these heaters, by default all, off at once, and again after the moves so far, so
+        that a queued target heats only until then."""
         for name in self._heaters if heaters is None else heaters:
             self.set_target(name, 0.0, at_once=True)
             self.set_target(name, 0.0)
 
     def switch_off_at_once(self) -> None:
-        """Switches all heaters off at once, the machine standing."""
+        """Switches all heaters off at once, at standstill."""
         for name in self._heaters:
             self.set_target(name, 0.0, at_once=True)
 
     def cool(self, heater: str) -> None:
-        """Switches a heater off until the print goes on."""
+        """Switches a heater off until the print resumes."""
         self.cooled_c[heater] = self._rig.connection.heaters[heater].target
         self._rig.connection.set_target(heater, 0.0)
 
     def rearm_failed(self) -> None:
-        """The user was told of the heaters for which a print pauses, and wants it to go on."""
+        """Rearms the heaters for which a print is paused: the user was informed, and resumes it."""
         for name in self.cooled_c:
             if self._rig.connection.heaters[name].fault is not None:
                 self._rig.connection.heaters[name].rearm()

@@ -1,5 +1,5 @@
-"""Commands that a print must not leave out without a word: unknown ones that may move the machine,
-and bed levelling on a machine that cannot level."""
+"""Commands that a print must not leave out silently: unknown ones that may move the machine, and
+bed levelling on a machine that cannot level."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _STILL = re.compile(
     r"(?:SET_|GET_|QUERY_|DUMP_|SAVE_|CLEAR_|DISPLAY_|_?TIMELAPSE|BED_MESH_|SKEW_|UPDATE_DELAYED"
     r"|RESPOND\b|ECHO\b|STATUS\b|HELP\b|TUNING_TOWER\b|TEMPERATURE_WAIT\b|TURN_OFF_HEATERS\b)"
 )
-_MACRO = re.compile(r"[A-Z_][A-Z_][A-Z0-9_.]+\Z")  # as Klipper names commands of its own
+_MACRO = re.compile(r"[A-Z_][A-Z_][A-Z0-9_.]+\Z")  # the form of Klipper's own command names
 _FLOW_OF_CONTROL = re.compile(
     r"\s*(?:sub|endsub|call|return|if|elseif|else|endif|while|endwhile|do|repeat|endrepeat"
     r"|break|continue)\b",
@@ -39,15 +39,15 @@ _FLOW_OF_CONTROL = re.compile(
 
 
 class Skips(NamedTuple):
-    """What a print may leave out: commands that are unknown, and bed levelling. `levels` are the
-    commands of levelling that the machine has the parts for."""
+    """The commands that a print may leave out: unknown ones, and bed levelling. `levels` are the
+    commands of levelling for which the machine has the parts."""
 
     unknown: bool = False
     levelling: bool = False
     levels: frozenset[str] = frozenset()
 
     def on(self, machine: MachineConfig) -> Skips:
-        """The same on this machine."""
+        """The same options for this machine."""
         if machine.probe is None:
             return self
         of_delta = OF_DELTAS if machine.geometry.kind == "delta" else frozenset[str]()
@@ -60,7 +60,7 @@ ALL = Skips(unknown=True, levelling=True)
 
 
 def unfit(command: Command, skips: Skips) -> Problem | None:
-    """What is wrong with leaving this command out; None if it is known, harmless or skipped."""
+    """The problem of leaving this command out; None if it is known, harmless or skipped."""
     code = command.code
     if code in LEVELLING:
         if skips.levelling or code in skips.levels:
@@ -73,7 +73,7 @@ def unfit(command: Command, skips: Skips) -> Problem | None:
 
 
 def _may_move(command: Command) -> bool:
-    """Whether an unknown command moves the machine, or changes where it goes, on other firmware."""
+    """Whether an unknown command moves the machine, or changes its path, on other firmware."""
     name = command.name
     if command.letter == "G":
         return command.number in _MOVES

@@ -1,4 +1,4 @@
-"""What a command may wait for, and where its answers go."""
+"""The requests that a command may wait for, and the destination of its answers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from passo.gcode.command import Command
 
 
 class Stopped(Exception):
-    """The wait was stopped or cancelled: what it waited for does not come."""
+    """The wait was stopped or cancelled, without its condition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class WaitForTemperatures:
 
 @dataclass(frozen=True, slots=True)
 class WaitForUser:
-    """Until the user continues (M108), or `seconds` have passed; 0: for ever."""
+    """Until the user continues (M108), or `seconds` have passed; 0: without a limit."""
 
     message: str
     seconds: float = 0.0
@@ -45,8 +45,8 @@ class WaitForUser:
 
 @dataclass(frozen=True, slots=True)
 class WaitForTuning:
-    """Until `step`, which is called as time passes, returns true. `finish` is called then, and also
-    when the wait is ended."""
+    """Until `step` returns true. It is called as time passes. `finish` is called at the end, also
+    if the wait is ended early."""
 
     step: Callable[[], bool]
     finish: Callable[[], None]
@@ -69,8 +69,8 @@ class WaitForHoming:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """For ever: M112 or M410 (`code`) in this line of a program has ended a print without consoles.
-    A plan alone goes on."""
+    """Without end: M112 or M410 (`code`) in this line of a program has ended a print without
+    consoles. A plan alone continues."""
 
     code: str
     line: int
@@ -89,13 +89,13 @@ Wait: TypeAlias = (
 
 
 class Reply(Protocol):
-    """Where a command came from, and where its answers go."""
+    """The source of a command, and the destination of its answers."""
 
     def say(self, text: str) -> None:
         """A line of answer."""
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """A line of answer, once for whatever it is about, or `again` each time."""
+        """A line of answer, once for each subject, or `again` each time."""
 
     def with_ok(self, text: str) -> None:
         """Text after `ok` in the same line."""

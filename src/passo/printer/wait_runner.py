@@ -1,4 +1,4 @@
-"""What a command waits for, the machine at rest, and what ends the wait."""
+"""Runs the waits of commands, and ends them."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ if TYPE_CHECKING:
     from passo.printer.state import State
     from passo.printer.targets import Targets
 
-WARMING_S = 1.0  # of print time between two lines of temperatures for who waits for them
-# A heater that has cooled down by less than this in this time gets no further (StuFW's values).
+WARMING_S = 1.0  # of print time between two lines of temperatures during a wait
+# A heater that has cooled down by less than this in this time has stopped cooling (StuFW's values).
 _MIN_COOLING_C, _COOLING_S = 1.5, 60.0
 
 
 class _Cooling:
-    """Whether a heater that is waited for still cools down; tells once if not."""
+    """Whether a heater that is waited for still cools down; reports once if not."""
 
     def __init__(self, name: str, reply: Reply) -> None:
         self._name, self._reply = name, reply
-        self._seen: tuple[float, float] | None = None  # print time in s, and how warm it was then
+        self._seen: tuple[float, float] | None = None  # print time in s, and its temperature then
         self._over = False
 
     def goes_on(self, now_s: float, celsius: float) -> bool:
-        """To be called as time passes."""
+        """Call as time passes."""
         before_s, was = self._seen = self._seen or (now_s, celsius)
         if not self._over and now_s >= before_s + _COOLING_S:
             self._seen = now_s, celsius
@@ -71,15 +71,14 @@ class WaitRunner:
         self._prompts, self._laser, self._targets = prompts, laser, targets
         self.heating = False  # a command waits for a temperature
         self.person = False  # or for the user
-        self.temperatures: Callable[[], str] = str  # a line of them
+        self.temperatures: Callable[[], str] = str  # the temperatures as a line
         self.busy = False  # a command waits
         self.for_room = False  # a line waits for free space in the plan
         self._skip_moves = False  # after M108: not for queued moves either
         self._uninterruptible = False  # M108 does not end it
 
     def end(self) -> None:
-        """Ends the wait under way, unless an action follows its moves. Moves and dwells
-        continue."""
+        """Ends the current wait, unless an action follows its moves. Moves and dwells continue."""
         if not self._uninterruptible:
             self._skip_moves = self._state.ended = True
 
@@ -91,7 +90,7 @@ class WaitRunner:
 
         def let_in() -> bool:
             if state.host_paused:
-                self._skip_moves = False  # that was for the pause
+                self._skip_moves = False  # it was for the pause
             return there() or bool(state.halted) or (self._skip_moves and rig.job.at_boundary)
 
         try:
@@ -108,9 +107,9 @@ class WaitRunner:
         ends: bool = False,
         suspended: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Waits for the moves so far, then for what `wait` says; not at all if it `ends` at once.
-        False if the moves before it are `suspended`: the wait has not begun. Raises Stopped after a
-        halt."""
+        """Waits for the moves so far, then for the condition of `wait`; not at all if it `ends` at
+        once. False if the moves before it are `suspended`: the wait has not begun. Raises Stopped
+        after a halt."""
         within_another, self.busy = self.busy, True
         if isinstance(wait, WaitForUser):
             self._prompts.ask(wait.message)
@@ -147,7 +146,7 @@ class WaitRunner:
         return True
 
     async def _more(self) -> None:
-        """Until more of a line can be planned, which only a stop can end."""
+        """Waits until more of a line can be planned, which only a stop can end."""
         rig, state = self._rig, self._state
         await rig.queue.until(
             lambda: not (rig.queue.full or state.host_paused) or bool(state.halted), idly=True
@@ -206,7 +205,7 @@ class WaitRunner:
             if rig.queue.now_s >= told_s + WARMING_S:
                 told_s += WARMING_S
                 reply.warming(f" {self.temperatures()} W:?")
-            # Each is looked at: those that cool do so at the same time.
+            # Check each of them: they cool at the same time.
             left = [name for name, h in heaters.items() if on_its_way(name, h)]
             return state.interrupted or any(h.fault for h in heaters.values()) or not left
 
@@ -223,7 +222,7 @@ class WaitRunner:
     async def _tune(self, wait: WaitForTuning) -> None:
         self.heating = True
         try:
-            # Who has switched the heater off must not find it heating for one step more.
+            # The client that has switched the heater off must not read one more step of heating.
             await self._rig.queue.until(lambda: self._state.interrupted or wait.step())
         finally:
             self.heating = False
@@ -248,14 +247,14 @@ class WaitRunner:
 
     async def warm_again(self) -> None:
         """Reheats the heaters that a long pause or a fault has switched off, unless their targets
-        were changed since; without a bed or chamber that fails. The caller holds the motion lock.
-        Raises Stopped, and CommandError where a hotend fails."""
+        were changed since; continues without a bed or chamber that fails. The caller holds the
+        motion lock. Raises Stopped, and CommandError if a hotend fails."""
         rig, targets = self._rig, self._targets
         cooled, targets.cooled_c = targets.cooled_c, {}
         for name, celsius in cooled.items():
             rig.connection.set_target(name, celsius)
         if cooled:
-            rig.queue.before_moves()  # it stands idle no longer
+            rig.queue.before_moves()  # it is not idle any more
         waited: list[str] = list(cooled)
         while waited:
             try:
@@ -264,6 +263,6 @@ class WaitRunner:
             except CommandError:
                 failed = {n for n in waited if rig.connection.heaters[n].fault is not None}
                 if not failed or any(rig.machine.heaters[n].kind == "hotend" for n in failed):
-                    targets.cooled_c = cooled | targets.cooled_c  # who tries again waits again
+                    targets.cooled_c = cooled | targets.cooled_c  # another try waits again
                     raise
                 waited = [n for n in waited if n not in failed]

@@ -1,4 +1,4 @@
-"""The simulated board by names: built from descriptions, observed as on a bench."""
+"""The simulated board with parts by names: built from descriptions, observed by tests."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ _ELSEWHERE = 1 << 16  # no board has so many pins
 
 
 class SimulatedBoard:
-    """A board with the plant around it. `device` is what a connection talks to; all else only
-    looks, or makes faults. Clocks are board ticks.
+    """A board with its simulated surroundings. `device` is the end for a connection; all other
+    methods only observe, or inject faults. Clocks are board ticks.
 
-    The board is a model of one (`firmware` "virtual"), or one that runs Passo's firmware ("passo");
-    both do the same to the tick."""
+    The board is a model (`firmware` "virtual"), or runs Passo's firmware ("passo"); both behave the
+    same to the tick.
+    """
 
     def __init__(
         self,
@@ -184,7 +185,7 @@ class SimulatedBoard:
         noise_mm: float = 0.0,
         jammed: bool = False,
     ) -> None:
-        """Faults of the probe from now on. KeyError if it is not on this board."""
+        """Injects faults of the probe from now on. KeyError if it is not on this board."""
         if self._probe is None:
             raise KeyError("no probe")
         pin = self._pins[bare(self._pin_of(self._probe.endstop))]
@@ -207,7 +208,7 @@ class SimulatedBoard:
         return self._elsewhere.setdefault(stepper, _ELSEWHERE + len(self._elsewhere))
 
     def feel(self, others: Iterable[SimulatedBoard]) -> None:
-        """Switches of this board feel motors of the others."""
+        """Connects endstops of this board to motors of the others."""
         for stepper, pin in self._elsewhere.items():
             for other in others:
                 if stepper in other._steppers:
@@ -218,15 +219,15 @@ class SimulatedBoard:
         return self._sign(stepper) * self.device.net_steps(self._step_pin(stepper))
 
     def steps(self, stepper: str) -> int:
-        """Number of steps executed so far, both ways."""
+        """Number of steps executed so far, in both directions."""
         return self.device.steps(self._step_pin(stepper))
 
     def position(self, stepper: str) -> float:
-        """Where the stepper's actuator is now, mm or degrees."""
+        """The position of the stepper's actuator now, mm or degrees."""
         return self.device.position(self._step_pin(stepper))
 
     def place(self, stepper: str, position: float) -> None:
-        """Somebody moves the stepper's actuator there by hand."""
+        """Moves the stepper's actuator there, as if by hand."""
         self.device.place(self._step_pin(stepper), position)
 
     def temperature(self, sensor: str) -> float:
@@ -234,24 +235,24 @@ class SimulatedBoard:
         return self.device.temperature(self._sensors[sensor])
 
     def force_sensor(self, sensor: str, ratio: float | None) -> None:
-        """A fault: the ADC sees this share of full scale whatever the heat; None ends it."""
+        """A fault: the ADC reads this fraction of full scale at any temperature; None ends it."""
         self.device.force_adc(self._sensors[sensor], -1.0 if ratio is None else ratio)
 
     def force_switch(self, endstop: str, pressed: bool | None) -> None:
-        """A fault: the switch is pressed or not, whatever moves; None ends it."""
+        """A fault: the endstop is triggered or open at any position; None ends it."""
         pin = self._pin_of(endstop)
         self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
 
     def force_heater(self, sensor: str, power: float | None) -> None:
-        """A fault: what this sensor's heater does, 0 to 1, whatever its pin; None ends it."""
+        """A fault: the power of this sensor's heater, 0 to 1, whatever its pin; None ends it."""
         self.device.force_heater(self._sensors[sensor], -1.0 if power is None else power)
 
     def add_noise(self, sensor: str, share: float) -> None:
-        """A fault: the ADC errs by up to this share of full scale; 0 ends it."""
+        """A fault: the ADC errs by up to this fraction of full scale; 0 ends it."""
         self.device.add_noise(self._sensors[sensor], share)
 
     def drop_sensor(self, sensor: str, fallen: bool = True) -> None:
-        """A fault: the sensor hangs in the air of the room."""
+        """A fault: the sensor is detached and has the temperature of the room."""
         self.device.drop_sensor(self._sensors[sensor], fallen)
 
     def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:

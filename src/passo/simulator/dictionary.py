@@ -25,7 +25,7 @@ def pin_numbers(board: BoardDescription) -> dict[str, int]:
 
 
 def firmware_library() -> Path:
-    """The firmware as a library, which the package's build puts beside its core."""
+    """The firmware as a library, which the package's build places with its core."""
     return Path(_core.__file__).with_name("firmware_host.so")
 
 

@@ -25,8 +25,8 @@ _CABLE_NOISE = 0.01  # of all bytes
 class SimulatedFaults:
     """Offers the faults of one simulated machine: see `board.fault_injection.FaultInjector`.
 
-    `noise` may have an amount, as in `noise:0.05`: of a sensor a fraction of the full scale of its
-    ADC, of a cable the fraction of bytes that arrive as others.
+    `noise` may have an amount, as in `noise:0.05`: for a sensor a fraction of the full scale of its
+    ADC, for a cable the fraction of corrupted bytes.
     """
 
     def __init__(self, machine: SimulatedMachine) -> None:
@@ -52,7 +52,7 @@ class SimulatedFaults:
 
     @property
     def active(self) -> Mapping[str, str]:
-        """The parts that have a fault now, and which."""
+        """The parts that have a fault now, with the fault."""
         return self._active
 
     def check(self, part: str, value: str) -> None:

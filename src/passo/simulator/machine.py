@@ -1,4 +1,4 @@
-"""The simulated boards of one machine, as one: each part is asked of the board that it is on."""
+"""The simulated boards of one machine, as one: each call goes to the board of its part."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from passo.simulator.plant import Area
 
 @dataclass(frozen=True, slots=True)
 class Cable:
-    """How long bytes travel each way: `latency_s` to `latency_s` + `jitter_s`."""
+    """The transmission time of bytes each way: `latency_s` to `latency_s` + `jitter_s`."""
 
     latency_s: float = 0.0
     jitter_s: float = 0.0
@@ -24,10 +24,10 @@ class Cable:
 
 class SimulatedMachine:
     """All simulated boards of a machine, the main one first. Its methods are those of
-    `SimulatedBoard`; `devices` is what connections talk to, by the boards' names.
+    `SimulatedBoard`; `devices` are the ends for connections, by the boards' names.
 
-    The main board's clock is host time, and all clocks here are that one. `clocks` says of further
-    boards at which clock each begins, in seconds, and how much faster it runs, in ppm.
+    The main board's clock is host time, and all clocks here are that one. `clocks` gives for
+    further boards the clock at their start, in seconds, and how much faster it runs, in ppm.
     """
 
     def __init__(
@@ -65,12 +65,12 @@ class SimulatedMachine:
                 )
 
     def cut_cable(self, board: str, on: bool = True) -> None:
-        """A fault: what is sent to a board, or from it, is lost; False ends it. KeyError if the
-        board's clock and cable are perfect."""
+        """A fault: bytes to and from a board are lost; False ends it. KeyError if the board's clock
+        and cable are perfect."""
         self._distant[self.boards[board]].cut(on)
 
     def spoil_cable(self, board: str, share: float) -> None:
-        """A fault: so many of all bytes arrive as others; 0 ends it. As `cut_cable`."""
+        """A fault: this fraction of all bytes is corrupted; 0 ends it. As `cut_cable`."""
         self._distant[self.boards[board]].spoil(share)
 
     def _of(self, part: str, name: str) -> SimulatedBoard:
@@ -94,15 +94,15 @@ class SimulatedMachine:
         return self._of("steppers", stepper).net_steps(stepper)
 
     def steps(self, stepper: str) -> int:
-        """Number of steps executed so far, both ways."""
+        """Number of steps executed so far, in both directions."""
         return self._of("steppers", stepper).steps(stepper)
 
     def position(self, stepper: str) -> float:
-        """Where the stepper's actuator is now, mm or degrees."""
+        """The position of the stepper's actuator now, mm or degrees."""
         return self._of("steppers", stepper).position(stepper)
 
     def place(self, stepper: str, position: float) -> None:
-        """Somebody moves the stepper's actuator there by hand."""
+        """Moves the stepper's actuator there, as if by hand."""
         self._of("steppers", stepper).place(stepper, position)
 
     def temperature(self, sensor: str) -> float:
@@ -110,11 +110,11 @@ class SimulatedMachine:
         return self._of("sensors", sensor).temperature(sensor)
 
     def force_sensor(self, sensor: str, ratio: float | None) -> None:
-        """A fault: the ADC sees this share of full scale whatever the heat; None ends it."""
+        """A fault: the ADC reads this fraction of full scale at any temperature; None ends it."""
         self._of("sensors", sensor).force_sensor(sensor, ratio)
 
     def force_switch(self, endstop: str, pressed: bool | None) -> None:
-        """A fault: the switch is pressed or not, whatever moves; None ends it."""
+        """A fault: the endstop is triggered or open at any position; None ends it."""
         self._of("endstops", endstop).force_switch(endstop, pressed)
 
     def spoil_probe(
@@ -136,15 +136,15 @@ class SimulatedMachine:
         self._of("endstops", PROBE).tilt_bed(rise_mm)
 
     def force_heater(self, sensor: str, power: float | None) -> None:
-        """A fault: what this sensor's heater does, 0 to 1, whatever its pin; None ends it."""
+        """A fault: the power of this sensor's heater, 0 to 1, whatever its pin; None ends it."""
         self._of("sensors", sensor).force_heater(sensor, power)
 
     def add_noise(self, sensor: str, share: float) -> None:
-        """A fault: the ADC errs by up to this share of full scale; 0 ends it."""
+        """A fault: the ADC errs by up to this fraction of full scale; 0 ends it."""
         self._of("sensors", sensor).add_noise(sensor, share)
 
     def drop_sensor(self, sensor: str, fallen: bool = True) -> None:
-        """A fault: the sensor hangs in the air of the room."""
+        """A fault: the sensor is detached and has the temperature of the room."""
         self._of("sensors", sensor).drop_sensor(sensor, fallen)
 
     def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:

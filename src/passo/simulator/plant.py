@@ -1,4 +1,4 @@
-"""What surrounds a simulated board, as plain data."""
+"""The surroundings of a simulated board, as plain data."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class Actuator:
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """The endstop `endstop` is pressed while the weighted sum of some steppers' actuator positions
-    is at or beyond `position`: above it if `at_maximum`, else below. A pressed switch reads 1 (0 if
-    the pin is inverted)."""
+    """The endstop `endstop` is triggered while the weighted sum of some steppers' actuator
+    positions is at or beyond `position`: above it if `at_maximum`, else below. A triggered endstop
+    reads 1 (0 if the pin is inverted)."""
 
     endstop: str
     weights: tuple[tuple[str, float], ...]
@@ -33,9 +33,9 @@ class Switch:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """What a heater heats: it tends to `ambient_c` + `rise_c` · power with `time_constant_s`; its
-    sensor follows with `sensor_time_constant_s`. With the output `fan` at full speed it loses 1 +
-    `fan_loss` times as much heat."""
+    """The mass that a heater heats: it tends to `ambient_c` + `rise_c` · power with
+    `time_constant_s`; its sensor follows with `sensor_time_constant_s`. With the output `fan` at
+    full speed it loses 1 + `fan_loss` times as much heat."""
 
     heater: str
     rise_c: float

@@ -1,5 +1,5 @@
-"""`python -m passo.toolchain DIRECTORY SOURCE…`: the tables of a firmware whose dictionary needs no
-more than its sources declare. For the package's own build, which has no package yet."""
+"""`python -m passo.toolchain DIRECTORY SOURCE…`: the tables of a firmware whose dictionary needs
+only the declarations of its sources. For the package's own build, which has no package yet."""
 
 import sys
 from pathlib import Path

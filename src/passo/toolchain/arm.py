@@ -1,4 +1,5 @@
-"""Images for Cortex-M chips: the sources, the flags of both compilers, the image out of the ELF."""
+"""Images for Cortex-M chips: the sources, the flags of both compilers, the image from the ELF
+file."""
 
 from __future__ import annotations
 
@@ -44,8 +45,8 @@ _COMPILE = (
 
 @dataclass(frozen=True, slots=True)
 class ArmBoard:
-    """What an image is built for; `console` are the pins of `uart`: receive, send. `older_hosts`:
-    it understands their words."""
+    """The board of an image; `console` are the pins of `uart`: receive, send. `older_hosts`: it
+    understands their protocol version."""
 
     chip: Chip
     clock_hz: int
@@ -57,8 +58,8 @@ class ArmBoard:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A part of an ELF file that is loaded: where it lies in flash, where it runs, its bytes, and
-    how many there are with those that begin as 0."""
+    """A part of an ELF file that is loaded: its flash address, its address at run time, its bytes,
+    and its size with the bytes that begin as 0."""
 
     load: int
     run: int
@@ -77,7 +78,7 @@ def compiler() -> list[str] | None:
 
 
 def pin_number(chip: Chip, pin: str) -> int:
-    """A pin's number: 32 a port, counted from port A. Raises FirmwareError if it is none."""
+    """A pin's number: 32 a port, counted from port A. Raises FirmwareError if it is invalid."""
     match = _PIN.fullmatch(pin)
     if match is None or pin not in chip.pins:
         raise FirmwareError(f"{pin} is no pin of {chip.name}")
@@ -86,7 +87,7 @@ def pin_number(chip: Chip, pin: str) -> int:
 
 
 def board_header(board: ArmBoard) -> str:
-    """board.h for firmware/hal/arm: what differs from board to board, and the chip's pins."""
+    """board.h for firmware/hal/arm: the differences between boards, and the chip's pins."""
     chip = board.chip
     receive, send = (pin_number(chip, pin) for pin in board.console)
     masks: dict[int, int] = {}
@@ -119,7 +120,7 @@ def board_header(board: ArmBoard) -> str:
 
 
 def memory(chip: Chip) -> str:
-    """What firmware/hal/arm/link.ld needs before it."""
+    """The memory layout that firmware/hal/arm/link.ld needs before it."""
     return "\n".join(
         [
             "MEMORY {",
@@ -150,12 +151,12 @@ def _layer(firmware: Path, chip: Chip) -> list[Path]:
 
 
 def flags(command: list[str], chip: Chip) -> list[str]:
-    """How a compiler compiles and links for a chip."""
+    """The flags with which a compiler compiles and links for a chip."""
     common = [*_COMPILE, "-nostartfiles", "-nostdlib"]
     if command[0] == "arm-none-eabi-gcc":
         # A loop in memcpy() must not become a call of memcpy().
         common.append("-fno-tree-loop-distribute-patterns")
-        common.append("-fno-code-hoisting")  # from version 14 on a step takes longer with it
+        common.append("-fno-code-hoisting")  # from version 14 on it makes a step take longer
         return ["-mthumb", f"-mcpu={chip.core}", *common, "-Wl,--gc-sections", "-lgcc"]
     target = ["-target", "thumb-freestanding-eabi", f"-mcpu={chip.core.replace('-', '_')}"]
     common.remove("-nostdlib")  # the compiler's own support library comes with the standard ones
@@ -175,7 +176,7 @@ def enumerations(chip: Chip) -> dict[str, dict[str, int | tuple[int, int]]]:
 
 
 def constants(board: ArmBoard) -> dict[str, Constant]:
-    """What the host must know of the chip."""
+    """The constants of the chip that the host needs."""
     return {
         "CLOCK_FREQ": board.clock_hz,
         "MCU": board.chip.key,
@@ -225,7 +226,8 @@ def build(
 
 
 def segments(elf: bytes) -> list[Segment]:
-    """What a 32-bit little-endian ELF file loads. Raises FirmwareError if it is none."""
+    """The segments that a 32-bit little-endian ELF file loads. Raises FirmwareError for another
+    file."""
     if elf[:6] != b"\x7fELF\x01\x01":
         raise FirmwareError("the compiler made no ELF file")
     (offset,) = struct.unpack_from("<I", elf, 28)
@@ -241,7 +243,8 @@ def segments(elf: bytes) -> list[Segment]:
 
 
 def flash_content(parts: list[Segment], chip: Chip) -> bytes:
-    """The content of the flash from its start on. Raises FirmwareError if something lies before."""
+    """The content of the flash from its start on. Raises FirmwareError if a segment begins before
+    it."""
     data = bytearray()
     for part in sorted(parts, key=lambda part: part.load):
         if not part.content:

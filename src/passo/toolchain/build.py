@@ -1,4 +1,4 @@
-"""Builds the firmware of a board: an image for the flashing tool, and a JSON file about it."""
+"""Builds the firmware of a board: an image for the flash program, and a JSON file about it."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from passo.toolchain.targets import Target, no_firmware
 
 
 def firmware_folder() -> Path:
-    """The firmware's sources: those of a checkout, or those that are installed."""
+    """The firmware's sources: those of a checkout, or the installed ones."""
     checkout = Path(passo.__file__).parents[2] / "firmware"
     return checkout if checkout.is_dir() else Path(_core.__file__).with_name("firmware")
 
 
 @dataclass(frozen=True, slots=True)
 class _Made:
-    """What a family's build gives."""
+    """The result of a family's build."""
 
     image: Path
     flash: int
@@ -40,13 +40,13 @@ class _Made:
 
 
 def build(target: Target, output: Path, *, older_hosts: bool = False) -> tuple[Path, About]:
-    """Builds the image of a target into the folder `output`. Returns its path, and what the JSON
-    file beside it says.
+    """Builds the image of a target into the folder `output`. Returns its path, and the content of
+    the JSON file beside it.
 
     The same sources, compiler and target make the same image. With `older_hosts` it understands the
-    words in which Kalico and Klipper up to v0.13 query analog inputs, in place of the newer ones.
-    Raises FirmwareError if the board has firmware of its own, if the compiler is missing, or if the
-    build fails.
+    commands with which Kalico and Klipper up to v0.13 query analog inputs, in place of the newer
+    ones. Raises FirmwareError if the board has firmware of its own, if the compiler is missing, or
+    if the build fails.
     """
     chip = target.chip
     make = _make_avr if chip.core == "avr" else _make_arm
@@ -124,7 +124,8 @@ def _make_arm(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
 
 
 def _check_clock(target: Target) -> None:
-    """Chips with an ARM core count at one frequency, that of the shipped boards."""
+    """Checks the clock: chips with an ARM core count at one frequency, that of the shipped
+    boards."""
     hz = target.board.clock_hz
     boards = (config.load_board(name) for name in config.shipped_boards())
     own = next(board.clock_hz for board in boards if board.mcu == target.board.mcu)
@@ -134,7 +135,7 @@ def _check_clock(target: Target) -> None:
 
 
 def _for_flashing(target: Target, image: Path) -> Path:
-    """The image as the board's flashing program wants it."""
+    """The image in the format of the board's flash program."""
     method = target.board.flash.method if target.board.flash else ""
     make = {"teensy_loader_cli": (".hex", intel_hex), "uf2": (".uf2", uf2)}.get(method)
     if make is None:
@@ -152,8 +153,8 @@ def _console(target: Target) -> Console:
 
 
 def _version(header: str, firmware: Path, *, older_hosts: bool) -> str:
-    """Passo's version and a digest of all that the image is made from, so that a board tells which
-    image it runs."""
+    """Passo's version and a digest of all sources of the image, so that a board reports which image
+    it runs."""
     digest = hashlib.sha256(f"{older_hosts} {header}".encode())
     for path in sorted([*firmware.rglob("*.[chS]"), *firmware.rglob("*.ld")]):
         digest.update(path.read_bytes())
@@ -161,7 +162,7 @@ def _version(header: str, firmware: Path, *, older_hosts: bool) -> str:
 
 
 def _name_of(compiler: list[str]) -> str:
-    """The compiler's name and version, as it says itself."""
+    """The compiler's name and version, as it prints them."""
     done = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False)
     return done.stdout.partition("\n")[0]
 

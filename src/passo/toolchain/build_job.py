@@ -1,8 +1,8 @@
 """Builds images in a process of its own: `python -m passo.toolchain.build_job`.
 
-It reads one JSON object from standard input: `text` with `name`, a machine file and what it is
-called in messages, or `board`, a shipped board; and `output`, the folder of the images. It prints a
-line for each step. The exit status is 0 if all images were made.
+It reads one JSON object from standard input: `text` with `name`, a machine file and its name in
+messages, or `board`, a shipped board; and `output`, the folder of the images. It prints a line for
+each step. The exit status is 0 if all images were made.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from passo.errors import FirmwareError, PassoError
 from passo.toolchain.build import build
 from passo.toolchain.targets import Target, board_target, machine_target
 
-_NICE = 10  # the printer has the processor first
+_NICE = 10  # the printer has priority
 
 
 def main() -> int:
-    """Builds what is ordered."""
+    """Builds the ordered images."""
     os.nice(_NICE)
     order: dict[str, Any] = json.load(sys.stdin)
     made = 0

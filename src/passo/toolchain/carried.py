@@ -1,4 +1,4 @@
-"""What an image tells of itself: the data dictionary that it carries for `identify`."""
+"""The data dictionary in an image, which it carries for `identify`."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from passo.board.dictionary import Dictionary, DictionaryError
 from passo.config.board import Board
 from passo.toolchain.contents import Parts
 
-_BEGINS = b"\x78\xda"  # zlib at its strongest (RFC 1950), as Passo and Klipper make it
+_BEGINS = b"\x78\xda"  # zlib at its strongest level (RFC 1950), as Passo and Klipper make it
 _MAX_BYTES = 1 << 20  # unpacked, against hostile ones: Passo's have some 6000
 
 
 @dataclass(frozen=True, slots=True)
 class Carried:
-    """A dictionary, and its bytes in the image: those that `identify` gives."""
+    """A dictionary, and its bytes in the image: those that `identify` returns."""
 
     dictionary: Dictionary
     compressed: bytes
 
 
 def carried_by(parts: Parts) -> Carried | None:
-    """The first dictionary in an image's parts, None if there is none."""
+    """The first dictionary in an image's parts; None if there is none."""
     for content in _joined(parts):
         at = content.find(_BEGINS)
         while at >= 0:
@@ -35,7 +35,7 @@ def carried_by(parts: Parts) -> Carried | None:
 
 
 def _joined(parts: Parts) -> Iterator[bytes]:
-    """The parts, with those that follow one another as one."""
+    """The parts, with adjacent ones joined."""
     run, end = bytearray(), None
     for address, content in sorted(parts):
         if address != end:
@@ -59,9 +59,10 @@ def _unpacked(content: memoryview) -> Carried | None:
 
 
 def unlike(dictionary: Dictionary, board: Board) -> tuple[str, str] | None:
-    """What an image's dictionary tells otherwise than the board's file, as (file, image); None if
-    they agree. What it does not tell is not asked for. Klipper's name of a chip may be longer, and
-    its clock may count something else, but on AVR chips both count what the crystal gives."""
+    """The differences between an image's dictionary and the board's file, as (file, image); None if
+    they agree. Values that the dictionary lacks are not compared. Klipper's name of a chip may be
+    longer, and its clock may count something else, but on AVR chips both count the crystal's
+    frequency."""
     console, avr = board.console, board.chip is not None and board.chip.core == "avr"
     expected = {"MCU": board.mcu, "CLOCK_FREQ": board.clock_hz}
     if console is not None and console.pins:

@@ -1,4 +1,5 @@
-"""What a flashing program would write of an image, and whether a chip could start with it."""
+"""The bytes that a flash program would write of an image, and whether a chip could start with
+it."""
 
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ _OWN_MARK = 0x6F737350  # OWN_MARK in firmware/hal/arm/start.c
 
 def parts_of(data: bytes, suffix: str, flash_start: int) -> Parts:
     """The parts of a file with this ending; a plain copy of the flash (`.bin`) is its first bytes.
-    Raises ValueError if its content is not what the ending says."""
+    Raises ValueError if its content does not match the ending."""
     try:
         match suffix:
             case ".hex":
@@ -72,7 +73,7 @@ def _of_uf2(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def outside(parts: Parts, chip: Chip) -> int | None:
-    """The first address in the parts that is not in the chip's flash, None if there is none."""
+    """The first address in the parts that is not in the chip's flash; None if there is none."""
     end = chip.flash_start + chip.flash_bytes
     for address, content in sorted(parts):
         if address < chip.flash_start:
@@ -83,8 +84,9 @@ def outside(parts: Parts, chip: Chip) -> int | None:
 
 
 def missing(parts: Parts, chip: Chip) -> int | None:
-    """Where a part of the image should be that is not in the file, None if nothing is known to be
-    missing: what a Cortex-M's core starts from, and the end that Passo's own images tell."""
+    """The address of a part of the image that is missing in the file; None if none is known to be
+    missing. It checks the start vector of a Cortex-M's core, and the end that Passo's own images
+    declare."""
     if chip.core == "avr" or chip.key in arm.STAGED:
         return None
     end = max(address + len(content) for address, content in parts)
@@ -94,8 +96,8 @@ def missing(parts: Parts, chip: Chip) -> int | None:
 
 
 def hole(parts: Parts) -> int | None:
-    """The first address that the parts leave out between them, None if there is none. What a linker
-    leaves out to align the next part counts as there: it is never read."""
+    """The first address that the parts leave out between them; None if there is none. Padding that
+    a linker adds to align the next part does not count: it is never read."""
     ordered = sorted((address, address + len(content)) for address, content in parts)
     end = ordered[0][1]
     for first, behind in ordered:
@@ -106,12 +108,12 @@ def hole(parts: Parts) -> int | None:
 
 
 def tells_its_end(parts: Parts, chip: Chip) -> bool:
-    """Whether the image of a Cortex-M says where it ends, as Passo's own do."""
+    """Whether the image of a Cortex-M declares its end, as Passo's own do."""
     return struct.unpack("<9I", _head(parts, chip, 36))[8] == _OWN_MARK
 
 
 def _head(parts: Parts, chip: Chip, count: int) -> bytes:
-    """The first bytes of the flash; 0xFF where the parts leave them out."""
+    """The first bytes of the flash; 0xFF if the parts leave them out."""
     first = {
         address - chip.flash_start + i: byte
         for address, content in parts
@@ -122,9 +124,9 @@ def _head(parts: Parts, chip: Chip, count: int) -> bytes:
 
 
 def starts(parts: Parts, chip: Chip) -> bool:
-    """Whether the flash would begin with what the chip's core starts from: a jump on AVR chips; on
-    Cortex-M the end of a stack in RAM, and the odd address of code in flash. Of a chip whose ROM
-    checks a stage before that, the ROM knows."""
+    """Whether the flash would begin with the start vector of the chip's core: a jump on AVR chips;
+    on Cortex-M the end of a stack in RAM, and the odd address of code in flash. For a chip whose
+    ROM checks a stage before that, the ROM decides."""
     if chip.key in arm.STAGED:
         return True
     head = _head(parts, chip, 8)

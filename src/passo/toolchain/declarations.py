@@ -1,4 +1,5 @@
-"""What the firmware's sources declare beside their code (firmware/core/declare.h)."""
+"""The declarations of the firmware's sources, which are beside their code
+(firmware/core/declare.h)."""
 
 from __future__ import annotations
 
@@ -36,7 +37,7 @@ class DeclarationError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A command: its C function, its format, and the flags as they stand in C."""
+    """A command: its C function, its format, and its flags as written in C."""
 
     handler: str
     format: str
@@ -45,8 +46,8 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Hook:
-    """A C function that modules below its own call: `kind` is that of DECL_<kind>, `file` the name
-    of its source. A task has one of TASK_PHASES."""
+    """A C function that lower modules call: `kind` is that of DECL_<kind>, `file` the name of its
+    source. A task has one of TASK_PHASES."""
 
     kind: str
     function: str
@@ -90,7 +91,7 @@ def gather(sources: Iterable[Path]) -> Declarations:
 
 
 def _arguments(text: str) -> list[Constant]:
-    """Strings without their quotes (adjacent ones joined), numbers, and names as they stand."""
+    """Strings without their quotes (adjacent ones joined), numbers, and names as written."""
     arguments: list[Constant] = []
     for match in _ARGUMENT.finditer(text):
         argument = match.group(1)

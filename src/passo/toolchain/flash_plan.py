@@ -1,4 +1,4 @@
-"""How an image gets onto a board, as a list of steps: nothing here touches the board."""
+"""The steps to flash an image onto a board: nothing here touches the board."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NEEDS_PORT = ("avrdude", "bossac", "uf2")
 
 @dataclass(frozen=True, slots=True)
 class Hands:
-    """Something that the user must do before the next step."""
+    """An action of the user before the next step."""
 
     text: str
 
@@ -69,7 +69,7 @@ Step = Hands | Touch | Run | Copy
 
 
 def plan(name: str, board: Board, port: str | None, image: Path) -> list[Step]:
-    """The steps that bring `image` onto a board at `port`: a serial port, or for `uf2` the folder
+    """The steps that flash `image` onto a board at `port`: a serial port, or for `uf2` the folder
     where the board's drive is mounted. Raises FirmwareError if the board cannot be flashed, or if
     the port is missing."""
     flash = board.flash
@@ -91,17 +91,17 @@ def plan(name: str, board: Board, port: str | None, image: Path) -> list[Step]:
 
 
 def _words(flash: Flash, start: int, port: str, image: Path, *, native: bool) -> tuple[str, ...]:
-    """The program's command line; `native` says that the chip itself speaks USB at the port."""
+    """The program's command line; `native` means that the chip's own USB is at the port."""
     match flash.method:
         case "avrdude":
-            # A chip erase would take the boot loader's settings with it: -D.
+            # A chip erase would delete the boot loader's settings, too: hence -D.
             tool = ("avrdude", "-p", flash.part, "-c", flash.programmer, "-b", str(flash.baud))
             return (*tool, "-P", port, "-D", "-U", f"flash:w:{image}:i")
         case "bossac":
             # Erase, write, verify, start from flash. A programming port is a bridge to the chip's
-            # UART, though it looks like USB: -Ufalse, in one word, for what stands apart is an
-            # argument of -U to bossac 1.6 only; bossac can reset such a board: -R. On the chip's
-            # own USB bossac finds out by itself, and a reset by hand follows.
+            # UART, though it looks like USB: -Ufalse, in one word, because a separate word is an
+            # argument of -U only to bossac 1.6; bossac can reset such a board: -R. On the chip's
+            # own USB bossac detects it by itself, and the user resets the board after that.
             tool = ("bossac", "-p", port.removeprefix("/dev/"))
             work = ("-e", "-w", "-v", "-b", str(image))
             return (*tool, *work) if native else (*tool, "-Ufalse", *work, "-R")

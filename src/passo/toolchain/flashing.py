@@ -1,4 +1,4 @@
-"""Brings an image onto a board: step by step, with what hands must do in between."""
+"""Flashes an image onto a board: step by step, with manual steps in between."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ _DRIVE_MARK = "INFO_UF2.TXT"
 
 @dataclass(frozen=True, slots=True)
 class User:
-    """Who flashes: `tell` shows a line, `wait` shows one and returns when it has been done."""
+    """The user who flashes: `tell` shows a line, `wait` shows one and returns when it has been
+    done."""
 
     tell: Callable[[str], None]
     wait: Callable[[str], None]
@@ -35,11 +36,12 @@ class User:
 async def flash(
     name: str, board: Board, port: str | None, image: Path, user: User, *, dry_run: bool = False
 ) -> None:
-    """Flashes `image` onto the board called `name` at `port`, and reads back who it is then.
+    """Flashes `image` onto the board called `name` at `port`, and verifies the board's identity
+    after that.
 
-    With `dry_run` the steps are told, and what is wrong with the port or missing now, and nothing
+    With `dry_run` the steps are shown, and what is wrong with the port or missing now, and nothing
     is done. Raises FirmwareError: before the first step if the image, the port or the program is
-    wrong or missing, later if something fails.
+    wrong or missing, later if a step fails.
     """
     port = port or None
     suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
@@ -54,7 +56,7 @@ async def flash(
     _check_tools(name, steps)
     _check_port(port, partial(_check_serial, name), name, steps)
     _tell_doubts(image, checked.unknown, user)
-    touched = False  # another opening at that rate would start the loader once more
+    touched = False  # opening it again at that rate would start the loader once more
     for step in steps:
         match step:
             case Hands():
@@ -80,7 +82,7 @@ def _tell_doubts(image: Path, unknown: tuple[str, ...], user: User) -> None:
 
 
 def _tell_obstacles(name: str, port: str | None, steps: list[Step], user: User) -> None:
-    """Tells why the steps could not be done now."""
+    """Reports why the steps could not be done now."""
     if port is not None and not Path(port).exists():
         user.tell(f"{port}: nothing is there now.")
 
@@ -104,8 +106,8 @@ def _check_tools(name: str, steps: list[Step]) -> None:
 def _check_port(
     port: str | None, check_serial: Callable[[str], None], name: str, steps: list[Step]
 ) -> None:
-    """One that is not there yet may come with what hands do; a wrong one must not cost the
-    firmware."""
+    """Checks the port. A missing port may appear after a manual step; a wrong one must not destroy
+    the firmware."""
     if port is None or not Path(port).exists():
         return
     if not any(isinstance(it, Copy) for it in steps):
@@ -144,12 +146,12 @@ async def _run(name: str, step: Run) -> None:
 
 
 def _may_become_drive(folder: Path) -> bool:
-    """Whether it is the drive, or an empty folder, where that may be mounted yet."""
+    """Whether it is the drive, or an empty folder on which the drive may be mounted later."""
     if not folder.is_dir():
         return False
     try:
         return (folder / _DRIVE_MARK).is_file() or not any(folder.iterdir())
-    except OSError:  # a folder that only its mount makes readable
+    except OSError:  # a folder that becomes readable with its mount
         return True
 
 

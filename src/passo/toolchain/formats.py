@@ -1,4 +1,4 @@
-"""Images as flashing programs want them: a plain copy of the flash, Intel hex, UF2."""
+"""The image formats of flash programs: a plain copy of the flash, Intel hex, UF2."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def uf2(data: bytes, start: int) -> bytes:
 
 def with_boot_sum(data: bytes) -> bytes:
     """A copy of an RP2040's flash whose first 256 bytes, the second stage of the loader, end in the
-    sum that the chip's ROM wants: CRC-32 with the polynomial 04C11DB7, from FFFFFFFF on, most
+    checksum of the chip's ROM: CRC-32 with the polynomial 04C11DB7, from FFFFFFFF on, most
     significant bit first (data sheet, 2.8.1.3.1)."""
     crc = 0xFFFFFFFF
     for byte in data[: _BOOT_SIZE - 4]:

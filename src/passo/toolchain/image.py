@@ -1,4 +1,4 @@
-"""What a compiler makes of the firmware."""
+"""The compiled firmware."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A finished build: as ELF, and as `file` for the flashing tool. Sizes in bytes; `ram` is
-    static data without the stack. `dictionary` is what the board will tell of itself."""
+    """A finished build: as ELF, and as `file` for the flash program. Sizes in bytes; `ram` is
+    static data without the stack. `dictionary` is the one that the board will report."""
 
     elf: Path
     file: Path

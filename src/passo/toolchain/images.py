@@ -1,4 +1,4 @@
-"""Images on disk: a file for the flashing tool and, beside it, a JSON file that says what it is."""
+"""Images on disk: a file for the flash program and, beside it, a JSON file that describes it."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from passo.toolchain.targets import KLIPPERS, no_firmware
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What the JSON file beside an image says. Sizes in bytes; `ram_bytes` is static data, without
-    the stack. The hashes are SHA-256 of the image's file and of the dictionary as the board carries
-    it: the latter is what `identify` can be compared with."""
+    """The content of the JSON file beside an image. Sizes in bytes; `ram_bytes` is static data,
+    without the stack. The hashes are SHA-256 of the image's file and of the dictionary as the board
+    carries it: `identify` can be compared with the latter."""
 
     target: str
     board: str
@@ -50,7 +50,7 @@ def write_about(about: About, image: Path) -> Path:
 
 
 def read_about(image: Path) -> About | None:
-    """What is known of an image; None if no JSON file of a build stands beside it."""
+    """The description of an image; None if no JSON file of a build is beside it."""
     try:
         return About(**json.loads(about_path(image).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
@@ -59,18 +59,19 @@ def read_about(image: Path) -> About | None:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """An image that may be flashed: what it carries, if it does, and what is unknown of it."""
+    """An image that may be flashed: its dictionary, if it has one, and what could not be
+    checked."""
 
     carried: Carried | None
     unknown: tuple[str, ...]
 
 
 def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...]) -> Checked:
-    """Whether a file can be an image for the board that is called `name`: its ending, its content,
-    its addresses, its length as far as it tells it, the dictionary that it carries, and, where a
-    JSON file stands beside it, its board and its hash.
+    """Checks that a file can be an image for the board that is called `name`: its ending, its
+    content, its addresses, its length as far as it declares it, its dictionary, and, if a JSON file
+    is beside it, its board and its hash.
 
-    Raises FirmwareError with the first thing that is wrong.
+    Raises FirmwareError with the first error.
     """
     if image.suffix not in suffixes:
         raise _wrong(image, name, f"a file that ends in {' or '.join(suffixes)}")
@@ -115,7 +116,7 @@ def _check_content(image: Path, name: str, parts: Parts, chip: Chip) -> None:
     lost = missing(parts, chip)
     if lost is not None:
         raise _wrong(image, name, f"a whole one: this is cut short and lacks what is at 0x{lost:x}")
-    # What is left out of Intel hex keeps what was in the flash, or becomes 0xFF.
+    # Bytes that Intel hex leaves out stay as they were in the flash, or become 0xFF.
     left_out = hole(parts) if image.suffix == ".hex" else None
     if left_out is not None:
         raise _wrong(image, name, f"a whole one: this lacks what is at 0x{left_out:x}")

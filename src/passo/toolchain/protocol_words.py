@@ -1,4 +1,5 @@
-"""What the firmware's commands, reports and reasons for a shutdown mean, for the reference page."""
+"""Descriptions of the firmware's commands, reports and reasons for a shutdown, for the reference
+page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Asks the board on a serial port who it is, to see that what was flashed runs."""
+"""Identifies the board on a serial port, to verify that the flashed firmware runs."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _AT_ONCE = 4096
 
 
 async def identify(port: str, baud: int, within_s: float = 10.0) -> Identification | None:
-    """The dictionary of the board on a port; None if it has not told it `within_s` seconds of the
-    loop's time: opening the port makes many boards start anew, which takes a second or two.
-    Raises OSError if the port cannot be opened, or vanishes."""
+    """The dictionary of the board on a port; None if it has not reported it within `within_s`
+    seconds of the loop's time: opening the port makes many boards restart, which takes a second or
+    two. Raises OSError if the port cannot be opened, or vanishes."""
     loop = asyncio.get_running_loop()
     wire = open_serial_line(port, baud)
     found = Identification()
@@ -34,7 +34,7 @@ async def identify(port: str, baud: int, within_s: float = 10.0) -> Identificati
         except BlockingIOError:
             return
         except DictionaryError:
-            loop.remove_reader(wire)  # it will never be whole: `within_s` ends this
+            loop.remove_reader(wire)  # it will never be complete: `within_s` ends this
         except OSError as error:
             loop.remove_reader(wire)
             gone.append(error)
@@ -61,7 +61,7 @@ async def identify(port: str, baud: int, within_s: float = 10.0) -> Identificati
 
 
 def _forget(wire: int) -> None:
-    """Throws away what has come so far. Raises OSError."""
+    """Discards the bytes so far. Raises OSError."""
     try:
         termios.tcflush(wire, termios.TCIOFLUSH)
     except termios.error as error:

@@ -1,4 +1,4 @@
-"""The sources of the firmware's core, in the words of newer hosts or of older ones."""
+"""The sources of the firmware's core, for newer or older versions of the host protocol."""
 
 from __future__ import annotations
 

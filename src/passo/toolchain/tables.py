@@ -1,5 +1,5 @@
-"""The command table and the calls of hooks in C, and the data dictionary, out of what the sources
-declare."""
+"""The command table and the calls of hooks in C, and the data dictionary, from the declarations of
+the sources."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from passo.toolchain.declarations import (
     message_name,
 )
 
-# `identify` and its answer are the only messages whose numbers every host knows.
+# Every host knows only the numbers of `identify` and its answer.
 _IDENTIFY_RESPONSE = 0
 _FIRST_COMMAND = 1
 _PARAMETERS_MAX = 12
@@ -71,8 +71,8 @@ def dictionary(
     constants: Mapping[str, Constant] | None = None,
     enumerations: Mapping[str, Mapping[str, int | tuple[int, int]]] | None = None,
 ) -> dict[str, Any]:
-    """The data dictionary: what the sources declare, with `constants` and `enumerations` (as the
-    pins of a board: a number, or the first number and how many) of the build added to it."""
+    """The data dictionary: the declarations of the sources, with `constants` and `enumerations` (as
+    the pins of a board: a number, or the first number and the count) of the build added to it."""
     shutdowns = shutdown_numbers(found)
     merged: dict[str, dict[str, int | list[int]]] = {}
     for name, keys in [*found.enumerations.items(), *(enumerations or {}).items()]:
@@ -106,8 +106,8 @@ def write_board(
     constants: Mapping[str, Constant],
     enumerations: Mapping[str, Mapping[str, int | tuple[int, int]]],
 ) -> tuple[dict[str, Any], list[Path]]:
-    """Writes the tables of what the sources declare, and `header` as board.h, into `directory`.
-    Returns the data dictionary and the tables' C sources. Raises DeclarationError."""
+    """Writes the tables of the declarations, and `header` as board.h, into `directory`. Returns the
+    data dictionary and the tables' C sources. Raises DeclarationError."""
     found = gather(sources)
     content = dictionary(found, version=version, constants=constants, enumerations=enumerations)
     tables = write_tables(found, content, directory)
@@ -116,7 +116,7 @@ def write_board(
 
 
 def write_tables(found: Declarations, content: Mapping[str, Any], directory: Path) -> list[Path]:
-    """Writes declared.h and tables.c into `directory`; a file that would not change is left alone.
+    """Writes declared.h and tables.c into `directory`; a file that would not change is not written.
     Returns the C sources. Raises DeclarationError."""
     directory.mkdir(parents=True, exist_ok=True)
     _write(directory / "declared.h", _header(found))

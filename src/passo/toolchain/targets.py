@@ -1,4 +1,4 @@
-"""What firmware can be built for: shipped boards, and machines with motors on other pins."""
+"""The targets of firmware builds: shipped boards, and machines with motors on other pins."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ KLIPPERS = "it runs Klipper's own firmware"
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """A motor with its pins of the microcontroller; `compare` is its compare unit, if told, and
-    `pulse_us` what its driver asks for, if known."""
+    """A motor with its pins of the microcontroller; `compare` is its compare unit, if given, and
+    `pulse_us` the pulse that its driver needs, if known."""
 
     name: str
     step_pin: str
@@ -28,7 +28,7 @@ class Motor:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A board as an image is built for it; `name` is that of the board or of the machine."""
+    """The board of an image; `name` is that of the board or of the machine."""
 
     name: str
     board: Board
@@ -44,8 +44,8 @@ class Target:
 
 
 def target(name: str) -> Target:
-    """The shipped board of that name, or the board of the machine file of that path; with
-    `:NAME` behind it, the further board of that name.
+    """The shipped board of that name, or the board of the machine file of that path; with `:NAME`
+    after it, the further board of that name.
 
     Raises FirmwareError if there is no such board, or if the machine's runs Klipper's firmware, and
     ConfigError for a machine file with errors.
@@ -92,15 +92,15 @@ def machine_target(machine: config.MachineConfig, board_name: str) -> Target:
 
 
 def state(board: Board) -> str:
-    """How far Passo's firmware is for a board: `ready`; `incomplete: usb` where the board's only
-    connector is one that the firmware does not speak on; or that it has its own."""
+    """How far Passo's firmware supports a board: `ready`; `incomplete: usb` if the firmware cannot
+    use the board's only connector; or that the board has firmware of its own."""
     if board.chip is None:
         return "runs Klipper's"
     return f"incomplete: {board.incomplete}" if board.incomplete else "ready"
 
 
 def no_firmware(name: str, why: str) -> FirmwareError:
-    """There is no image for this board."""
+    """The error that there is no image for this board."""
     return FirmwareError([Problem("firmware.none", values={"axis": name, "value": why})])
 
 

@@ -1,4 +1,4 @@
-"""Who makes a request, and whether it may."""
+"""The caller of a request, and the caller's rights."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
 
 _RRF = "/rr_"  # begins the paths of RepRapFirmware's interface
 _LOCAL = "local"  # the caller on this computer while there is no administrator
-# What a proxy adds: its clients are not on this computer, though it is.
+# Headers that a proxy adds: its clients are not on this computer, although the proxy is.
 _OF_PROXIES = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
 
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """Where a web interface listens: on `loopback` or beyond; `names` are further host names that
-    it is reached by."""
+    """The address of a web interface: on `loopback` or beyond; `names` are further host names of
+    it."""
 
     loopback: bool
     names: frozenset[str] = frozenset()
 
     def has(self, host: str) -> bool:
-        """Whether a host of a request means this printer. A name that is not its own may be one
+        """Whether a host in a request means this printer. A name that is not its own may be one
         that another web page has pointed here (DNS rebinding); an address cannot."""
         try:
             name = urlsplit(f"//{host}").hostname or ""
@@ -52,23 +52,23 @@ class Binding:
 
 
 class Access:
-    """Finds the caller of each request. No address gives rights, but this computer's own before
-    there is an administrator, where nothing else can reach the web interface."""
+    """Finds the caller of each request. An address gives no rights, except this computer's own
+    before there is an administrator, if no other computer can reach the web interface."""
 
     def __init__(self, accounts: Accounts, binding: Binding) -> None:
         self._accounts, self._binding = accounts, binding
         self.connected = AddressSessions(monotonic)
 
     def needs_code(self, connection: HTTPConnection) -> bool:
-        """Whether it takes the one-time code to create the administrator."""
+        """Whether the one-time code is needed to create the administrator."""
         return not (self._binding.loopback and _is_local(connection))
 
     def caller(self, connection: HTTPConnection, *, writes: bool) -> Caller:
-        """Who asks; `writes` if the request may change something. Raises WebError for a key that is
-        none, and for what another web page has made a browser send."""
+        """The caller; `writes` if the request may change something. Raises WebError for an invalid
+        key, and for requests that another web page has made a browser send."""
         peer = connection.client.host if connection.client is not None else ""
         address = address_key(peer)
-        # Before there is an administrator there are no keys: one that is sent means nothing.
+        # Before there is an administrator there are no keys: a key in a request is ignored.
         if self._accounts.exist and (token := _key_of(connection)) is not None:
             key = self._accounts.key(token)
             if key is None:
@@ -86,7 +86,8 @@ class Access:
         return self._connected(connection, peer) or Caller("", Role.PUBLIC, address=address)
 
     def connect(self, connection: HTTPConnection, token: str) -> bool:
-        """Begins a session of RepRapFirmware's interface with an API key; False if it is none."""
+        """Begins a session of RepRapFirmware's interface with an API key; False if the key is
+        invalid."""
         key = self._accounts.key(token)
         peer = connection.client.host if connection.client is not None else ""
         if key is None or any(name in connection.headers for name in _OF_PROXIES):
@@ -95,7 +96,7 @@ class Access:
         return True
 
     def _connected(self, connection: HTTPConnection, peer: str) -> Caller | None:
-        """Who has such a session: its clients send no key with their further requests."""
+        """The caller of such a session: its clients send no key with their further requests."""
         if not connection.url.path.startswith(_RRF):
             return None
         if any(name in connection.headers for name in _OF_PROXIES):
@@ -104,7 +105,7 @@ class Access:
         return caller if caller is not None and self.holds(caller) else None
 
     def holds(self, caller: Caller) -> bool:
-        """Whether a caller still has the rights that it had. Never waits."""
+        """Whether a caller still has its rights. Never waits."""
         if caller.key:
             return any(key.hash == caller.key for key in self._accounts.keys)
         if caller.session:
@@ -131,7 +132,7 @@ class Access:
         raise WebError.of("web.role", value=caller.name, limit=role)
 
     async def used(self, caller: Caller) -> None:
-        """A session is used: it goes on."""
+        """Records that a session is used, which extends it."""
         if caller.session and (found := self._accounts.session(caller.session)) is not None:
             await self._accounts.use(found[0])
 
@@ -163,7 +164,7 @@ def _session_of(connection: HTTPConnection, cookie: str) -> str:
 
 
 def _is_local(connection: HTTPConnection) -> bool:
-    """Whether a program of this computer asks, for itself."""
+    """Whether the caller is a program of this computer, not a proxy."""
     if any(name in connection.headers for name in _OF_PROXIES):
         return False
     try:

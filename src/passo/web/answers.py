@@ -1,4 +1,4 @@
-"""Answers in JSON, and refusals: the sentence of what is wrong, with the status that fits."""
+"""Answers in JSON, and refusals: the error's sentence, with the matching status."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class Answer(Generic[_T]):
 
 
 def status_of(code: str) -> int:
-    """The HTTP status that fits an error of the catalogue: 400 where nothing else says more."""
+    """The HTTP status of an error of the catalogue: 400 unless it has another."""
     if (status := _STATUS.get(code)) is not None:
         return status
     if code.startswith("job."):
@@ -128,7 +128,7 @@ def json(body: object, status: int = 200, headers: Mapping[str, str] | None = No
 
 
 def refusal(error: PassoError, headers: Mapping[str, str] | None = None) -> Response:
-    """What is wrong, as a `Refusal`."""
+    """The error as a `Refusal`."""
     first, *others = [fault(problem) for problem in error.problems]
     status = status_of(first.code)
     known = {"WWW-Authenticate": 'Passo realm="printer"'} if status == 401 else {}
@@ -138,7 +138,7 @@ def refusal(error: PassoError, headers: Mapping[str, str] | None = None) -> Resp
 
 
 def fault(problem: Problem) -> Fault:
-    """A problem, as clients get it."""
+    """A problem in the form for clients."""
     place = f"{problem.place}: " if problem.place else ""
     values = {name: _plain(value) for name, value in problem.values.items()}
     action = problem.hint or problem.entry.action

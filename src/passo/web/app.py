@@ -1,4 +1,4 @@
-"""The ASGI application: routes of the HTTP interface, and the WebSocket that tells what happens."""
+"""The ASGI application: routes of the HTTP interface, and the WebSocket that reports events."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def web_app(
     *,
     state: Path | None = None,
 ) -> ASGIApp:
-    """The application of one printer, as it is reached at one place, with what is kept of its
-    temperatures, and its logs; what is known of its files is kept in the folder `state`."""
+    """The application of one printer at one address, with its temperature history and its logs; the
+    cache of its files is in the folder `state`."""
     access, metadata = Access(accounts, binding), MetadataReader(bridge, state)
     uploads = Uploads(bridge, metadata.want)
     site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, Builds())

@@ -1,4 +1,5 @@
-"""All that the web knows of a printer. It lives in another thread, with a time of its own."""
+"""The interface between the web and a printer, which runs in another thread with a time of its
+own."""
 
 from __future__ import annotations
 
@@ -34,7 +35,7 @@ class Snapshot:
 class PastPrint:
     """A print that is over. `started_s` is the wall clock in seconds since 1970, None if that is
     not known; `ended` is done, cancelled, failed or interrupted; `print_s` is print time without
-    pauses; `note` says what went not so well, or is empty."""
+    pauses; `note` is a remark about a problem, or empty."""
 
     file: str
     size: int
@@ -62,8 +63,9 @@ class SettingValue:
 
 @dataclass(frozen=True, slots=True)
 class Queue:
-    """The prints that wait, the next one first. With `automatic` the next one starts by itself
-    after one that is done; otherwise it waits until a user confirms that the bed is clear."""
+    """The prints that wait, the next one first. With `automatic` the next one starts without
+    confirmation after one that has succeeded; otherwise it waits until a user confirms that the bed
+    is clear."""
 
     prints: tuple[QueuedPrint, ...]
     automatic: bool
@@ -92,20 +94,20 @@ Hearer: TypeAlias = Callable[[str], None]  # of a line; returns at once
 
 
 class Listener(Protocol):
-    """Who hears what happens. Its methods are called in the web's event loop, and return at
+    """Receives snapshots and events. Its methods are called in the web's event loop, and return at
     once."""
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """The printer has changed. At most one each tick; a slow listener misses some."""
+        """The printer has changed. At most one call each tick; a slow listener misses some."""
 
     def on_event(self, event: Event) -> None:
-        """Something has happened, in the order in which it did."""
+        """An event, in the order of occurrence."""
 
 
 class Bridge(Protocol):
-    """A printer, as the web's event loop may ask it: each method is called there. Methods that wait
-    do so for the printer's loop, never for the web's; a cancelled one ends its command's wait as
-    M108 does. All raise PassoError for what the printer refuses."""
+    """A printer, for calls from the web's event loop. Methods that wait do so for the printer's
+    loop, never for the web's; a cancelled one ends its command's wait as M108 does. All raise
+    PassoError if the printer refuses."""
 
     @property
     def machine(self) -> MachineConfig:
@@ -114,8 +116,8 @@ class Bridge(Protocol):
 
     @property
     def machine_source(self) -> str:
-        """What the machine was loaded from, as `passo.config.load` takes it: the path of a file or
-        the name of a shipped machine; empty of one that a program made."""
+        """The source of the machine, as `passo.config.load` takes it: the path of a file or the
+        name of a shipped machine; empty for one that a program made."""
         ...
 
     @property
@@ -128,7 +130,8 @@ class Bridge(Protocol):
         ...
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """Tells a listener of all that happens from now on; returns what ends that."""
+        """Sends a listener all snapshots and events from now on; returns a function that ends
+        it."""
         ...
 
     def console_history(self) -> list[ConsoleLine]:
@@ -138,8 +141,8 @@ class Bridge(Protocol):
     # -- commands ---------------------------------------------------------------------------------
 
     def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
-        """Calls `call` in the web's event loop with each line that a console sends or is sent from
-        now on, without secrets; it returns at once. Returns what ends that."""
+        """Calls `call` in the web's event loop with each line that a console sends or receives from
+        now on, without secrets; it returns at once. Returns a function that ends it."""
         ...
 
     async def run(
@@ -147,26 +150,26 @@ class Bridge(Protocol):
     ) -> tuple[str, ...]:
         """Carries out lines of G-code, one after the other, and returns their answers, a string a
         line. A move is answered when it is planned. The first line that fails ends the script; of
-        the lines after it only RESTORE_GCODE_STATE without MOVE is carried out.
-        `heard` is called with each answer at once, with the prefix that it has on consoles;
-        `sender` is shown with its lines.
+        the lines after it only RESTORE_GCODE_STATE without MOVE is carried out. `heard` is called
+        with each answer at once, with its console prefix; `sender` is shown with its lines.
 
-        Scripts do not mix: one waits for those that came before. Only a single line that acts at
-        once (a report, a temperature with F, M108, M112) overtakes them."""
+        Scripts do not mix: each waits for the earlier ones. Only a single line that acts at once (a
+        report, a temperature with F, M108, M112) overtakes them.
+        """
         ...
 
     def emergency_stop(self) -> None:
-        """Everything off at once (M112). Never waits."""
+        """Switches everything off at once (M112). Never waits."""
         ...
 
     async def restart(self) -> None:
-        """Starts a halted printer again (M999); returns when it runs."""
+        """Restarts a halted printer (M999); returns when it runs."""
         ...
 
     async def restart_program(self) -> None:
-        """Ends the printer, and starts it again with the machine file as it is then. Consoles are
-        closed and opened again. Raises `job.printing`, `machine.no-restart`, and ConfigError for a
-        file with errors: then the printer goes on."""
+        """Ends the printer, and restarts it with its current machine file. Consoles are closed and
+        opened again. Raises `job.printing`, `machine.no-restart`, and ConfigError for a file with
+        errors: then the printer continues."""
         ...
 
     async def endstops(self) -> dict[str, bool]:
@@ -188,7 +191,7 @@ class Bridge(Protocol):
         ...
 
     async def resume_print(self) -> None:
-        """Goes on with a paused print, or behind the line that failed."""
+        """Resumes a paused print, or continues after the line that failed."""
         ...
 
     async def cancel_print(self) -> None:
@@ -196,7 +199,7 @@ class Bridge(Protocol):
         ...
 
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
-        """Leaves an object out of the print, or takes it in again."""
+        """Leaves an object out of the print, or prints it again."""
         ...
 
     async def past_prints(self, most: int) -> list[PastPrint]:
@@ -216,11 +219,11 @@ class Bridge(Protocol):
         ...
 
     async def move_queued_print(self, number: int, place: int) -> None:
-        """Moves a print of the queue: to place 0, it is the next one."""
+        """Moves a print in the queue; position 0 is the next print."""
         ...
 
     async def set_queue_mode(self, *, automatic: bool) -> None:
-        """Whether the next print starts by itself after one that is done."""
+        """Sets whether the next print starts without confirmation after one that has succeeded."""
         ...
 
     async def start_queued_print(self) -> None:
@@ -228,7 +231,7 @@ class Bridge(Protocol):
         ...
 
     async def settings(self) -> list[SettingValue]:
-        """What commands can set, each value with where it comes from."""
+        """The settings that commands can change, each value with its source."""
         ...
 
     async def bed(self) -> BedState:
@@ -256,22 +259,21 @@ class Bridge(Protocol):
         ...
 
     async def rename(self, path: str, to: str) -> None:
-        """Gives a file or folder of the card another name, unless it is, or holds, what is printed
-        now."""
+        """Renames a file or folder of the card, unless it is, or holds, what is printed now."""
         ...
 
     async def estimate(
         self, path: str, take_path: Callable[[bytes], None] | None = None
     ) -> Estimate:
-        """Plans a file of the card; `take_path` is called in the planning thread with the path that
-        was planned, see job/batch/toolpath.py. That takes seconds for a long one, in a thread of
-        low priority; one estimate waits for another, and a cancelled one ends. Raises PassoError
-        for a file that cannot be printed as it is."""
+        """Plans a file of the card; `take_path` is called in the planning thread with the planned
+        path, see job/batch/toolpath.py. That takes seconds for a long file, in a thread of low
+        priority; one estimate waits for another, and a cancelled one ends. Raises PassoError for a
+        file that cannot be printed as it is."""
         ...
 
     async def explain(self, path: str, line: int) -> Explanation:
-        """What a line of a file of the card becomes, as `passo explain` shows it; as `estimate`
-        otherwise. Raises InputError for a line that the file does not have."""
+        """Explains a line of a file of the card as `passo explain` does; otherwise as `estimate`.
+        Raises InputError for a line that the file does not have."""
         ...
 
     async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:

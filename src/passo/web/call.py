@@ -1,4 +1,4 @@
-"""A request, as the handlers of operations get it."""
+"""A request, in the form for the handlers of operations."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A request, as a handler gets it."""
+    """A request, in the form for a handler."""
 
     site: Site
     caller: Caller
@@ -27,5 +27,5 @@ class Call:
         return self.site.bridge
 
     async def run(self, script: str) -> tuple[str, ...]:
-        """Carries out lines of G-code in the name of the caller, as `Bridge.run`."""
+        """Carries out lines of G-code for the caller, as `Bridge.run`."""
         return await self.site.bridge.run(script, sender=self.caller.name)

@@ -23,14 +23,14 @@ _TIMEOUT_S = 30.0
 
 class RequestError(Exception):
     """A request was not carried out. `status` is that of HTTP, 0 if the printer could not be
-    reached; `fault` is what is wrong, with its code, values and what to do next."""
+    reached; `fault` is the error, with its code, values and next action."""
 
     def __init__(self, status: int, fault: Fault) -> None:
         super().__init__(f"{fault.message}. {fault.action}.")
         self.status, self.fault = status, fault
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Crosses to another process with its status and fault."""
+        """Pickles the error with its status and fault."""
         return type(self), (self.status, self.fault), self.__dict__
 
 
@@ -43,7 +43,7 @@ class _Request:
 
 
 class _Connection:
-    """Where the printer is, and who asks."""
+    """The address of the printer, and the key."""
 
     def __init__(self, url: str, key: str | None, timeout_s: float) -> None:
         parts = urlsplit(url)
@@ -155,11 +155,11 @@ class _Group:
 
 
 class Client:
-    """A printer that is served somewhere: `client.heaters.set("hotend", 200)`.
+    """A served printer: `client.heaters.set("hotend", 200)`.
 
-    `url` is where `passo serve` is, `key` an API key of it. Arguments of a call are the parameters
-    of its path, then the fields of its request, in the order of docs/reference/http.md. Calls
-    raise RequestError. Threads may share a client.
+    `url` is the address of `passo serve`, `key` an API key of it. Arguments of a call are the
+    parameters of its path, then the fields of its request, in the order of docs/reference/http.md.
+    Calls raise RequestError. Threads may share a client.
     """
 
     def __init__(

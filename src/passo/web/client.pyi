@@ -32,13 +32,13 @@ class Status:
         self,
     ) -> passo.web.endpoints.status.StatusNow:
         """The printer now: state, positions, heaters, fans, the print, faults. The
-        WebSocket `/api/v1/feed` tells the same as it changes. Numbers that are not finite
+        WebSocket `/api/v1/feed` reports the same as it changes. Numbers that are not finite
         are null."""
         ...
     def version(
         self,
     ) -> passo.web.endpoints.status.Version:
-        """Which version of Passo serves which machine."""
+        """The version of Passo, and the machine that it serves."""
         ...
 
 class Faults:
@@ -151,13 +151,13 @@ class Emergency:
     def stop(
         self,
     ) -> None:
-        """Switches heaters, motors and fans off at once (M112). The print is lost, and
-        positions are not certain any more."""
+        """Switches heaters, motors and fans off at once (M112). The print is lost, and axes
+        are not homed any more."""
         ...
     def restart(
         self,
     ) -> None:
-        """Starts a halted printer again (M999); answers when it runs."""
+        """Restarts a halted printer (M999); answers when it runs."""
         ...
 
 class Job:
@@ -187,7 +187,7 @@ class Job:
         number: int,
         cancelled: bool,
     ) -> None:
-        """Leaves an object out of the print from now on, or takes it in again. `number` is
+        """Leaves an object out of the print from now on, or prints it again. `number` is
         that of the status."""
         ...
     def past(
@@ -221,15 +221,15 @@ class Queue:
         number: int,
         place: int,
     ) -> None:
-        """Moves a print to another place: 0 is the next print; a place beyond the end is
-        the last."""
+        """Moves a print to another position: 0 is the next print; a position beyond the end
+        is the last."""
         ...
     def mode(
         self,
         automatic: bool,
     ) -> None:
-        """Sets whether the next print starts by itself, or waits for `queue.start` (the
-        default)."""
+        """Sets whether the next print starts without confirmation, or waits for
+        `queue.start` (the default)."""
         ...
     def start(
         self,
@@ -306,7 +306,7 @@ class Motion:
         self,
         axes: builtins.list[str] = ...,
     ) -> None:
-        """Homes axes; answered when they are homed."""
+        """Homes axes; answers when they are homed."""
         ...
     def wait(
         self,
@@ -316,8 +316,7 @@ class Motion:
     def motors_off(
         self,
     ) -> None:
-        """Switches the motors off when the machine stands; positions are not certain any
-        more."""
+        """Switches the motors off at standstill; axes are not homed any more."""
         ...
 
 class Tuning:
@@ -347,8 +346,8 @@ class Settings:
     def list(
         self,
     ) -> builtins.list[passo.web.bridge.SettingValue]:
-        """All settings. `source` says where the value in force comes from: `file` (the
-        machine file or its defaults), `stored` (M500), or `command` (changed since)."""
+        """All settings. `source` is the source of the value in force: `file` (the machine
+        file or its defaults), `stored` (M500), or `command` (changed since)."""
         ...
     def set(
         self,
@@ -362,18 +361,17 @@ class Settings:
     def store(
         self,
     ) -> None:
-        """Stores what differs from the machine file (M500), durably."""
+        """Stores the values that differ from the machine file (M500), durably."""
         ...
     def load(
         self,
     ) -> None:
-        """Goes back to the stored values (M501)."""
+        """Restores the stored values (M501)."""
         ...
     def reset(
         self,
     ) -> None:
-        """Goes back to the values of the machine file (M502); what is stored stays
-        stored."""
+        """Restores the values of the machine file (M502); stored values stay stored."""
         ...
 
 class Calibration:
@@ -449,9 +447,9 @@ class Files:
         self,
         path: str,
     ) -> passo.web.files.metadata.Metadata:
-        """What is known of a file: slicer, objects, thumbnails, and how this printer would
-        print it, as `passo estimate` finds out. That takes some seconds of a long file;
-        until then `state` is `pending`."""
+        """Facts about a file: slicer, objects, thumbnails, and how this printer would print
+        it, as `passo estimate` computes. That takes some seconds for a long file; until
+        then `state` is `pending`."""
         ...
     def toolpath(
         self,
@@ -479,22 +477,22 @@ class Files:
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path, once it is whole. If the
-        connection is lost, what has come is kept for some minutes: `files.kept` tells how
-        much, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`, as may be
-        the parts of any file."""
+        """Puts a file onto the card, in place of one of that path, once it is complete. If
+        the connection is lost, the bytes so far are kept for some minutes: `files.kept`
+        reports how many, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`.
+        Any file may be sent in such parts."""
         ...
     def kept(
         self,
         path: str,
     ) -> passo.web.endpoints.files.KeptUpload:
-        """Where an interrupted upload of a file goes on."""
+        """The offset from which an interrupted upload of a file continues."""
         ...
     def forget(
         self,
         path: str,
     ) -> None:
-        """Gives up an interrupted upload."""
+        """Discards an interrupted upload."""
         ...
     def remove(
         self,
@@ -540,9 +538,9 @@ class Explain:
         path: str,
         line: int,
     ) -> passo.learn.explanation.Explanation:
-        """What a line of a file of the card becomes, as `passo explain` shows it. A
-        simulated board prints the file until the line is done, which takes seconds for a
-        late line of a long file."""
+        """Explains a line of a file of the card, as `passo explain` shows it. A simulated
+        board prints the file until the line is done, which takes seconds for a late line of
+        a long file."""
         ...
     def line(
         self,
@@ -571,7 +569,7 @@ class Session:
     def get(
         self,
     ) -> passo.web.endpoints.session.Identity:
-        """Who the caller is, and whether there is an administrator yet."""
+        """The identity of the caller, and whether there is an administrator yet."""
         ...
     def set_up(
         self,
@@ -640,8 +638,8 @@ class Accounts:
         password: str | None = ...,
         role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
     ) -> passo.web.endpoints.accounts.AccountRecord:
-        """Changes the password or the role of an account, and ends its log-ins, but for
-        this one."""
+        """Changes the password or the role of an account, and ends its log-ins, except this
+        one."""
         ...
     def remove(
         self,
@@ -654,7 +652,7 @@ class Keys:
     def list(
         self,
     ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
-        """All API keys, without what is secret."""
+        """All API keys, without their secrets."""
         ...
     def add(
         self,
@@ -668,7 +666,7 @@ class Keys:
         self,
         id: str,
     ) -> None:
-        """Makes a key worthless at once."""
+        """Makes a key invalid at once."""
         ...
 
 class AsyncStatus:
@@ -676,13 +674,13 @@ class AsyncStatus:
         self,
     ) -> passo.web.endpoints.status.StatusNow:
         """The printer now: state, positions, heaters, fans, the print, faults. The
-        WebSocket `/api/v1/feed` tells the same as it changes. Numbers that are not finite
+        WebSocket `/api/v1/feed` reports the same as it changes. Numbers that are not finite
         are null."""
         ...
     async def version(
         self,
     ) -> passo.web.endpoints.status.Version:
-        """Which version of Passo serves which machine."""
+        """The version of Passo, and the machine that it serves."""
         ...
 
 class AsyncFaults:
@@ -795,13 +793,13 @@ class AsyncEmergency:
     async def stop(
         self,
     ) -> None:
-        """Switches heaters, motors and fans off at once (M112). The print is lost, and
-        positions are not certain any more."""
+        """Switches heaters, motors and fans off at once (M112). The print is lost, and axes
+        are not homed any more."""
         ...
     async def restart(
         self,
     ) -> None:
-        """Starts a halted printer again (M999); answers when it runs."""
+        """Restarts a halted printer (M999); answers when it runs."""
         ...
 
 class AsyncJob:
@@ -831,7 +829,7 @@ class AsyncJob:
         number: int,
         cancelled: bool,
     ) -> None:
-        """Leaves an object out of the print from now on, or takes it in again. `number` is
+        """Leaves an object out of the print from now on, or prints it again. `number` is
         that of the status."""
         ...
     async def past(
@@ -865,15 +863,15 @@ class AsyncQueue:
         number: int,
         place: int,
     ) -> None:
-        """Moves a print to another place: 0 is the next print; a place beyond the end is
-        the last."""
+        """Moves a print to another position: 0 is the next print; a position beyond the end
+        is the last."""
         ...
     async def mode(
         self,
         automatic: bool,
     ) -> None:
-        """Sets whether the next print starts by itself, or waits for `queue.start` (the
-        default)."""
+        """Sets whether the next print starts without confirmation, or waits for
+        `queue.start` (the default)."""
         ...
     async def start(
         self,
@@ -950,7 +948,7 @@ class AsyncMotion:
         self,
         axes: builtins.list[str] = ...,
     ) -> None:
-        """Homes axes; answered when they are homed."""
+        """Homes axes; answers when they are homed."""
         ...
     async def wait(
         self,
@@ -960,8 +958,7 @@ class AsyncMotion:
     async def motors_off(
         self,
     ) -> None:
-        """Switches the motors off when the machine stands; positions are not certain any
-        more."""
+        """Switches the motors off at standstill; axes are not homed any more."""
         ...
 
 class AsyncTuning:
@@ -991,8 +988,8 @@ class AsyncSettings:
     async def list(
         self,
     ) -> builtins.list[passo.web.bridge.SettingValue]:
-        """All settings. `source` says where the value in force comes from: `file` (the
-        machine file or its defaults), `stored` (M500), or `command` (changed since)."""
+        """All settings. `source` is the source of the value in force: `file` (the machine
+        file or its defaults), `stored` (M500), or `command` (changed since)."""
         ...
     async def set(
         self,
@@ -1006,18 +1003,17 @@ class AsyncSettings:
     async def store(
         self,
     ) -> None:
-        """Stores what differs from the machine file (M500), durably."""
+        """Stores the values that differ from the machine file (M500), durably."""
         ...
     async def load(
         self,
     ) -> None:
-        """Goes back to the stored values (M501)."""
+        """Restores the stored values (M501)."""
         ...
     async def reset(
         self,
     ) -> None:
-        """Goes back to the values of the machine file (M502); what is stored stays
-        stored."""
+        """Restores the values of the machine file (M502); stored values stay stored."""
         ...
 
 class AsyncCalibration:
@@ -1093,9 +1089,9 @@ class AsyncFiles:
         self,
         path: str,
     ) -> passo.web.files.metadata.Metadata:
-        """What is known of a file: slicer, objects, thumbnails, and how this printer would
-        print it, as `passo estimate` finds out. That takes some seconds of a long file;
-        until then `state` is `pending`."""
+        """Facts about a file: slicer, objects, thumbnails, and how this printer would print
+        it, as `passo estimate` computes. That takes some seconds for a long file; until
+        then `state` is `pending`."""
         ...
     async def toolpath(
         self,
@@ -1123,22 +1119,22 @@ class AsyncFiles:
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path, once it is whole. If the
-        connection is lost, what has come is kept for some minutes: `files.kept` tells how
-        much, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`, as may be
-        the parts of any file."""
+        """Puts a file onto the card, in place of one of that path, once it is complete. If
+        the connection is lost, the bytes so far are kept for some minutes: `files.kept`
+        reports how many, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`.
+        Any file may be sent in such parts."""
         ...
     async def kept(
         self,
         path: str,
     ) -> passo.web.endpoints.files.KeptUpload:
-        """Where an interrupted upload of a file goes on."""
+        """The offset from which an interrupted upload of a file continues."""
         ...
     async def forget(
         self,
         path: str,
     ) -> None:
-        """Gives up an interrupted upload."""
+        """Discards an interrupted upload."""
         ...
     async def remove(
         self,
@@ -1184,9 +1180,9 @@ class AsyncExplain:
         path: str,
         line: int,
     ) -> passo.learn.explanation.Explanation:
-        """What a line of a file of the card becomes, as `passo explain` shows it. A
-        simulated board prints the file until the line is done, which takes seconds for a
-        late line of a long file."""
+        """Explains a line of a file of the card, as `passo explain` shows it. A simulated
+        board prints the file until the line is done, which takes seconds for a late line of
+        a long file."""
         ...
     async def line(
         self,
@@ -1215,7 +1211,7 @@ class AsyncSession:
     async def get(
         self,
     ) -> passo.web.endpoints.session.Identity:
-        """Who the caller is, and whether there is an administrator yet."""
+        """The identity of the caller, and whether there is an administrator yet."""
         ...
     async def set_up(
         self,
@@ -1284,8 +1280,8 @@ class AsyncAccounts:
         password: str | None = ...,
         role: typing.Literal['viewer', 'operator', 'admin'] | None = ...,
     ) -> passo.web.endpoints.accounts.AccountRecord:
-        """Changes the password or the role of an account, and ends its log-ins, but for
-        this one."""
+        """Changes the password or the role of an account, and ends its log-ins, except this
+        one."""
         ...
     async def remove(
         self,
@@ -1298,7 +1294,7 @@ class AsyncKeys:
     async def list(
         self,
     ) -> builtins.list[passo.web.endpoints.accounts.KeyRecord]:
-        """All API keys, without what is secret."""
+        """All API keys, without their secrets."""
         ...
     async def add(
         self,
@@ -1312,7 +1308,7 @@ class AsyncKeys:
         self,
         id: str,
     ) -> None:
-        """Makes a key worthless at once."""
+        """Makes a key invalid at once."""
         ...
 
 class Client:

@@ -83,7 +83,7 @@ def _docstring(text: str) -> Sequence[str]:
 
 
 def _name(kind: Any, modules: set[str]) -> str:
-    """A type as it is written, without what msgspec checks of it."""
+    """A type as written, without msgspec's constraints."""
     if hasattr(kind, "__metadata__"):
         return _name(get_args(kind)[0], modules)
     if kind is None or kind is type(None):

@@ -1,4 +1,4 @@
-"""A tree of plain values as JSON has them, and what has changed between two of them."""
+"""A tree of plain values, as in JSON, and the changes between two of them."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ Tree: TypeAlias = dict[str, Any]
 
 
 def tree(value: object) -> Tree:
-    """A dataclass as a tree: its fields by name, sets as sorted lists, and None where a number is
-    not finite, since JSON has no such numbers."""
+    """A dataclass as a tree: its fields by name, sets as sorted lists, and None for a number that
+    is not finite, because JSON has no such numbers."""
     return cast("Tree", _plain(msgspec.to_builtins(value, order="sorted")))
 
 
 def changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Tree:
-    """What turns `before` into `now` by `merged` (RFC 7386, JSON merge patch): changed keys with
-    their new values, and None for keys that are gone. Lists change as a whole."""
+    """The patch that turns `before` into `now` by `merged` (RFC 7386, JSON merge patch): changed
+    keys with their new values, and None for removed keys. Lists change as a whole."""
     found: Tree = {key: None for key in before if key not in now}
     for key, value in now.items():
         old = before.get(key)

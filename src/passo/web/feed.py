@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from passo.web.site import Site
 
 _MAX_WAITING = 1000  # events, and as many lines, for a slow client
-_MAX_SCRIPTS = 16  # of one client under way
+_MAX_SCRIPTS = 16  # of one client at a time
 _NOT_ALLOWED = 1008  # "policy violation" (IANA, WebSocket close codes)
 
 
@@ -127,7 +127,7 @@ class Feed:
     # -- from the client --------------------------------------------------------------------------
 
     async def _receive(self, group: TaskGroup) -> None:
-        """Takes what the client sends; ends all when it has left."""
+        """Takes the messages of the client; ends everything when it has left."""
         with suppress(WebSocketDisconnect, KeyError):  # KeyError: of a message that is not text
             while True:
                 self._take(await self._websocket.receive_text(), group)

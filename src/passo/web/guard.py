@@ -1,5 +1,5 @@
-"""What each request passes before anything else: the check of its host, and headers that keep
-browsers from using the answer for anything else."""
+"""The first checks of each request: its host, and headers that keep browsers from using the answer
+for anything else."""
 
 from __future__ import annotations
 

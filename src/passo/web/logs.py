@@ -1,4 +1,4 @@
-"""Which files of logs and reports may be downloaded, and their text without secrets."""
+"""The files of logs and reports that may be downloaded, and their text without secrets."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from passo.errors import WebError
 
 _KEY = re.compile(r"passo_[0-9a-f]{40}")
-# Commands of other firmwares with a password or the access to a network, anywhere in a line.
+# Commands of other firmwares with a password or network credentials, anywhere in a line.
 _COMMAND = re.compile(r"\b([Mm]0*(?:551|58[6-9])(?:\.\d+)?)\b[^\n]*")
 _PASSWORD = re.compile(r"(?i)(\"?(?:password|api[-_ ]?key|cookie|authorization)\"?\s*[:=]\s*)\S+")
 
@@ -57,6 +57,6 @@ class Logs:
 
 
 def without_secrets(text: str) -> str:
-    """A text without keys, passwords, and commands that may hold one."""
+    """A text without keys, passwords, and commands that may contain one."""
     text = _COMMAND.sub(r"\1 (not shown)", _KEY.sub("(key not shown)", text))
     return _PASSWORD.sub(r"\1(not shown)", text)

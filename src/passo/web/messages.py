@@ -1,4 +1,4 @@
-"""The messages of the feed as text, made once for all clients that need the same."""
+"""The messages of the feed as text, made once for all clients."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Messages:
         return text("status", version=snapshot.version, status=self._tree(snapshot))
 
     def changes(self, before: Snapshot, now: Snapshot) -> str:
-        """What has changed between two snapshots; empty if nothing has."""
+        """The changes between two snapshots; empty if there are none."""
         key = before.version, now.version
         if key not in self._changes:
             changed = changes(self._tree(before), self._tree(now))
@@ -41,7 +41,7 @@ class Messages:
         return self._changes[key]
 
     def event(self, event: Event) -> str:
-        """Something has happened."""
+        """An event."""
         if event is not self._event:
             self._event = event
             self._event_text = text("event", event={"kind": type(event).__name__, **tree(event)})

@@ -19,7 +19,7 @@ _REFERENCE = "#/components/schemas/{name}"
 
 
 def description(operations: Sequence[Operation]) -> Tree:
-    """What `/api/v1/openapi.json` answers."""
+    """The answer of `/api/v1/openapi.json`."""
     listed = [operation for operation in operations if not operation.compatible]
     kinds = [kind for o in listed for kind in (o.body, o.response, o.query) if kind is not None]
     kinds += [kind for o in listed for kind in o.parameters.values()]
@@ -117,7 +117,7 @@ def _query(schema: Tree, components: Tree) -> list[Tree]:
 
 
 def _name(schema: Tree) -> str:
-    """Of the component that it refers to."""
+    """The name of the component that it refers to."""
     return str(schema["$ref"]).rpartition("/")[2]
 
 

@@ -1,4 +1,4 @@
-"""What a row of the table of operations is, and how a handler declares its own."""
+"""A row of the table of operations, and how a handler declares its own."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from passo.web.answers import JSON, Answer
 from passo.web.roles import Role
 
 API = "/api/v1"
-HEADER = "X-Passo-Request"  # that no form of another web page can send
+HEADER = "X-Passo-Request"  # a header that no form of another web page can send
 _MAX_BODY = 1 << 20  # bytes of a request in JSON
 _PARAMETER = re.compile(r"\{(\w+)(?::\w+)?\}")
 
@@ -21,8 +21,8 @@ Method: TypeAlias = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
 
 @dataclass(frozen=True, slots=True)
 class Caller:
-    """Who makes a request. `session` is the hash of the log-in, and empty without one; `key` the
-    hash of an API key, or empty. `address` is the key of the limiter."""
+    """The caller of a request. `session` is the hash of the log-in, and empty without one; `key`
+    the hash of an API key, or empty. `address` is the key of the limiter."""
 
     name: str
     role: Role
@@ -35,7 +35,7 @@ Handler: TypeAlias = Callable[..., Awaitable[object]]
 
 
 def _body_of(response: Any) -> Any:
-    """The type of the body of an answer, which may have headers of its own; None of none."""
+    """The type of the body of an answer, which may have headers of its own; None without a body."""
     if response is type(None):
         return None
     return get_args(response)[0] if get_origin(response) is Answer else response
@@ -43,15 +43,15 @@ def _body_of(response: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """A row: what a client may ask for.
+    """A row: an operation for clients.
 
     `name` is `group.verb`, as the Python client calls it. `body` and `query` are the types of the
-    request, None without one; `response` is the type of an answer in JSON, None of 204 and of other
-    content; `status` is that of an answer in JSON. `errors` are codes of the catalogue that this
-    operation has beyond those that all have. A request that does not consume JSON is read by its
-    handler, which also limits its size; one that does not produce JSON answers with a `Response`.
-    `fresh`: the password must have been entered within the last minutes. `compatible`: of another
-    printer's interface, and not in the description.
+    request, None without one; `response` is the type of an answer in JSON, None for 204 and for
+    other content; `status` is that of an answer in JSON. `errors` are codes of the catalogue that
+    this operation has in addition to the common ones. A request that does not consume JSON is read
+    by its handler, which also limits its size; one that does not produce JSON answers with a
+    `Response`. `fresh`: the password must have been entered within the last minutes. `compatible`:
+    of another printer's interface, and not in the description.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Operation:
 
     @property
     def text(self) -> str:
-        """What it does, in one paragraph."""
+        """Its description, in one paragraph."""
         return " ".join((getdoc(self.handler) or "").split())
 
     @property
@@ -93,7 +93,7 @@ class Operation:
 
     @property
     def writes(self) -> bool:
-        """It changes something."""
+        """Whether it changes something."""
         return self.method != "GET"
 
 

@@ -1,5 +1,5 @@
-"""The one table of operations: all that clients may ask for. Routes, the checks of roles, the
-description for OpenAPI, the reference and the Python client follow it."""
+"""The one table of operations for clients. Routes, the checks of roles, the description for
+OpenAPI, the reference and the Python client follow it."""
 
 from __future__ import annotations
 

@@ -35,7 +35,8 @@ def _declared(name: str, schema: Tree) -> str:
     comment = "/** " + "\n * ".join(lines) + " */\n"
     if "enum" in schema:
         return f"{comment}export type {name} = {_type(schema)};\n"
-    # A request may lack what has a default; an answer has all, but for what is null.
+    # A request may omit fields with a default; an answer has all fields, except those that are
+    # null.
     request = schema.get("additionalProperties") is False
     required = schema.get("required", [])
     fields = "".join(

@@ -1,4 +1,4 @@
-"""The page: what `make web` has built, as static files."""
+"""The page as static files, built by `make web`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _BUILT = Path(__file__).with_name("static")
 _INDEX = "index.html"
-_HASHED = "assets/"  # their names hold a hash of their content
+_HASHED = "assets/"  # their names contain a hash of their content
 _NOT_BUILT = b"""<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
@@ -34,7 +34,7 @@ class _File:
     headers: Mapping[str, str]
 
     def answer(self, request: Request) -> Response:
-        """The file, compressed for a client that can read that."""
+        """The file, compressed if the client accepts it."""
         headers = dict(self.headers)
         if headers["ETag"] == request.headers.get("if-none-match"):
             return Response(status_code=304, headers=headers)
@@ -48,8 +48,8 @@ class _File:
 
 
 def page_routes(built: Path = _BUILT) -> list[Route]:
-    """A route for each file of the page, read once; without the page, one that says how to build
-    it."""
+    """A route for each file of the page, read once; without the page, one that explains how to
+    build it."""
     files = {
         path.relative_to(built).as_posix(): path
         for path in built.rglob("*")

@@ -8,7 +8,7 @@ from ipaddress import ip_address
 from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-HEADERS_S = 10.0  # until the headers of a request are whole
+HEADERS_S = 10.0  # until the headers of a request are complete
 UNREAD_S = 60.0  # for which a client may leave an answer unread, as a browser that asks its user
 UNREAD_MESSAGES_S = 5.0  # for which the client of a WebSocket may do so
 MAX_CONNECTIONS = 1000
@@ -51,7 +51,7 @@ class LimitedProtocol(H11Protocol):
             self._headers.start(HEADERS_S, transport)
 
     def data_received(self, data: bytes) -> None:
-        """Bytes have come. The time for headers runs until they are whole."""
+        """Bytes have come. The timeout of headers runs until they are complete."""
         super().data_received(data)
         if self._asked or self not in self.connections:  # the latter: it is a WebSocket now
             self._headers.stop()
@@ -60,7 +60,7 @@ class LimitedProtocol(H11Protocol):
 
     @property
     def _asked(self) -> bool:
-        """A request is under way."""
+        """Whether a request is in progress."""
         cycle: RequestResponseCycle | None = getattr(self, "cycle", None)  # None before the first
         return cycle is not None and not cycle.response_complete
 

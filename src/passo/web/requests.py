@@ -1,4 +1,4 @@
-"""Reads what a request gives: its body, its query, the parameters of its path."""
+"""Reads a request: its body, its query, the parameters of its path."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ if TYPE_CHECKING:
 
     from passo.web.operation import Operation
 
-BODY_S = 20.0  # until a request in JSON is whole
+BODY_S = 20.0  # until a request in JSON is complete
 _AT = re.compile(r"(?P<what>.*?)(?: - at `(?:key in )?\$(?P<path>.*)`)?\Z", re.DOTALL)
 _STEP = re.compile(r"\.(\w+)|\[(\d+|\.\.\.)\]")
 
 
 async def arguments(operation: Operation, request: Request) -> dict[str, Any]:
-    """What the handler takes beside the call. Raises WebError for what is not as declared."""
+    """The arguments of the handler after the call. Raises WebError for values that are not as
+    declared."""
     found = {
         name: _converted("path", request.path_params[name], kind, name)
         for name, kind in operation.parameters.items()

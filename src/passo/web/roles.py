@@ -1,4 +1,4 @@
-"""What accounts and keys may do."""
+"""The roles of accounts and keys."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Role(IntEnum):
-    """Who may do it. Each role may do what those before it may."""
+    """A role. Each role includes the rights of those before it."""
 
     PUBLIC = 0  # without a log-in
     VIEWER = 1

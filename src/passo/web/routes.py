@@ -1,4 +1,4 @@
-"""Routes of the table of operations: each checks who asks and what it is given, then answers."""
+"""Routes of the table of operations: each checks the caller and the request, then answers."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class _Endpoint:
         except PassoError as error:
             return refusal(error)
         except ClientDisconnect:
-            return Response(status_code=499)  # no client is there to read it
+            return Response(status_code=499)  # the client has left
         except Exception as error:
             _log.exception("%s %s failed", operation.method, operation.path)
             return refusal(WebError.of("web.program", value=type(error).__name__))

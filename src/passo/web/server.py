@@ -41,7 +41,7 @@ def configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 class _Server(uvicorn.Server):
-    """Leaves signals to the program that it serves within."""
+    """Leaves signals to the program that runs it."""
 
     @contextlib.contextmanager
     def capture_signals(self) -> Generator[None]:
@@ -49,8 +49,8 @@ class _Server(uvicorn.Server):
 
 
 class WebThread:
-    """Runs coroutines in a thread of its own with an event loop in real time, whatever time the
-    printer's loop keeps. Made and closed in any other thread."""
+    """Runs coroutines in a thread of its own with an event loop in real time, independent of the
+    time of the printer's loop. Made and closed in any other thread."""
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
@@ -106,7 +106,7 @@ class WebThread:
 
 
 def listening(host: str, port: int) -> socket.socket:
-    """A socket that listens there; port 0 is any that is free. Raises InputError."""
+    """A socket that listens there; port 0 is any free port. Raises InputError."""
     place = f"{host}:{port}"
     try:
         family, kind, proto, _, address = socket.getaddrinfo(

@@ -1,4 +1,4 @@
-"""What all handlers of one web interface share."""
+"""The state that all handlers of one web interface share."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MAX_REPLIES = 100
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """One printer with its accounts, the uploads to its card, what is known of its files, the
+    """One printer with its accounts, the uploads to its card, the facts about its files, the
     history of its temperatures, its logs, and its builds of firmware."""
 
     bridge: Bridge

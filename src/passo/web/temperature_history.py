@@ -63,7 +63,7 @@ class TemperatureHistory:
         ]
 
     async def record(self, bridge: Bridge) -> None:
-        """Takes a sample each second, for ever, in the time of the running loop."""
+        """Takes a sample each second, without end, in the time of the running loop."""
         loop = asyncio.get_running_loop()
         while True:
             self.add(bridge.latest(), loop.time())

@@ -13,14 +13,14 @@ export interface AccountRecord {
   role: "admin" | "operator" | "viewer";
 }
 
-/** The first account. `code` is the one-time code of `passo serve`, where `code_needed`. */
+/** The first account. `code` is the one-time code of `passo serve`, if `code_needed`. */
 export interface Administrator {
   name: string;
   password: string;
   code?: string;
 }
 
-/** What the printer has answered, a string a line. */
+/** The answer of the printer, a string a line. */
 export interface Answer {
   lines: string[];
 }
@@ -35,14 +35,14 @@ export interface Applied {
   backup: string;
 }
 
-/** Axes to home; without any all that have an endstop. */
+/** Axes to home; without any, all that have an endstop. */
 export interface AxesToHome {
   axes?: string[];
 }
 
-/** An axis. `position_mm` is where the plan is now, in the program's coordinates; `machine_mm` the
- * same in the machine's. `homed`: its position is certain. Targets are kept between `min_mm` and
- * `max_mm`, in machine coordinates. */
+/** An axis. `position_mm` is the plan's current position, in the program's coordinates;
+ * `machine_mm` the same in the machine's. `homed`: its position is certain. Targets are kept
+ * between `min_mm` and `max_mm`, in machine coordinates. */
 export interface AxisStatus {
   position_mm: number;
   machine_mm: number;
@@ -52,7 +52,8 @@ export interface AxisStatus {
   babystep_mm: number;
 }
 
-/** How far all moves that are not done yet shift along an axis, in mm, further than now. */
+/** The distance by which all moves that are not done yet shift along an axis, in mm, in addition
+ * to earlier shifts. */
 export interface Babystep {
   axis: string;
   distance_mm: number;
@@ -86,10 +87,10 @@ export interface BoardOfList {
   state: string;
 }
 
-/** A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count what
- * went over its link since the start; `simulated`: it is software. `awake_s` is how much of the
+/** A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count the
+ * traffic of its link since the start; `simulated`: it is software. `awake_s` is how much of the
  * last 5 s its firmware had work; `task_s` and `task_deviation_s` are mean and standard deviation
- * of one pass of its work. None until it reports them, and of a simulated chip. */
+ * of one pass of its work. None until it reports them, and for a simulated chip. */
 export interface BoardStatus {
   firmware: string;
   mcu: string;
@@ -120,9 +121,9 @@ export interface Build {
   seconds: number;
 }
 
-/** What is built: the image of the shipped board `board`; or the images for all boards of the
- * machine file `text`; or those of the printer's own machine file, if both are null. `board`
- * comes first if both are given. */
+/** The images to build: the image of the shipped board `board`; or the images for all boards of
+ * the machine file `text`; or those of the printer's own machine file, if both are null. `board`
+ * has priority if both are given. */
 export interface BuildOrder {
   board?: string | null;
   text?: string | null;
@@ -148,15 +149,15 @@ export interface Difference {
   text: string;
 }
 
-/** A print that is over: done, cancelled or failed, why it failed, and how far it was. */
+/** A print that is over: done, cancelled or failed, why it failed, and its progress. */
 export interface EndedJob {
   outcome: string;
   reason: string;
   job: JobStatus;
 }
 
-/** A command of the line: what it does, and its words as the lexer reads them. `code` is empty for
- * a move without a G. */
+/** A command of the line: its effect, and its words as the lexer reads them. `code` is empty for a
+ * move without a G. */
 export interface ExplainedCommand {
   code: string;
   text: string;
@@ -172,8 +173,8 @@ export interface ExplainedMacro {
 /** A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in units/s²,
  * times in seconds. `start_s` and `end_s` are print times. `start_mm` and `end_mm` are positions
  * of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant
- * speed. `tolerance_us`: by how much its steps may miss their ideal times, so that the board's
- * budget suffices. */
+ * speed. `tolerance_us` is the maximum error of its step times, which may be larger to keep
+ * within the board's budget. */
 export interface ExplainedMove {
   kind: string;
   unit: string;
@@ -207,9 +208,9 @@ export interface ExplainedSteps {
   last_s?: number | null;
 }
 
-/** What one line became. `number` is its line number (N), empty without one; `checksum`: it has a
- * checksum. `planned` is the number of planned moves; `moves` has all of them, or the first and
- * the last. `junction_before` and `junction_after` say what bounds the speed there; both are
+/** The explanation of one line. `number` is its line number (N), empty without one; `checksum`: it
+ * has a checksum. `planned` is the number of planned moves; `moves` has all of them, or the first
+ * and the last. `junction_before` and `junction_after` say what limits the speed there; both are
  * empty if the line moves nothing. `sub_program`: it calls a sub-program, whose lines move.
  * `wire` has the commands of boards whose bytes are known; `frame` is a frame with the first
  * command. `tick_ns` is the length of a clock tick by board; the name of the main board is empty.
@@ -248,8 +249,8 @@ export interface Fault {
   values: Record<string, unknown>;
 }
 
-/** An error of the catalogue: its code, the part that it concerns, what is wrong, and what to do
- * next. */
+/** An error of the catalogue: its code, the part that it concerns, the sentence, and the next
+ * action. */
 export interface FaultStatus {
   code: string;
   part: string;
@@ -267,12 +268,12 @@ export interface FileEntry {
   modified_s: number;
 }
 
-/** Where something is on the card, from its root; names have `/` between them. */
+/** The path of a file or folder on the card, from its root; names have `/` between them. */
 export interface FilePath {
   path: string;
 }
 
-/** Where a file is on the card. */
+/** The path of a file on the card. */
 export interface FileToPrint {
   path: string;
 }
@@ -290,7 +291,7 @@ export interface FlowFactor {
   factor: number;
 }
 
-/** A folder of the card and what is in it, by name; how many bytes the card has free. */
+/** A folder of the card and its content, by name; the free bytes of the card. */
 export interface Folder {
   path: string;
   free_bytes: number;
@@ -311,9 +312,9 @@ export interface HeaterPast {
 }
 
 /** A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
- * `power` is a fraction of full power; `fault` says what a protection has found, or is empty.
- * Below `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it
- * is not a hotend. */
+ * `power` is a fraction of full power; `fault` is the sentence of a protection, or empty. Below
+ * `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it is not
+ * a hotend. */
 export interface HeaterStatus {
   celsius?: number | null;
   target_c: number;
@@ -322,7 +323,7 @@ export interface HeaterStatus {
   min_extrude_c: number;
 }
 
-/** What a heater is to reach, in °C; 0 switches it off. */
+/** The target of a heater, in °C; 0 switches it off. */
 export interface HeaterTarget {
   celsius: number;
 }
@@ -335,9 +336,9 @@ export interface HeaterTune {
   method?: "model" | "pid";
 }
 
-/** Who the caller is. `role` is `public` without a log-in; `set_up`: there is an administrator;
- * `code_needed`: creating it takes the one-time code; `fresh`: the password was entered within
- * the last five minutes. */
+/** The identity of the caller. `role` is `public` without a log-in; `set_up`: there is an
+ * administrator; `code_needed`: creating it takes the one-time code; `fresh`: the password was
+ * entered within the last five minutes. */
 export interface Identity {
   name: string;
   role: string;
@@ -359,14 +360,14 @@ export interface Image {
 }
 
 /** The file that is printed. `fraction` is the part of its time that is done, or of its bytes
- * while its time is not known yet, 0 to 1; `line` and `layer` are those of the move under way (0:
+ * while its time is not known yet, 0 to 1; `line` and `layer` are those of the current move (0:
  * none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
  * rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
  * known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
- * is where the file is on the card; `offset` of its `size` bytes are read and planned;
- * `elapsed_s` is host time since the start, with pauses; `filament_mm` is what all extruders have
- * pushed for it, without pauses; `extruding_s` is the part of `printed_s` since the first of it,
- * or all of it on a machine without filament. */
+ * is its path on the card; `offset` of its `size` bytes are read and planned; `elapsed_s` is host
+ * time since the start, with pauses; `filament_mm` is the filament that all extruders have pushed
+ * for it, without pauses; `extruding_s` is the part of `printed_s` since the first extrusion, or
+ * all of it on a machine without filament. */
 export interface JobStatus {
   file: string;
   fraction: number;
@@ -385,13 +386,14 @@ export interface JobStatus {
   extruding_s: number;
 }
 
-/** How far axes, or the extruder `e`, move from where the last move ends, in mm, and how fast. */
+/** The distances of axes, or of the extruder `e`, from the end of the last move, in mm, and the
+ * speed. */
 export interface Jog {
   distances_mm: Record<string, number>;
   speed_mm_s: number;
 }
 
-/** An upload that was interrupted: what follows `offset` may be sent within some minutes. */
+/** An upload that was interrupted: the bytes from `offset` on may be sent within some minutes. */
 export interface KeptUpload {
   path: string;
   offset: number;
@@ -407,7 +409,7 @@ export interface KeyChange {
   acts: "live" | "restart";
 }
 
-/** An API key, without what is secret; `made_s` is in seconds since 1970. */
+/** An API key, without its secret; `made_s` is in seconds since 1970. */
 export interface KeyRecord {
   id: string;
   name: string;
@@ -418,7 +420,7 @@ export interface KeyRecord {
 /** A key with its value. `source` is `file` (then `line` is its line), `board` (the file of a
  * board or sensor that the machine file names), or `default`. `setting` is the command and the
  * word that also set the value; it is empty for most keys. `setting_value` is the value in force,
- * and `setting_source` is where that comes from: `file`, `stored` (M500), or `command`. */
+ * and `setting_source` is its source: `file`, `stored` (M500), or `command`. */
 export interface KeyValue {
   key: string;
   value: unknown;
@@ -443,7 +445,7 @@ export interface LogIn {
   password: string;
 }
 
-/** A log-in of an account, with times in seconds since 1970; `own` is the one that asks. */
+/** A log-in of an account, with times in seconds since 1970; `own` is that of the caller. */
 export interface LogInRecord {
   id: string;
   account: string;
@@ -495,14 +497,14 @@ export interface MachineText {
   text: string;
 }
 
-/** A key that was made just now. `key` is shown this once. */
+/** A key that was just made. `key` is shown only this once. */
 export interface MadeKey {
   record: KeyRecord;
   key: string;
 }
 
-/** What is known of a file. While `state` is `pending` there is no plan yet; `refused`: the file
- * cannot be printed as it is, and `problems` are the reasons, such as what is out of range. */
+/** Facts about a file. While `state` is `pending` there is no plan yet; `refused`: the file cannot
+ * be printed as it is, and `problems` are the reasons, for example moves out of range. */
 export interface Metadata {
   path: string;
   state: "known" | "pending" | "refused";
@@ -513,12 +515,12 @@ export interface Metadata {
   problems: Fault[];
 }
 
-/** How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
- * filament; `queued_s` is how much motion is planned. `max_speed_mm_s`, `max_accel_mm_s2`,
- * `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the path; the first is
- * None if the axes alone limit it. `absolute`, `absolute_e` and `feedrate_mm_s` are those that
- * the next move of the program has, and it begins at `end_mm` of the machine, X, Y, Z and
- * filament, which is `program_end_mm` of the program. */
+/** The motion of the machine. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
+ * filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
+ * `max_accel_mm_s2`, `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the
+ * path; the first is None if the axes alone limit it. `absolute`, `absolute_e` and
+ * `feedrate_mm_s` hold for the next move of the program. It begins at `end_mm` of the machine, X,
+ * Y, Z and filament, which is `program_end_mm` of the program. */
 export interface MotionStatus {
   speed_mm_s: number;
   filament_mm_s: number;
@@ -542,7 +544,7 @@ export interface NewAccount {
   role: "admin" | "operator" | "viewer";
 }
 
-/** An API key to make; `name` tells what it is for. */
+/** An API key to make; `name` says what it is for. */
 export interface NewKey {
   name: string;
   role?: "admin" | "operator" | "viewer";
@@ -555,7 +557,7 @@ export interface NewMachineFile {
   replaces: string;
 }
 
-/** What is renamed, and its new path, which may be in another folder. */
+/** The file or folder to rename, and its new path, which may be in another folder. */
 export interface NewName {
   path: string;
   to: string;
@@ -592,7 +594,7 @@ export interface PasswordChange {
 
 /** A print that is over. `started_s` is the wall clock in seconds since 1970, None if that is not
  * known; `ended` is done, cancelled, failed or interrupted; `print_s` is print time without
- * pauses; `note` says what went not so well, or is empty. */
+ * pauses; `note` is a remark about a problem, or empty. */
 export interface PastPrint {
   file: string;
   size: number;
@@ -603,7 +605,7 @@ export interface PastPrint {
   note: string;
 }
 
-/** A thumbnail, to be had by its number, and its size in pixels. */
+/** A thumbnail, which can be requested by its number, and its size in pixels. */
 export interface Picture {
   number: number;
   width: number;
@@ -612,7 +614,7 @@ export interface Picture {
 }
 
 /** A file as this printer would print it. `total_s` is the sum of `moving_s`, `dwell_s` and
- * `heating_s`; `limits_s` tells for each limit of the machine how long it bounds the speed. */
+ * `heating_s`; `limits_s` gives for each limit of the machine how long it limits the speed. */
 export interface Plan {
   total_s: number;
   moving_s: number;
@@ -625,7 +627,7 @@ export interface Plan {
   warnings: string[];
 }
 
-/** An object that the file labels. `number` is the one of M486, or its place in the file; `name`
+/** An object that the file labels. `number` is the one of M486, or its index in the file; `name`
  * is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, are those of
  * EXCLUDE_OBJECT_DEFINE, else None and empty. */
 export interface PrintObject {
@@ -636,11 +638,12 @@ export interface PrintObject {
   outline_mm: [number, number][];
 }
 
-/** What a printer does; the values are the letters of M408. */
+/** The state of a printer; the values are the letters of M408. */
 export type PrinterState = "A" | "B" | "H" | "I" | "P";
 
-/** The prints that wait, the next one first. With `automatic` the next one starts by itself after
- * one that is done; otherwise it waits until a user confirms that the bed is clear. */
+/** The prints that wait, the next one first. With `automatic` the next one starts without
+ * confirmation after one that has succeeded; otherwise it waits until a user confirms that the
+ * bed is clear. */
 export interface Queue {
   prints: QueuedPrint[];
   automatic: boolean;
@@ -651,8 +654,8 @@ export interface QueueFile {
   path: string;
 }
 
-/** Whether the next print starts by itself after one that is done. Only for a printer that clears
- * its bed by itself. */
+/** Whether the next print starts without confirmation after one that has succeeded. Only for a
+ * printer that clears its bed itself. */
 export interface QueueMode {
   automatic: boolean;
 }
@@ -770,13 +773,13 @@ export interface Status {
   moving_s: number;
 }
 
-/** The status, and a number that counts up with each change of it. */
+/** The status, and a number that increases with each change of it. */
 export interface StatusNow {
   version: number;
   status: Status;
 }
 
-/** How many bytes of a file have come, and whether it is on the card now. */
+/** The number of bytes of a file that have come, and whether it is on the card now. */
 export interface StoredFile {
   path: string;
   size: number;
@@ -809,7 +812,7 @@ export interface ThermistorFit {
   rms_c: number;
 }
 
-/** A tool: its extruder and its heater, null where it has none. */
+/** A tool: its extruder and its heater, null without one. */
 export interface ToolOfMachine {
   extruder?: string | null;
   heater?: string | null;

@@ -1,4 +1,4 @@
-"""What a plan asks of the board and its link: at its densest place, and where that is too much."""
+"""The load of a plan on the board and its link: its maximum, and where it exceeds the budget."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.machine import MachineConfig
 
-_WIDEST_US = 25.0  # of a step's time, where that saves commands
-_NEAR = 0.8  # of what there is: less concerns no user
+_WIDEST_US = 25.0  # of a step's time, if that saves commands
+_NEAR = 0.8  # of the budget: a smaller load is of no interest to users
 _BURST = ", in a burst that is sent ahead"
 _NAMES = {
     "steps": "processor{}, for steps",
@@ -33,8 +33,8 @@ _BOUNDS = {
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A place of a file: its line, and what it asks for as a share of what there is. `board` is the
-    one of several boards that has least of it: empty for the main one, None if there is but one."""
+    """A place of a file: its line, and its load as a fraction of the budget. `board` is the one of
+    several boards with the highest load: empty for the main one, None if there is only one."""
 
     line: int
     load: float
@@ -42,19 +42,19 @@ class Place:
 
     @property
     def of_board(self) -> str:
-        """` of the board tool`; nothing if there is but one."""
+        """` of the board tool`; nothing if there is only one."""
         return "" if self.board is None else f" of {_board(self.board)}"
 
 
 @dataclass(frozen=True, slots=True)
 class BudgetUse:
-    """`worst` by limit, where the budget did not hold what was asked. For `widened_s` seconds steps
-    may be farther from their ideal times, by `tolerance_us` at most.
+    """`worst` by limit, where the load exceeded the budget. For `widened_s` seconds steps may be
+    farther from their ideal times, by at most `tolerance_us`.
 
-    `densest`: of the plan as it is, the share of the processor's time that steps and commands may
-    have, of the link's bytes, and of the board's slots; each of the board where it is largest.
-    `unsure_s` commands a second are so few that some may come late in spite of a lower speed; 0 if
-    none may. Empty without a budget.
+    `densest`: the maximum loads of the plan as it is: fractions of the processor's time for steps
+    and commands, of the link's bytes, and of the move queue; each of the board with the highest
+    load. `unsure_s` is a rate of commands a second so low that some may be late in spite of a lower
+    speed; 0 if none may. Empty without a budget.
     """
 
     worst: dict[str, Place] = field(default_factory=dict[str, Place])
@@ -64,8 +64,8 @@ class BudgetUse:
     unsure_s: float = 0.0
 
     def told(self, file: str) -> Iterator[str]:
-        """What a console reports before a print: nothing without a budget, and nothing of places
-        that the board takes easily."""
+        """What a console reports before a print: nothing without a budget, and nothing about loads
+        that the board can take easily."""
         told = {"slots", *self.worst}  # full slots alone do no harm: the link waits for one
         near = {k: p for k, p in self.densest.items() if p.load >= _NEAR and k not in told}
         for name, place in near.items():
@@ -87,20 +87,20 @@ class BudgetUse:
 
     @property
     def advice(self) -> str:
-        """What to do about `unsure_s`."""
+        """The advice to the user for `unsure_s`."""
         return (
             f"{self.unsure_s:.0f} a second are few. Use a faster link or board, longer moves, or"
             " less acceleration"
         )
 
     def limits(self) -> Iterator[tuple[str, Place]]:
-        """`worst`, with what did not hold in words: `the link of the board tool takes`."""
+        """`worst`, with the exceeded limit in words: `the link of the board tool takes`."""
         for name, place in self.worst.items():
             yield _BOUNDS[name].format(place.of_board), place
 
     def shares(self) -> list[tuple[str, str]]:
-        """What is taken, and the share with its line; nothing without a budget. More than there is,
-        in some 0.15 s, is a burst: the plan sends a part of it ahead."""
+        """Each limit, and the load with its line; nothing without a budget. A load above 1, within
+        some 0.15 s, is a burst: the plan sends a part of it ahead."""
         return [
             (
                 _NAMES[name].format(place.of_board),
@@ -111,7 +111,7 @@ class BudgetUse:
 
 
 def budget_use(plan: Mapping[str, Any], machine: MachineConfig) -> BudgetUse:
-    """From the statistics of a job on this machine."""
+    """The budget use in the statistics of a job on this machine."""
     return BudgetUse(
         _worst(plan["loads"], machine),
         plan["widened_s"],
@@ -126,7 +126,7 @@ def _board(name: str) -> str:
 
 
 def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
-    """The loads on the boards that bind steps and commands."""
+    """The loads on the boards that limit steps and commands."""
     specs, found = machine.budget_specs, dict[str, Place]()
     for kind, (line, load) in loads.items():
         name = min(specs, key=lambda name: specs[name][f"{kind}_s"])
@@ -136,7 +136,7 @@ def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> di
 
 
 def _unsure_s(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> float:
-    """The rate of commands that binds, if it is low and a lower speed is to keep to it."""
+    """The rate of commands that is the limit, if it is low and a lower speed has to keep to it."""
     if "commands" not in loads:
         return 0.0
     saved = (_WIDEST_US / machine.board.compression_tolerance_us) ** 0.25
@@ -156,7 +156,7 @@ def _densest(peaks: Mapping[str, tuple[int, float]], machine: MachineConfig) -> 
 def _shares(
     peaks: Mapping[str, tuple[int, float]], board: Board, most_steps_s: float
 ) -> dict[str, tuple[int, float]]:
-    """Line and share of all that the plan takes of one board."""
+    """Line and fraction of each load of the plan on one board."""
     (step_line, steps_s), (line, commands_s) = peaks["steps_s"], peaks["commands_s"]
     found = {"slots": (line, min(1.0, commands_s * board.ahead_s / board.move_count))}
     if budget := board.budget:

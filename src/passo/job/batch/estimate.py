@@ -1,4 +1,4 @@
-"""Time and filament of a file: the plan without steps, and how long its heaters take."""
+"""Time and filament of a file: the plan without steps, and the time to heat."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Estimate:
     """Figures of a plan. `total_s` is the sum of `moving_s`, `dwell_s` and `heating_s`.
 
     `heating_s` is how long the file waits for temperatures on the simulated printer of the machine
-    file, from a room of 25 °C on; a real printer differs with its heaters and its room. `layers_s`
-    has one figure for each of `layers`, of moves and dwells; `before_layers_s` is the same before
-    the first one. `errors` are those of an estimate that failed, whose figures are 0.
+    file, starting at 25 °C; a real printer differs with its heaters and its room. `layers_s` has
+    one figure for each of `layers`, of moves and dwells; `before_layers_s` is the same before the
+    first one. `errors` are those of an estimate that failed, whose figures are 0.
     """
 
     file: str
@@ -77,8 +77,8 @@ def estimate_open(
     ignore_tools: bool = False,
     take_path: Callable[[bytes], None] | None = None,
 ) -> Estimate:
-    """`estimate` with a file of so many bytes that is open, at its beginning. `take_path` is called
-    with the path that was planned, see toolpath.py. Raises what reading it raises, too."""
+    """`estimate` with an open file of so many bytes, at its beginning. `take_path` is called with
+    the planned path, see toolpath.py. Also raises the errors of reading."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
     if take_path:
@@ -93,7 +93,7 @@ def estimate_open(
         take_path(encoded_toolpath(job))
     plan = job.statistics()
     layers, layers_s = plan["layers"], plan["layer_s"]
-    # What rose before the first mark of a layer counts as no layer once there are marks.
+    # Moves before the first layer mark belong to no layer once there are marks.
     counted_s = layers_s[1 : layers + 1]
     return Estimate(
         file=name,

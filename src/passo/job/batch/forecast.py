@@ -1,4 +1,4 @@
-"""How long a file will take, reckoned beside the print that is under way."""
+"""Estimates how long a file will take, while its print is running."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _REST_S = 0.02  # of host time between two pieces
 @dataclass(frozen=True, slots=True)
 class Forecast:
     """Seconds of motion and dwell in a file, without heating, and those before the byte where its
-    print begins; its layers; what it asks of the board."""
+    print begins; its layers; its load on the board."""
 
     seconds: float
     before_s: float
@@ -35,8 +35,8 @@ class Forecast:
 
 
 async def forecast(machine: MachineConfig, reader: Reader, begin: int) -> Forecast | None:
-    """How a file will go whose print begins at a byte; None if it cannot be planned to its end.
-    Takes its time, as others need the event loop too. Closes the reader."""
+    """The forecast of a file whose print begins at a byte; None if it cannot be planned to its end.
+    Works in pieces, because other tasks need the event loop too. Closes the reader."""
     job = _core.Job(machine.core_spec(), False, True, True)
     commands = Commands.of_plan(machine, job)
     before_s = 0.0

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.printer.commands.program import Commands
 
-SLICE_S = 0.5  # a wait looks at the temperatures this often
-LEAD_S = 0.25  # moves after a wait begin so much later
+SLICE_S = 0.5  # interval at which a wait reads the temperatures
+LEAD_S = 0.25  # delay of the moves after a wait
 LONGEST_S = 3600.0  # a heater that takes longer is broken
 
 
 class Heating:
-    """The heaters of one planned job: they heat, hold and cool while the plan goes on.
+    """The heaters of one planned job: they heat, hold and cool while the plan runs.
 
     `seconds` is the time that the job has waited for them; `unreached` are the heaters that did not
     reach a target within an hour, or failed, each with that target in °C.
@@ -57,7 +57,7 @@ class Heating:
             self._job.mark(self._names.index(heater), round(celsius * 100))
 
     def settle(self, wait: Wait, commands: Commands) -> None:
-        """What a plan does at a wait: temperatures take their time."""
+        """Ends a wait of the plan: lets the time for the temperatures pass."""
         heated(self._job, lambda heaters: self._wait(heaters, commands))(wait)
 
     def warnings(self, file: str) -> list[str]:
@@ -88,7 +88,7 @@ class Heating:
                 self.unreached.setdefault(name, h.target)
 
     def _pass(self) -> None:
-        """Time of the plan, which is settled, passes up to its end; targets change on the way."""
+        """Lets the time of the settled plan pass up to its end; targets change during it."""
         while (mark := self._job.next_mark) is not None:
             self._job.pop_mark()
             clock, heater, centi = mark

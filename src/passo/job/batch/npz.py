@@ -18,8 +18,8 @@ _SIZES = {INT64: 8, INT8: 1, FLOAT64: 8}
 
 
 def npy_header(kind: str, count: int | None) -> bytes:
-    """Everything of a .npy file before its values, padded to 64 bytes; `count` values in a row, or
-    one alone (None)."""
+    """The header of a .npy file, padded to 64 bytes, for `count` values in a row, or a single value
+    (None)."""
     shape = "()" if count is None else f"({count},)"
     text = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}"
     room = -(10 + len(text) + 1) % 64

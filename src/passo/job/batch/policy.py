@@ -1,4 +1,4 @@
-"""What a print does where it cannot do what its file says."""
+"""The policy of a print for lines that it cannot carry out."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from passo.printer.unfit_commands import ALL, Skips
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """What a print does where it cannot do what the file says. `clamp` and `ignore_tools`: moves
-    out of range and tools that are missing; False: it fails.
+    """The policy of a print for lines that it cannot carry out. `clamp` and `ignore_tools` accept
+    moves out of range and missing tools; with False the print fails.
 
     `checked` makes the checks of the served printer: axes must be homed before they move, hotends
-    warm before filament moves, and no command may be refused. Without it the machine is taken as
-    homed and warm, as a piece of G-code needs it, and refused commands are warnings. `skips` are
-    commands that the print leaves out with a warning instead of failing before the first move."""
+    must be warm before filament moves, and no command may be refused. Without it the machine counts
+    as homed and warm, for a piece of G-code, and refused commands are warnings. `skips` are
+    commands that the print leaves out with a warning instead of failing before the first move.
+    """
 
     clamp: bool = False
     ignore_tools: bool = False

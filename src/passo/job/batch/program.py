@@ -1,4 +1,4 @@
-"""Reading a program through a job without consoles: the one loop that all such uses share."""
+"""Reads a program through a job without consoles: the one loop for all such uses."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves,
 _log = logging.getLogger(__name__)
 
 _MAX_MESSAGES = 1 << 15
-_ALLOWED_BY = {  # what a command line can do besides; consoles cannot
+_ALLOWED_BY = {  # options of the command line only; consoles have none
     "input.out-of-range": "--out-of-range clamp",
     "input.unreachable": "--out-of-range clamp",
     "input.actuator": "--out-of-range clamp",
@@ -40,7 +40,8 @@ Settle = Callable[[Wait], None]
 
 
 def at_rest(job: _core.Job) -> Settle:
-    """Waits of a plan alone: homing sets positions, all else only stops the machine."""
+    """Ends the waits of a plan without temperatures: homing sets positions, all others only stop
+    the machine."""
 
     def settle(wait: Wait) -> None:
         if isinstance(wait, WaitForHoming):
@@ -54,7 +55,7 @@ def at_rest(job: _core.Job) -> Settle:
 
 
 def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
-    """As `at_rest`, but temperatures are waited for."""
+    """As `at_rest`, but waits for temperatures."""
     rest = at_rest(job)
 
     def settle(wait: Wait) -> None:
@@ -76,11 +77,11 @@ def read_program(
 ) -> Iterator[None]:
     """Feeds the pieces to the job and its commands to the printer, to the end.
 
-    Yields whenever the job has made progress or has as many messages as it may; the caller that
-    takes them does so then. At the last yield the job is flushed. Commands that are refused become
-    warnings. Raises InputError with `name` as the file, for words without a number, too, and where
-    the commands do not let a refused one pass. `unsurveyed`: what lines of macros may leave out,
-    which no survey has seen.
+    Yields whenever the job has made progress or has as many messages as it may; the caller takes
+    them then. At the last yield the job is flushed. Commands that are refused become warnings.
+    Raises InputError with `name` as the file, also for words without a number, and for a refused
+    command unless the commands let it pass. `unsurveyed` are the commands that lines of macros may
+    leave out, because the survey does not read these lines.
     """
     status = _core.JobStatus
     source = iter(pieces)
@@ -120,7 +121,7 @@ def read_program(
 
 
 def _expand(job: _core.Job, commands: Commands, name: str, settle: Settle) -> None:
-    """A call becomes lines. Raises InputError with `name` as the file."""
+    """Replaces a macro call by its lines. Raises InputError with `name` as the file."""
     command = Command(*job.event)
     try:
         commands.expand(command, lambda text: _log.info("%s", text))
@@ -146,10 +147,10 @@ def run_program(
     settle: Settle | None = None,
     end: int | None = None,
 ) -> Iterator[float]:
-    """`read_program` with a file, or its lines before the one of number `end`; yields the share of
-    it that is read. Without `settle` nothing is waited for. Raises InputError, before the first
-    line for commands that must not be left out, unless the file is a pipe, and at the end of a file
-    also for a text without any command that is known."""
+    """`read_program` with a file, or its lines before number `end`; yields the fraction of it that
+    is read. Without `settle` it waits for nothing. Raises InputError: before the first line for
+    commands that must not be left out, unless the file is a pipe; and at the end of a file for a
+    text without any known command."""
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
         yield from run_open_program(job, commands, source, size, str(path), settle, end)
@@ -164,7 +165,7 @@ def run_open_program(
     settle: Settle | None = None,
     end: int | None = None,
 ) -> Iterator[float]:
-    """`run_program` with a file of so many bytes that is open, at its beginning."""
+    """`run_program` with an open file of so many bytes, at its beginning."""
     unsurveyed = commands.skips
     if source.seekable():
         found = survey(commands.machine, chunks(source, name))

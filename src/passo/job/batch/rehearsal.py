@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class _Target:
-    """What the program has set of a hotend, °C, and the clock of the plan up to which an earlier,
-    warm target acts."""
+    """The last target that the program has set for a hotend, °C, and the clock of the plan until
+    which an earlier, warm target is in force."""
 
     celsius: float = 0.0
     warm_until: float = 0.0
@@ -35,9 +35,10 @@ class RehearsedCommands(Commands):
     """Commands of a print that fails where a print from the card of the served printer stops: at
     moves of axes that are not homed, cold extrusion, and every command that is refused.
 
-    A hotend that is cold and has no warm target holds filament when a line is read. One whose
-    temperature is under way when a line is read is looked at while the board moves the filament:
-    then the plan need not wait, and its steps are those of a print without checks."""
+    A hotend that is cold and has no warm target blocks filament when a line is read. If its
+    temperature is still rising when a line is read, it is checked while the board moves the
+    filament: then the plan need not wait, and its steps are those of a print without checks.
+    """
 
     def __init__(
         self,
@@ -51,10 +52,10 @@ class RehearsedCommands(Commands):
         self._boards = boards
         self.cold = ColdExtrusion(machine)
         self._targets = {name: _Target() for name in machine.heaters}
-        self._unsure = False  # what was read since the last look may move filament that is cold
+        self._unsure = False  # the lines since the last check may move cold filament
         self._now = 0.0
-        self.unsure_until = -1.0  # clock of the plan up to which that was so
-        self.catch_up: Callable[[], None] = lambda: None  # lets the board do what is planned
+        self.unsure_until = -1.0  # clock of the plan until which that was so
+        self.catch_up: Callable[[], None] = lambda: None  # lets the board execute the plan so far
         self._axes = axis_order(machine.axes)
         self._lock(homed_axes(machine))
 
@@ -74,7 +75,7 @@ class RehearsedCommands(Commands):
         raise InputError([with_option(problem) for problem in placed])
 
     def settled(self, wait: Wait) -> None:
-        """What was waited for has come."""
+        """A wait has ended."""
         if not isinstance(wait, WaitForHoming):
             return
         names, point = named_axes(self._machine, wait.letters), self._machine.home_mm
@@ -87,15 +88,15 @@ class RehearsedCommands(Commands):
             self._job.lock_axis(number, False)
 
     def target_set(self, heater: str, celsius: float) -> None:
-        """The program has set a target that acts behind all moves so far."""
+        """The program has set a target that acts after all moves so far."""
         target = self._targets[heater]
         if target.celsius >= self.cold.cold_c:
             target.warm_until = self._plan_end
         target.celsius = celsius
 
     def guard(self, now: float) -> None:
-        """What is read from now on moves filament only if its hotend is warm, or may become so.
-        `now` is the board's clock within the job."""
+        """From now on lines move filament only if its hotend is warm, or may become warm. `now` is
+        the board's clock within the job."""
         self._now = now
         if self._unsure:
             self.unsure_until = self._plan_end
@@ -143,7 +144,7 @@ class RehearsedCommands(Commands):
         return self._job.clock + self._job.queued_ticks
 
     def _guard_set(self, command: Command) -> Wait:
-        """M302, once what was read before it is done: that must keep to what held then."""
+        """Sets M302 when the earlier lines are done: the old setting holds for them."""
         command.check()
 
         def take() -> None:

@@ -1,4 +1,4 @@
-"""What a print came to."""
+"""The result of a print."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class PrintResult:
 
     `cpu_s` is the processor time of this job alone: its stages, and in `total` all of it, without
     the start of the program. `process_peak_rss_mb` belongs to the process: after several jobs, or
-    beside others, it is that of the largest so far.
+    with others running, it is that of the largest so far.
     """
 
     file: str
@@ -59,7 +59,7 @@ class PrintResult:
     def take_plan(
         self, job: _core.Job, axes: list[str], extruders: list[str], machine: MachineConfig
     ) -> None:
-        """Copies what the plan knows."""
+        """Copies the figures of the plan."""
         plan = job.statistics()
         self.lines, self.moves, self.arcs = plan["lines"], plan["moves"], plan["arcs"]
         self.move_time_s, self.dwell_time_s = plan["move_s"], plan["dwell_s"]
@@ -71,7 +71,7 @@ class PrintResult:
         self.print_time_s = self.move_time_s + self.heat_time_s + self.dwell_time_s
 
     def take_steps(self, job: _core.Job, clock_hz: int) -> None:
-        """Copies what the step solver and the compressor know."""
+        """Copies the figures of the step solver and the compressor."""
         rows = job.steppers()
         self.reversal_pairs_dropped = {row["name"]: row["dropped_pairs"] for row in rows}
         self.net_steps_expected = {row["name"]: row["expected_net"] for row in rows}
@@ -83,11 +83,11 @@ class PrintResult:
 
 
 def process_peak_rss_mb() -> float:
-    """Peak memory of this process since it began; no system has that figure for one job."""
+    """Peak memory of this process since it began; systems do not measure it per job."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def thread_cpu_s() -> float:
     """Processor seconds of this thread, by the clock with which the core measures its stages. A job
-    runs in one thread, so differences are the job's own while others run beside it."""
+    runs in one thread, so a difference belongs to this job even if others run."""
     return time.thread_time()

@@ -1,4 +1,4 @@
-"""A whole print: the file through the plan, the wire and the board, in virtual time."""
+"""A whole print in virtual time: the file through plan, link and board."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.config.machine import MachineConfig
 
-_LEAD_S = 0.25  # what is planned after a wait starts this much later
-_HORIZON_S = 0.2  # the board is sent commands less than this before they are due
-_LOOK_S = 0.5  # filament that may be cold is looked at this often
-_SLICE_S = 0.5  # temperatures are looked at this often while waiting
+_LEAD_S = 0.25  # delay of the plan after a wait
+_HORIZON_S = 0.2  # commands are sent to the board at most this long before they are due
+_LOOK_S = 0.5  # interval of the checks of filament that may be cold
+_SLICE_S = 0.5  # interval of temperature readings during a wait
 _TIMEOUT_S = 3600.0  # a heater that takes longer is broken
-_TOO_EARLY = 0.01  # share of a file that tells nothing yet of the rest
+_TOO_EARLY = 0.01  # fraction of a file that is too small to predict the rest
 _STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where a print is: share of the file done, layer, print time and what of it went into heating;
-    of each heater its temperature, its target (0: off), °C, and its power, 0 to 1."""
+    """The progress of a print: fraction of the file done, layer, print time and the part of it for
+    heating; of each heater its temperature, its target (0: off), °C, and its power, 0 to 1."""
 
     share: float
     layer: int
@@ -50,16 +50,16 @@ class Progress:
 
     @property
     def left_s(self) -> float | None:
-        """Print time left if the rest of the file takes as long as what was done, which does not
-        heat again; None at the beginning."""
+        """Print time left if the rest of the file takes as long as the finished part, without
+        heating again; None at the beginning."""
         if self.share <= _TOO_EARLY:
             return None
         return (self.print_s - self.heat_s) * (1 - self.share) / self.share
 
 
 class _Targets:
-    """Sets the targets of a print's heaters. It does not know the print, so that the two are freed
-    without the garbage collector."""
+    """Sets the targets of a print's heaters. It does not refer to the print, so that the two are
+    freed without the garbage collector."""
 
     def __init__(self, job: _core.Job, connection: Boards, heaters: list[str]) -> None:
         self._job, self._connection, self._heaters = job, connection, heaters
@@ -85,8 +85,8 @@ class Print:
         progress: Callable[[Progress], None] | None = None,
         every_s: float = inf,
     ) -> None:
-        """`progress` is called whenever the board has done what was planned so far, and after
-        `every_s` of print time in between; it may set `every_s`."""
+        """`progress` is called whenever the board has executed the plan so far, and every `every_s`
+        of print time in between; it may set `every_s`."""
         begin_s = thread_cpu_s()
         self._machine = machine
         self._policy = policy or Policy()
@@ -114,7 +114,8 @@ class Print:
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
         self._heat_s = 0.0
-        # Line, share of the file, and layer to which it was read before, and is now.
+        # Line, fraction of the file, and layer up to which the file was read before, and is read
+        # now.
         self._from = self._to = (0, 0.0, 0)
         self._watch: Callable[[], None] = lambda: None
         self._trace_s = 0.0
@@ -164,8 +165,8 @@ class Print:
         result: PrintResult | None = None,
     ) -> PrintResult:
         """Prints the file to its end, or up to this line, which is left out. Raises InputError, or
-        MachineError, also for M112 and M410, which end a print as soon as they are read; a `result`
-        that was given has the warnings and the cost of such a print, too."""
+        MachineError, also for M112 and M410, which end a print as soon as they are read. A given
+        `result` has the warnings and the cost of such a print, too."""
         result = result or PrintResult(file=str(path), machine=self._machine.name)
         begin_s = thread_cpu_s()
         self._join()
@@ -179,14 +180,15 @@ class Print:
         return result
 
     def _join(self) -> None:
-        """The parts of this print call it while it runs."""
+        """Connects the parts of this print to its callbacks while it runs."""
         self.connection.set_on_fault(self._heater_failed)
         if self._checks is not None:
             self._targets.on_target = self._checks.target_set
             self._checks.catch_up = lambda: self._run_to(self.job.clock)
 
     def _part(self) -> None:
-        """No part refers back any more: that would keep all until the garbage collector runs."""
+        """Removes all references back to the print, which would keep everything until the garbage
+        collector runs."""
         self.connection.set_on_fault(None)
         self._progress, self._watch = None, lambda: None
         self._targets.on_target = lambda heater, celsius: None
@@ -217,7 +219,7 @@ class Print:
             if self.job.line > self._to[0]:
                 self._from, self._to = self._to, (self.job.line, share, self.job.layer)
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
-            self.job.passed(self.job.clock)  # nothing is ever planned anew
+            self.job.passed(self.job.clock)  # nothing is ever replanned
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
         kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)
@@ -227,7 +229,7 @@ class Print:
         """Lets the board work up to a clock of the job; heaters are set at their marks."""
         if self._checks is not None:
             now = self.connection.now - self.base
-            self.job.line_at(now)  # asked often: it forgets what is past
+            self.job.line_at(now)  # call often: it drops past lines
             self._checks.guard(now)
         while (mark := self.job.next_mark) is not None and mark[0] <= job_clock:
             self._run(self.base + mark[0])
@@ -253,7 +255,7 @@ class Print:
                 self._progress(self._where())
 
     def _looks_at_filament(self) -> bool:
-        """Whether what the board does next may move filament whose hotend is not warm."""
+        """Whether the next moves of the board may move filament whose hotend is not warm."""
         checks = self._checks
         if checks is None or self.connection.now - self.base >= checks.unsure_until:
             self._filament = None
@@ -263,7 +265,7 @@ class Print:
         return True
 
     def _look_at_filament(self) -> None:
-        """Raises InputError if filament has moved that is too cold."""
+        """Raises InputError if filament that is too cold has moved."""
         assert self._checks is not None
         assert self._filament is not None
         for name, cold in self._checks.cold_filament():
@@ -296,14 +298,14 @@ class Print:
         return self._machine.heaters[name].on_fault == "heater"
 
     def _heater_failed(self, name: str, fault: HeaterFault) -> None:
-        """A print goes on without a heater only if the machine file says so."""
+        """Continues a print without a heater only if the machine file allows it."""
         if self._goes_on_without(name):
             return
         if self._machine.heaters[name].on_fault == "machine":
             self.connection.emergency_stop()
         for heater in self._heaters:
             self.connection.set_target(heater, 0.0)
-        with suppress(MachineError):  # a board that was stopped says so
+        with suppress(MachineError):  # a stopped board reports it
             self.connection.run(self.connection.now + round(_SLICE_S * self._hz))
         raise MachineError([fault.problem])
 

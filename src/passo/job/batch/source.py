@@ -1,4 +1,4 @@
-"""Reading a G-code file, and saying in sentences what is wrong with it."""
+"""Reads a G-code file, and reports errors in it as sentences."""
 
 from __future__ import annotations
 

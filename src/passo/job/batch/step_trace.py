@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class StepTrace:
     """Steps of each motor: ticks since the job began, directions ±1, ideal ticks or nothing; and
-    what the print warned of."""
+    the warnings of the print."""
 
     clock_hz: int
     ticks: dict[str, array[int]]

@@ -24,7 +24,7 @@ _COLUMNS = (
 
 
 def encoded_toolpath(job: _core.Job) -> bytes:
-    """The path of a job that was told to `keep_toolpath`, all of whose moves are planned."""
+    """The path of a job with `keep_toolpath`, all of whose moves are planned."""
     taken = job.take_toolpath()
     if taken is None:
         raise ValueError("the job does not keep its path")

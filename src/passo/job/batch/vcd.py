@@ -12,9 +12,9 @@ from passo.job.durable_files import replaced
 
 
 def timescale(clock_hz: int) -> tuple[int, str, int]:
-    """(number, unit, such units by second) of the coarsest timescale in which a tick is whole.
+    """(number, unit, such units per second) of the coarsest timescale in which a tick is whole.
 
-    Clocks that do not divide a picosecond grid get picoseconds: each time is the nearest one.
+    Clocks that do not fit a picosecond grid get picoseconds, with each time rounded to the nearest.
     """
     for unit, by_second in (("ns", 10**9), ("ps", 10**12)):
         for number in (100, 10, 1):

@@ -1,4 +1,4 @@
-"""The report of a halt as text, to be attached to a question."""
+"""The report of a halt as text, which a user can attach to a question."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from passo.version import __version__
 MAX_COMMANDS = 50  # console lines
 _MAX_SETTINGS = 500  # lines
 _MAX_MACHINE = 200_000  # characters
-_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # what steers a terminal, C0 and C1
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # terminal control characters, C0 and C1
 
 
 class JobMoment(NamedTuple):
-    """The print at the halt. `line` is that of the move under way, 0 if there is none; `offset`
-    and `size` are bytes of the file, read and in all; `printed_s` is print time without pauses."""
+    """The print at the halt. `line` is that of the current move, 0 if there is none; `offset` and
+    `size` are bytes of the file, read and in total; `printed_s` is print time without pauses."""
 
     state: str
     file: str
@@ -34,8 +34,8 @@ class JobMoment(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class HaltReport:
-    """All that a report shows. `when` is the time of day, `host_s` and `print_s` are the host time
-    and the print time of the halt."""
+    """The data of a report. `when` is the time of day, `host_s` and `print_s` are the host time and
+    the print time of the halt."""
 
     when: str
     host_s: float

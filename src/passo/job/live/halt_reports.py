@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 KEPT_FILES = 10
-AFTER_S = 0.5  # until the frames are taken: the order to stop, and what the boards answer
+AFTER_S = 0.5  # until the frames are taken: time for the stop command and the answers of the boards
 
 
 class _Halt:
-    """What only the moment of a halt shows."""
+    """The data that only the moment of a halt has."""
 
     def __init__(
         self,
@@ -47,15 +47,15 @@ class _Halt:
         self.cause = cause
         self.job = job
         self.heaters = [*history.samples(), (self.print_s, history.now())]
-        # A restart replaces the connections; these keep what they have recorded.
+        # A restart replaces the connections; these keep their recorded frames.
         self.connections = [(c, c.host_ticks) for c in printer.connection.connections]
 
 
 class HaltReports:
     """Writes `STEM-0001-DATE-TIME.txt` at a halt, then 0002 and so on, and keeps the last ten.
 
-    A thread writes, half a second after the halt: nothing waits for the disk. A restart loses no
-    report, nor does the end of the program. All consoles and the log are told where it is. What
+    A thread writes, half a second after the halt: nothing waits for the disk. Neither a restart nor
+    the end of the program loses a report. All consoles and the log get its path. A report that
     cannot be written is a warning.
     """
 
@@ -75,7 +75,7 @@ class HaltReports:
             return  # nothing has failed
         try:
             halt = _Halt(self._printer, self._loop.time(), self._job(), self._history, cause)
-        except Exception:  # the halt itself goes on
+        except Exception:  # the halt itself continues
             self._failed(exc_info=True)
         else:
             self._pending[halt] = self._loop.create_task(self._write_later(halt))
@@ -100,7 +100,7 @@ class HaltReports:
                 self._written(await asyncio.to_thread(_write, report, self._stem))
 
     def _close(self) -> None:
-        """The loop ends: what has not been written yet is written now."""
+        """The loop ends: writes the reports that are still open."""
         for halt, task in self._pending.items():
             task.cancel()
             with self._failures():
@@ -169,7 +169,7 @@ def _write(report: HaltReport, stem: Path) -> Path:
 
 
 def _reports(stem: Path) -> dict[int, list[Path]]:
-    """The reports that are there, by number."""
+    """The existing reports, by number."""
     name = re.compile(rf"{re.escape(stem.name)}-(\d{{4,}})-\d{{8}}-\d{{6}}\.txt")
     found: dict[int, list[Path]] = {}
     for path in stem.parent.iterdir():

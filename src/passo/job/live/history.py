@@ -1,4 +1,4 @@
-"""What was printed, one row a print, and how long the printer was on, one row a run; in SQLite."""
+"""The history: one row for each print, and one row for each run of the program; in SQLite."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ create table if not exists prints (
 )
 """
 _RUNS = "create table if not exists runs (id integer primary key, on_s real not null)"
-_LATER = {  # columns that older bases lack
+_LATER = {  # columns that older databases lack
     "note": "alter table prints add column note text not null default ''",
     "started_s": "alter table prints add column started_s real",
 }
 
 
-_TIMEOUT_S = 0.1  # with another one who writes: the printer waits meanwhile
+_TIMEOUT_S = 0.1  # for another process that writes: the printer waits meanwhile
 
 
 @dataclass(frozen=True, slots=True)
 class Totals:
-    """Of all prints that are remembered."""
+    """Totals of all remembered prints."""
 
     prints: int
     done: int
     print_s: float
     longest_s: float
     filament_mm: float
-    on_s: float  # that the printer was on, printing or not
+    on_s: float  # that the printer was on, printing or idle
 
 
 class PrintRow(NamedTuple):
-    """A print that is over; `started_s` is the wall clock, None if that is not known."""
+    """A print that is over; `started_s` is the wall clock, None if it is not known."""
 
     file: str
     size: int
@@ -62,7 +62,7 @@ class History:
         """`wall_s` is the wall clock, in seconds since 1970."""
         self._wall_s = wall_s
         directory.mkdir(parents=True, exist_ok=True)
-        self._run: int | None = None  # row of this one
+        self._run: int | None = None  # row of this run
         self._base = sqlite3.connect(directory / "history.sqlite", timeout=_TIMEOUT_S)
         try:
             self._prepare()
@@ -90,7 +90,7 @@ class History:
         note: str = "",
         row: int | None = None,
     ) -> int | None:
-        """A print, in place of that `row` if it is still there; returns the row. Durable when it
+        """Adds a print, in place of that `row` if it still exists; returns the row. Durable when it
         returns."""
         with self._base:
             return self._base.execute(
@@ -102,7 +102,7 @@ class History:
             ).lastrowid
 
     def was_on(self, seconds: float) -> None:
-        """So long this run has lasted by now. Durable when it returns."""
+        """Stores how long this run has lasted. Durable when it returns."""
         with self._base:
             if self._run is None:
                 found = self._base.execute("insert into runs (on_s) values (?)", (seconds,))
@@ -111,7 +111,7 @@ class History:
                 self._base.execute("update runs set on_s = ? where id = ?", (seconds, self._run))
 
     def totals(self, but: int | None = None) -> Totals:
-        """What M78 tells, `but` for the print of that row, which goes on."""
+        """The totals of M78, without the print of row `but`, which is still running."""
         row = self._base.execute(
             "select count(*), coalesce(sum(ended = 'done'), 0), coalesce(sum(print_s), 0),"
             " coalesce(max(print_s), 0), coalesce(sum(filament_mm), 0),"
@@ -121,7 +121,7 @@ class History:
         return Totals(*row)
 
     def last(self, most: int, but: int | None = None) -> list[PrintRow]:
-        """The newest prints, `but` for that row."""
+        """The newest prints, without row `but`."""
         rows = self._base.execute(
             "select file, size, started_s, ended, print_s, filament_mm, note from prints"
             " where id is not ? order by id desc limit ?",
@@ -130,12 +130,12 @@ class History:
         return [PrintRow(*row) for row in rows]
 
     def forget(self) -> None:
-        """All rows go."""
+        """Deletes all rows."""
         with self._base:
             self._base.execute("delete from prints")
             self._base.execute("delete from runs")
         self._run = None
 
     def close(self) -> None:
-        """Nothing may be asked any more."""
+        """Closes the database; no method may be called after that."""
         self._base.close()

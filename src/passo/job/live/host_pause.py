@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-RECENT_S = 10.0  # a machine that has stood for longer prints nothing
+RECENT_S = 10.0  # a machine that was idle for longer prints nothing
 
 
 class HostPause:
@@ -122,14 +122,15 @@ class HostPause:
             raise Stopped("it was stopped")
 
     def _stop(self, _: str) -> None:
-        """M410, or a switch that was hit: there is nothing to come back to."""
+        """M410, or a triggered endstop: discards the pause, because there is nothing to return
+        to."""
         self._stopped = True
         if self._printer.job.suspended and not self._printer.state.busy():
             self._printer.job.forget_suspended()
 
     def _heater_failed(self, fault: HeaterFault) -> None:
-        """The heater's policy is to pause what is printed. Lines that are under way, such as one
-        that homes, end first; no other one is taken in."""
+        """The heater's policy is to pause the print. Running lines, such as one that homes, end
+        first; no other line is accepted."""
         printer = self._printer
         if printer.state.busy() or printer.halted or printer.state.host_paused:
             return
@@ -153,7 +154,7 @@ class HostPause:
                 try:
                     await printer.waits.wait(pause, NullReply())
                 except Stopped:
-                    pass  # who has stopped it has been told
+                    pass  # the source of the stop has been notified
                 except PassoError as error:
                     printer.halt(error, f"the print could not stand aside: {error}")
         finally:

@@ -1,4 +1,4 @@
-"""The states of the file that a printer prints, and the ways between them."""
+"""The states of the file that a printer prints, and their transitions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class JobState(Enum):
-    """What becomes of the selected file."""
+    """The state of the selected file."""
 
     NONE = "no file is selected"
     READY = "a file is selected"
@@ -18,12 +18,12 @@ class JobState(Enum):
 
     @property
     def prints(self) -> bool:
-        """The print goes on, or is about to."""
+        """Whether the print is running, or about to run."""
         return self in (JobState.PRINTING, JobState.RETURNING)
 
     @property
     def active(self) -> bool:
-        """A print is under way, or paused."""
+        """Whether a print is running or paused."""
         return self.prints or self is JobState.PAUSED
 
 
@@ -31,16 +31,17 @@ _S = JobState
 TRANSITIONS: dict[JobState, frozenset[JobState]] = {
     # M23 selects a file.
     _S.NONE: frozenset({_S.READY}),
-    # M22 releases it; M1000 selects it and goes to the place where its print resumes; M24 starts.
+    # M22 releases it; M1000 selects it and approaches the position where its print resumes; M24
+    # starts.
     _S.READY: frozenset({_S.NONE, _S.APPROACHING, _S.PRINTING}),
-    # The machine is there, or did not get there.
+    # The machine has reached that position, or could not.
     _S.APPROACHING: frozenset({_S.READY}),
-    # M25 or a failed heater pauses; the end, M524, or what fails.
+    # M25 or a failed heater pauses; the end, M524, or a failure ends it.
     _S.PRINTING: frozenset({_S.PAUSED, _S.READY, _S.FAILED}),
     # M24 before the machine has braked, or after; M524; M999 after a halt.
     _S.PAUSED: frozenset({_S.PRINTING, _S.RETURNING, _S.READY, _S.FAILED}),
-    # The nozzle is back; another pause, also where it cannot return; M524; a stop.
+    # The nozzle has returned; another pause, also if it cannot return; M524; a stop.
     _S.RETURNING: frozenset({_S.PRINTING, _S.PAUSED, _S.READY, _S.FAILED}),
-    # Another file or M524; M22; M24 behind the line that has failed.
+    # Another file or M524; M22; M24 after the line that has failed.
     _S.FAILED: frozenset({_S.READY, _S.NONE, _S.PRINTING}),
 }

@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from passo.job.live.reader import Reader
     from passo.printer.printer import Printer
 
-_HEAD_BYTES = 1 << 16  # of the file, to know it again
-_LONGEST = 1 << 16  # bytes of a record; nothing that is longer is one
-_CHANGE = "change"  # key of a record that is none of a moment
-# Settings that what a program means depends on; heaters, drivers and times are the printer's own.
+_HEAD_BYTES = 1 << 16  # of the file, to recognise it
+_LONGEST = 1 << 16  # maximum bytes of a record
+_CHANGE = "change"  # key of a record that is not a moment
+# Settings that change the meaning of a program; heaters, drivers and times do not.
 _MEANING = re.compile("(?:M(?:92|20[0-9]|218|302|603)|SET_VELOCITY_LIMIT) ")
 
 
-Change = tuple[int, list[str]]  # bytes of the file, and the commands that act behind them
+Change = tuple[int, list[str]]  # bytes of the file, and the commands that act after them
 
 
 def meaning(printer: Printer) -> list[str]:
-    """Commands for those of the printer's settings that decide what a program means."""
+    """Commands for those of the printer's settings that change the meaning of a program."""
     return [line for line in printer.state.settings() if _MEANING.match(line)]
 
 
 def crc_of_macros(machine: MachineConfig) -> int:
-    """A number that changes with the macros of a machine file; 0 without macros."""
+    """A checksum of the macros of a machine file; 0 without macros."""
     crc = 0
     for name, macro in sorted(machine.macros.items()):
         crc = zlib.crc32(f"{name}\0{macro.model_dump_json()}\0".encode(), crc)
@@ -63,8 +63,7 @@ class Program:
 
     @classmethod
     def of(cls, machine: str, path: str, reader: Reader) -> Self:
-        """The program that `reader` reads, which stands at its beginning afterwards. Raises
-        CardError."""
+        """The program that `reader` reads; it is at its beginning afterwards. Raises CardError."""
         reader.seek(0)
         crc, left = 0, _HEAD_BYTES
         while left and (piece := reader.read(left)):
@@ -73,7 +72,7 @@ class Program:
         return cls(machine, path, reader.size, crc)
 
     def begun(self, printer: Printer) -> Self:
-        """It begins with what the printer has now."""
+        """Sets its start state to that of the printer now."""
         job, axes = printer.job, len(printer.machine.axes)
         due = [*job.offset_due, *[0.0] * (axes - 3)]
         return replace(
@@ -88,8 +87,8 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """How far a print is: the line whose move is under way at `print_s`, the Z of the machine then,
-    and what the file alone does not tell: `babysteps_mm` are those that consoles have sent, by
+    """How far a print is: the line whose move runs at `print_s`, the Z of the machine then, and the
+    state that the file alone does not give: `babysteps_mm` are those that consoles have sent, by
     axis; `overrides` are speed, flows and fans as they were when the print began, or as consoles
     have set them since (see Overrides). Line 0: no move yet."""
 
@@ -103,8 +102,8 @@ class Moment:
 
 
 class Journal:
-    """One print's journal in a directory. Each line of the file carries its own checksum, so what a
-    power cut has torn is seen and left out. Raises OSError."""
+    """One print's journal in a directory. Each line of the file has its own checksum, so that a
+    line that a power cut has damaged is detected and ignored. Raises OSError."""
 
     def __init__(self, directory: Path) -> None:
         self.path = directory / "journal"
@@ -112,18 +111,18 @@ class Journal:
 
     @property
     def open(self) -> bool:
-        """A print is being recorded."""
+        """Whether a print is being recorded."""
         return self._file is not None
 
     def begin(self, program: Program, moment: Moment) -> None:
-        """A print begins, or goes on: what was recorded before is replaced at once. Durable when it
-        returns; if it raises, there is nothing to go on with, for the print before is over."""
+        """A print begins, or resumes: replaces the previous record at once. Durable when it
+        returns. If it raises, nothing can be resumed, because the previous print is over."""
         self.leave()
         file: IO[bytes] | None = None
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with replaced(self.path) as new:
-                file = new.open("wb")  # goes on under its final name
+                file = new.open("wb")  # continues under its final name
                 file.write(_line(asdict(replace(program, changes=[]))))
                 file.writelines(_line({_CHANGE: change}) for change in program.changes)
                 file.write(_line(asdict(moment)))
@@ -136,11 +135,11 @@ class Journal:
         self._file = file
 
     def record(self, moment: Moment) -> None:
-        """Durable when it returns."""
+        """Records a moment. Durable when it returns."""
         self._append(asdict(moment))
 
     def record_change(self, change: Change) -> None:
-        """The same for what a console has set."""
+        """Records a change by a console. Durable when it returns."""
         self._append({_CHANGE: change})
 
     def _append(self, content: dict[str, Any]) -> None:
@@ -150,21 +149,20 @@ class Journal:
         os.fsync(self._file.fileno())
 
     def end(self) -> None:
-        """The print is over: there is nothing to go on with. Durable when it returns."""
+        """The print is over: nothing can be resumed. Durable when it returns."""
         self.leave()
         if self.path.exists():
             self.path.unlink()
             fsync_directory(self.path.parent)
 
     def leave(self) -> None:
-        """Records no more, and keeps what was recorded."""
+        """Stops recording, and keeps the record."""
         if self._file is not None:
             _close(self._file)
             self._file = None
 
     def read(self) -> tuple[Program, Moment] | None:
-        """The print that was interrupted, and how far it was; None if there is none that can be
-        read."""
+        """The interrupted print, and how far it was; None if there is none that can be read."""
         program: Program | None = None
         moment: Moment | None = None
         try:
@@ -180,7 +178,7 @@ class Journal:
                         tuples = {n: (int(at), v) for n, (at, v) in moment.overrides.items()}
                         moment = replace(moment, overrides=tuples)
         except (OSError, TypeError, ValueError, AttributeError):
-            pass  # what stands before the damage holds
+            pass  # the record before the damage is valid
         return (program, moment) if program and moment else None
 
 
@@ -190,13 +188,14 @@ def _line(content: dict[str, Any]) -> bytes:
 
 
 def _close(file: IO[bytes]) -> None:
-    """What a full disk did not take is lost, and was told when it was written."""
+    """Closes the file. Records that a full disk refused are lost; that was reported when they were
+    written."""
     with suppress(OSError):
         file.close()
 
 
 def _checked(line: bytes) -> dict[str, Any] | None:
-    """The content of a line that is whole."""
+    """The content of a line with a right checksum."""
     crc, _, text = line.removesuffix(b"\n").partition(b" ")
     try:
         if int(crc, 16) != zlib.crc32(text):

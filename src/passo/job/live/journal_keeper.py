@@ -25,9 +25,10 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 EVERY_S = 1.0  # of print time between two records
-Z_MM = 0.02  # and earlier where Z is kept, if it has gone so far: a tenth of a usual layer
+Z_MM = 0.02  # or earlier, if Z must be kept and has moved by a tenth of a usual layer
 _NO_WAY_MM = 1e-5
-# What a board was sent so long ago it had 125 ms to do it; who knows whether it has what follows.
+# A board had 125 ms to execute a command that was sent so long ago; whether it has later ones is
+# unknown.
 _UNHEARD_S = 0.1
 
 
@@ -51,14 +52,14 @@ class JournalKeeper:
         self._settlings = 0
         self._interrupted = self._journal.read()
         self._program: Program | None = None  # that was begun last
-        self.instead = ""  # what was not done because of it, to be told with the offer
+        self.instead = ""  # reported with the offer: what was not done because of it
         objects.watchers.append(self._object_cancelled)
         runner.watchers.append(self._job_changed)
         printer.watchers.append(self._time_passed)
         printer.closers.append(self._journal.leave)
 
     def offer(self) -> str:
-        """What to tell who comes: a print that was interrupted; empty if there is none."""
+        """The greeting for a console: a print that was interrupted; empty if there is none."""
         if self._interrupted is None:
             return ""
         program, moment = self._interrupted
@@ -88,8 +89,8 @@ class JournalKeeper:
             self._over()
 
     def _over(self) -> None:
-        """No print is under way. One that stands at a line that failed can still be gone on with,
-        also after a power cut; if nothing has moved yet, it begins anew."""
+        """No print is running. One that has stopped at a failed line can still be resumed, also
+        after a power cut; if nothing has moved yet, it restarts."""
         if not self._journal.open or self._interrupted is not None:
             return
         if self._printer.halted:
@@ -99,13 +100,13 @@ class JournalKeeper:
             self._end()
 
     def _has_moved(self) -> bool:
-        """A move of the print has begun, or is to come though it stands."""
+        """Whether a move of the print has begun, or will begin although it is stopped."""
         printer = self._printer
         line = self._recorded.line or printer.job.line_at(printer.queue.passed)
         return line > 1 or not printer.queue.standing
 
     def _begin(self) -> None:
-        """Before the first line of a print is read."""
+        """Begins the journal before the first line of a print is read."""
         reader = self._runner.reader
         if reader is None:
             return
@@ -116,7 +117,7 @@ class JournalKeeper:
         self._settlings = self._printer.positions.settlings
         self._overrides.begin()
         self._settings.begin()
-        # One that was stopped by a line goes on behind it.
+        # A print that was stopped by a line continues after that line.
         line = self._printer.job.line_at(self._printer.queue.passed) or self._runner.first_line
         self._recorded = self._moment(line, self._seen_z_mm)
         read = reader.tell()  # more than was planned of it
@@ -127,10 +128,10 @@ class JournalKeeper:
                 self._program = program.begun(printer)
             elif not followed:  # a line has failed before anything moved
                 self._program.changes.append(self._settings.held())
-            program = self._program  # as it was begun, if it goes on
+            program = self._program  # as it was begun, if it resumes
             self._begin_journal(program, self._recorded)
         except CardError as error:
-            self._end()  # an older print is over all the same
+            self._end()  # an older print is over in any case
             self._warn(f"No journal of this print: {error}")
         finally:
             reader.seek(read)
@@ -152,8 +153,8 @@ class JournalKeeper:
     def _follow_print(self) -> None:
         printer = self._printer
         queue = printer.queue
-        # Of the time up to which targets have been set: the line of a later move would be recorded
-        # with a heater's target from before it. Asked often: it forgets what is past.
+        # The time up to which targets have been set: otherwise the line of a later move would be
+        # recorded with a heater's earlier target. Call it often: it drops past lines.
         line = printer.job.line_at(queue.passed)
         before, self._seen_z_mm = self._seen_z_mm, self._z()
         settlings = printer.positions.settlings
@@ -163,7 +164,7 @@ class JournalKeeper:
             return
         last = self._recorded
         moment = self._moment(line or last.line, self._seen_z_mm)
-        # Heaters that are switched off meanwhile are wanted again for the print.
+        # Heaters that are switched off meanwhile must heat again for the print.
         if self._runner.state is JobState.PAUSED:
             moment = replace(moment, line=last.line, print_s=last.print_s, targets_c=last.targets_c)
         elif not self._runner.active:
@@ -173,8 +174,8 @@ class JournalKeeper:
             self._record(moment)
 
     def _keep_z(self, program: Program, moment: Moment) -> None:
-        """An interrupted print waits to be gone on with, and Z has moved: it must be known where,
-        should that be interrupted, too."""
+        """Z has moved while an interrupted print waits to be resumed: records Z, in case of another
+        interruption."""
         if "z" not in self._printer.positions.known or self._printer.halted:
             return
         before, self._seen_z_mm = self._seen_z_mm, self._z()
@@ -185,7 +186,7 @@ class JournalKeeper:
         self._interrupted = program, moment
         if self._journal.open:
             self._record(moment)
-        elif self._journal.path.exists():  # not where it could not be written before
+        elif self._journal.path.exists():  # not if it could not be written before
             self._begin_journal(program, moment)
 
     def _begin_journal(self, program: Program, moment: Moment) -> None:
@@ -195,7 +196,7 @@ class JournalKeeper:
             self._warn(f"No journal of this print: {error.strerror}")
 
     def _follows(self) -> bool:
-        """A print is recorded, that goes on or stands at a line that has failed."""
+        """Whether the recorded print is running, or has stopped at a failed line."""
         return self._journal.open and self._interrupted is None
 
     def _set_by_console(self, change: Change) -> None:
@@ -209,8 +210,8 @@ class JournalKeeper:
             self._set_by_console((self._runner.offset, [order]))
 
     def _z_matters(self, before_mm: float) -> bool:
-        """Z has gone far since the last record, or has come to rest elsewhere. A print that goes on
-        keeps Z without homing it where Z moves alone."""
+        """Whether Z has moved far since the last record, or has stopped at another position. A
+        print that resumes keeps Z without homing if Z moves alone."""
         if self._printer.machine.geometry.lifts_together:
             return False
         way_mm = abs(self._seen_z_mm - self._recorded.z_mm)
@@ -224,7 +225,7 @@ class JournalKeeper:
         try:
             record()
         except OSError as error:
-            # What it says would soon be long past.
+            # Its content would soon be outdated.
             self._end()
             self._warn(f"This print cannot be resumed after a power cut: {error.strerror}")
 
@@ -255,7 +256,7 @@ class JournalKeeper:
         )
 
     def interrupted(self) -> tuple[Program, Moment] | None:
-        """The print that can be resumed, and where."""
+        """The print that can be resumed, and its position."""
         return self._interrupted
 
     def forget(self) -> None:
@@ -275,12 +276,13 @@ class JournalKeeper:
             with self._runner.keep() as seek:
                 offset = await recovery.run()
                 seek(offset)
-            if offset == 0:  # seeking the beginning has forgotten which objects are cancelled
+            if offset == 0:  # seeking the beginning has reset which objects are cancelled
                 for line in (line for _, lines in program.changes for line in lines):
                     code, _, words = line.partition(" ")
                     if code == "M486":
                         self._printer.commands.run(Command(0, "M", 486, 0, "", words))
-            # What was set while more had been read ahead holds before that is read now.
+            # Settings that were made after more of the file had been read apply before the next
+            # line.
             changes = [(min(at, offset), lines) for at, lines in program.changes]
             self._program = replace(program, changes=changes)
         except (PassoError, Stopped):

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 AUTOSTART = "auto0.g"
-_DEEPEST = 8  # directories that a list goes down
+_DEEPEST = 8  # maximum depth of directories in a list
 
 
 class Library:
-    """The card of one printer and what is selected of it to print. `path` is the card; None: there
-    is none. `folder` is that of a card which is a folder. Paths are absolute on the card, or
-    `file:///…` of this computer."""
+    """The card of one printer and its selected file. `path` is the card; None: there is none.
+    `folder` is that of a card which is a folder. Paths are absolute on the card, or `file:///…` of
+    this computer."""
 
     def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
         self._printer, self._runner, self._path = printer, runner, path
@@ -51,12 +51,12 @@ class Library:
 
     @property
     def mounted(self) -> bool:
-        """A card is mounted."""
+        """Whether a card is mounted."""
         return self._card is not None
 
     def mount(self) -> None:
-        """Opens the card anew. A print that stands because a line or the card has failed can still
-        be resumed, if its file is there as it was. Raises CardError."""
+        """Opens the card again. A print that stopped because a line or the card has failed can
+        still be resumed, if its file is unchanged. Raises CardError."""
         if not self._runner.stands:
             self._runner.release()
         self._leave()
@@ -68,7 +68,7 @@ class Library:
             self._open_again()
 
     def release(self) -> None:
-        """Lets go of the card until it is mounted again. Raises CommandError while a file is
+        """Releases the card until it is mounted again. Raises CommandError while a file is
         printed."""
         self._runner.release()
         self._leave()
@@ -80,7 +80,7 @@ class Library:
             self._card = None
 
     def _open_again(self) -> None:
-        """The file of a print that stands."""
+        """Opens the file of a stopped print again."""
         runner, before = self._runner, self._selected
         if is_local(runner.path):
             return
@@ -96,7 +96,7 @@ class Library:
     # -- its files --------------------------------------------------------------------------------
 
     def there(self, path: str) -> bool:
-        """The card has such a file or folder."""
+        """Whether the card has such a file or folder."""
         try:
             self.card.find(path)
         except CardError:
@@ -104,8 +104,8 @@ class Library:
         return True
 
     def programs(self) -> Iterator[tuple[str, Entry]]:
-        """All G-code files with the short names of their folders in front. Raises CardError, also
-        while they are read."""
+        """All G-code files, with the short names of their folders in front. Raises CardError, also
+        during the iteration."""
         return self._programs(self.card)
 
     def _programs(self, card: Card) -> Iterator[tuple[str, Entry]]:
@@ -134,7 +134,7 @@ class Library:
         self._selected = entry
 
     def reader(self, path: str) -> CardReader:
-        """Opens a file to read it beside a print. Raises CardError, InputError."""
+        """Opens a file to read it during a print. Raises CardError, InputError."""
         return open_local(path) if is_local(path) else self.card.open(path)
 
     def create(self, path: str) -> Writer:
@@ -148,8 +148,8 @@ class Library:
         self.card.remove(path)
 
     def let_go(self, path: str) -> None:
-        """The selected file is selected no more when it, or a folder that holds it, is to change.
-        Raises CardError while it is printed."""
+        """Deselects the selected file because it, or a folder that holds it, will change. Raises
+        CardError while it is printed."""
         runner, changed = self._runner, split(path)
         if not runner.path or is_local(runner.path) or not (changed and self.there(path)):
             return
@@ -170,5 +170,5 @@ class Library:
 
     @property
     def starts_itself(self) -> bool:
-        """The card holds `auto0.g`."""
+        """Whether the card holds `auto0.g`."""
         return self.there(AUTOSTART)

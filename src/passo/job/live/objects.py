@@ -1,4 +1,4 @@
-"""The objects of the file that is printed: which there are, and which are cancelled."""
+"""The objects of the file that is printed, and which of them are cancelled."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ if TYPE_CHECKING:
 
 
 class PrintObjects:
-    """Those of one printer's print from a file. They are known once the file was looked through,
-    and none is cancelled when a print begins. `watchers` are called with the number of each object
-    that a client cancels or restores, and whether it is cancelled."""
+    """The objects of one printer's print from a file. They are known once the file was scanned;
+    none is cancelled when a print begins. `watchers` are called with the number of each object that
+    a client cancels or restores, and whether it is cancelled."""
 
     def __init__(self, printer: Printer, runner: Runner) -> None:
         self._printer, self._runner = printer, runner
         self._known: tuple[PrintObject, ...] = ()
-        self._of: tuple[_core.Job, int] | None = None  # that they were read from
+        self._of: tuple[_core.Job, int] | None = None  # the job and print that they were read from
         self.watchers: list[Callable[[int, bool], None]] = []
 
     @property
     def all(self) -> tuple[PrintObject, ...]:
-        """Each object of the print under way, or of the last one, by its number."""
+        """Each object of the current print, or of the last one, by its number."""
         job = self._printer.job
         version = job.objects_version
         if self._of is None or self._of[0] is not job or self._of[1] != version:
@@ -41,7 +41,7 @@ class PrintObjects:
 
     @property
     def current(self) -> int | None:
-        """The object whose moves are under way; None between objects, and without a print."""
+        """The object whose moves are being executed; None between objects, and without a print."""
         if not self._runner.active:
             return None
         job = self._printer.job
@@ -50,7 +50,7 @@ class PrintObjects:
 
     @property
     def planned_to_line(self) -> int:
-        """The line up to which moves are planned, and take place whatever is cancelled now."""
+        """The line up to which moves are planned; a cancellation has no effect on these moves."""
         with self._printer.dispatch.file_selected() as job:
             return job.line
 
@@ -66,8 +66,8 @@ class PrintObjects:
         return numbers[0]
 
     def cancel(self, number: int, *, cancelled: bool = True) -> bool:
-        """Skips the object's moves that are not planned yet, or skips them no longer. False if that
-        was so before. Raises CommandError."""
+        """Skips the object's moves that are not planned yet, or stops skipping them. False if
+        nothing changes. Raises CommandError."""
         self._require_print()
         if not 0 <= number < len(self.all):
             raise CommandError.of("job.no-object", value=str(number), limit=self._choice())

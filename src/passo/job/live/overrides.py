@@ -72,8 +72,8 @@ class Overrides:
 
 
 class Settings:
-    """Settings and modes that consoles change beside a print from the card: each such line is told
-    to `changed`, while `watched`, as commands for what holds behind it."""
+    """Settings and modes that consoles change during a print from the card: each such line is
+    passed to `changed`, while `watched`, as commands for the state after it."""
 
     def __init__(
         self,
@@ -89,11 +89,11 @@ class Settings:
         printer.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
-        """A print begins, or goes on: what holds now is not to be told."""
+        """A print begins, or resumes: the current state counts as known."""
         self._seen = self._now()
 
     def held(self) -> Change:
-        """All that holds now."""
+        """All settings and modes now in force."""
         return self._change(self._now())
 
     def _now(self) -> list[str]:
@@ -110,7 +110,7 @@ class Settings:
             self._tell(new)
 
     def _carried_out(self, command: Command, reply: Reply) -> None:
-        """M302 does not wait for the turn of its line."""
+        """M302 acts before its line has its turn."""
         if command.code == "M302" and self._watched() and not self._runner.printing_from(reply):
             self._tell([line for line in meaning(self._printer) if line.startswith("M302 ")])
 

@@ -1,4 +1,4 @@
-"""Out of the way while a print is paused, and back to the very point."""
+"""Parks the nozzle while a print is paused, and returns it to the exact point."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _log = logging.getLogger(__name__)
 
 def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
     """Raises CommandError for a word of M600, see `Park.leave`, that is not within the limits of
-    this machine, or of what M701 pushes at once."""
+    this machine, or of the amount that M701 pushes at once."""
     z = machine.axes["z"]
     longest = {"Z": z.max_mm - z.min_mm} | dict.fromkeys("ELU", _core.LONGEST_CHANGE_MM)
     ranges = {letter: (-mm, mm) for letter, mm in longest.items()}
@@ -41,11 +41,11 @@ class Park:
 
     def __init__(self, printer: Printer, *, here: bool = False) -> None:
         self._printer, self._here = printer, here
-        self._left: list[float] | None = None  # where it stood, with `here`
+        self._left: list[float] | None = None  # its position then, with `here`
         self._away = False
         self._warm = False  # filament could move when the print was left
         self._retracted_mm = 0.0
-        self.owed_mm = 0.0  # of filament that others have taken back in this pause
+        self.owed_mm = 0.0  # mm of filament retracted by other parks during this pause
         self._load_mm = 0.0
         axes = printer.machine.axes
         order = enumerate(axis_order(axes))
@@ -53,10 +53,10 @@ class Park:
         self._celsius: float | None = None
 
     async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
-        """To the parking place; without one, or if an axis does not know where it is, nowhere.
-        Words of M600 take the place of the machine's: E takes filament back and Z lifts by so many
-        mm, X and Y are the place; U unloads so many mm there, and L loads so many before it comes
-        back, with the hotend at S, °C."""
+        """Moves to the parking position; without one, or if an axis is not homed, it stays. Words
+        of M600 replace the machine's values: E retracts and Z lifts by so many mm, X and Y are the
+        position; U unloads so many mm there, and L loads so many before it returns, with the hotend
+        at S, °C."""
         printer = self._printer
         park = printer.machine.park
         self._away = False
@@ -92,35 +92,33 @@ class Park:
         await self._wait_for_moves()
 
     def owe(self, other: Park) -> None:
-        """What another has taken back in this pause, and did not come back from, comes back with
-        this one."""
+        """Takes over filament that another park has retracted in this pause without returning: this
+        park restores it."""
         if other._away:
             self.owed_mm += other._retracted_mm
 
     def _take_tool(self) -> None:
-        """That of the print; none other leaves from `here` than the one that is in use."""
+        """Selects the tool of the print; only the tool in use leaves from `here`."""
         if not self._here:
             self._printer.take_stopped_tool()
 
     def _place(self) -> list[float]:
-        """Where it comes back to, machine mm."""
+        """The position to return to, machine mm."""
         return self._left or self._printer.job.stop_position
 
     def _push(self, mm: float, speed_mm_s: float) -> None:
-        """So much filament out of the nozzle."""
+        """Pushes so much filament out of the nozzle."""
         if mm:
             at = self._printer.job.machine_position[E]
             self._printer.queue.move({E: at + mm}, speed_mm_s)
 
     async def come_back(self) -> None:
-        """To that place, over it first and then down. A babystep meanwhile moves where the print
-        was left, also where there is no parking. Raises CommandError if a heater fails, or is off,
-        or arms do not reach it from where they are; it may be tried again."""
+        """Returns to that position: first above it, then down. A babystep meanwhile moves the
+        position, also without parking. Raises CommandError if a heater fails, or is off, or arms do
+        not reach the position from where they are; it may be tried again."""
         printer = self._printer
         park = printer.machine.park
-        await (
-            self._wait_for_moves()
-        )  # also until a target that is still queued has reached its heater
+        await self._wait_for_moves()  # also until a queued target has reached its heater
         printer.state.raise_if_halted()
         if self._celsius is not None:
             await self._reach(self._celsius)
@@ -135,7 +133,7 @@ class Park:
         at: list[float] | None = None
         while job.suspended and at != self._place():
             at = self._place()
-            # Axes that do not know where they are stay. Homing that failed has moved them.
+            # Axes that are not homed stay. Homing that failed has moved them.
             unknown = job.locked_axes
             job.set_axes([(i, at[self._places[i]]) for i in unknown])
             for i in unknown:
@@ -150,8 +148,8 @@ class Park:
             await self._wait_for_moves()
 
     async def _melt(self) -> None:
-        """What could push filament when it was left waits until it can again: what is planned is
-        not asked. Raises CommandError if its hotend is not heated."""
+        """If the hotend was warm at the pause, waits until it is warm again, whatever is planned.
+        Raises CommandError if it is not heated."""
         printer = self._printer
         if not self._warm or not printer.job.suspended or printer.can_extrude():
             return
@@ -162,7 +160,7 @@ class Park:
             raise CommandError.of("input.cold")
 
     async def _reach(self, celsius: float) -> None:
-        """The new filament's temperature, for the hotend of the tool in use."""
+        """Heats the hotend of the tool in use to the new filament's temperature."""
         printer = self._printer
         hotend = printer.commands.set_points.heater("hotend")
         printer.targets.set_target(hotend, celsius, at_once=True)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 16
-# Settings of the printer that no plan has. They mean the same whichever tool is in use.
+# Settings of the printer that no plan has. They mean the same for every tool.
 _OF_PRINTER = (
     *("M85", "M145", "M301", "M302", "M304", "M305", "M306", "M540", "M569", "M906"),
     *("M18", "M84"),  # with S
@@ -46,7 +46,7 @@ class PreambleScan:
     """The first `end` bytes of a program, interpreted without motion, with the settings of the
     printer, the state at the start of the print, and the changes by consoles since. `job` has the
     position and the modal state at the end. `settings` are commands for the printer settings that
-    the program has changed, other than home offsets: `homed_mm` are those when it homed,
+    the program has changed, other than home offsets: `homed_mm` are the home offsets when it homed,
     `home_offset_mm` those at the end. Raises CardError."""
 
     def __init__(
@@ -67,7 +67,7 @@ class PreambleScan:
         self.settings: list[str] = []
         self.home_offset_mm = dict(printer.offsets.home_mm)
         self.homed_mm = dict(self.home_offset_mm)
-        self._known = set[str]()  # axes that have homed, and have not been off since
+        self._known = set[str]()  # axes that were homed, and not switched off since
         self._set_up(program)
         self.commands.observer = self._observe
         rest = at_rest(job)
@@ -91,7 +91,7 @@ class PreambleScan:
             pass
 
     def _read(self, pieces: Iterator[bytes], settle: Settle) -> bool:
-        """To the end; False if a line fails. The print was stopped there, and has gone on behind
+        """Reads to the end; False if a line fails. The print was stopped there, and continued after
         it."""
         try:
             for _ in read_program(self.job, self.commands, pieces, "", settle):
@@ -102,8 +102,8 @@ class PreambleScan:
         return True
 
     def _set_up(self, program: Program) -> None:
-        """The printer's settings, as far as they concern what a program means, and what else this
-        one was begun with."""
+        """Applies the printer's settings that change the meaning of a program, and the other start
+        state of this one."""
         job = self.job
         for tool, offset in enumerate(self._printer.job.tool_offsets):
             for axis, mm in enumerate(offset):
@@ -114,12 +114,12 @@ class PreambleScan:
         places = [f"G92 {words}"] if words else []  # alone it would set all to 0
         self._take(*self._printer.state.settings(), *program.modes, "G21")
         job.set_axes(list(enumerate(program.machine_mm)))
-        self._take(*places, *program.modes[-1:])  # again in its own units
+        self._take(*places, *program.modes[-1:])  # again, in the program's own units
 
     def _take(self, *lines: str) -> None:
         job = self.job
         job.select(True)
-        job.plain = True  # a setting is no call of a macro
+        job.plain = True  # a setting is not a macro call
         for line in lines:
             job.feed(line.encode() + b"\n")
             while job.advance() == _core.JobStatus.EVENT:
@@ -128,8 +128,8 @@ class PreambleScan:
         job.select(False)
 
     def _pieces(self, changes: list[tuple[int, Callable[[], None]]]) -> Iterator[bytes]:
-        """The text, and each change by a console when what stood before it has been read. One that
-        was made while more had been read ahead acted on all that was not printed yet."""
+        """The text, and each change by a console after the text that was read before it. A change
+        that was made after more had been read acts on all lines that were not printed yet."""
         self._reader.seek(0)
         at = 0
         for offset, make in sorted(changes, key=lambda change: change[0]):
@@ -145,7 +145,7 @@ class PreambleScan:
             yield data
 
     def _observe(self, command: Command) -> None:
-        """Settings that only a printer has, not a plan. Raises CommandError."""
+        """Handles settings that only a printer has, not a plan. Raises CommandError."""
         words, motion, job = command.words(), self._printer.motion, self.job
         if command.code == "M206":
             self.home_offset_mm |= motion.home_offsets(words)

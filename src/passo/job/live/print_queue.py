@@ -1,4 +1,4 @@
-"""The files that are to be printed next, in their order; kept over a restart."""
+"""The files that will be printed next, in order; kept over a restart."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class QueuedPrint:
 
 class PrintQueue:
     """The queue of one printer. The next print starts when `start_next` is called, which confirms
-    that the bed is clear; with `automatic` also after a print that is done. `directory` keeps the
-    queue; None: it ends with the program. Methods that change it return when the change is durable,
-    and raise CommandError, with the queue as it was, where it cannot be."""
+    that the bed is clear; with `automatic` also after a print that has succeeded. `directory` keeps
+    the queue; None: it ends with the program. Methods that change it return when the change is
+    durable. If it cannot be stored, they raise CommandError and leave the queue unchanged."""
 
     def __init__(
         self, printer: Printer, runner: Runner, library: Library, directory: Path | None
@@ -52,12 +52,12 @@ class PrintQueue:
 
     @property
     def automatic(self) -> bool:
-        """The next print starts by itself after one that is done: for printers that clear their
-        bed."""
+        """Whether the next print starts without confirmation after one that has succeeded: for
+        printers that clear their bed."""
         return self._automatic
 
     def set_automatic(self, on: bool) -> None:
-        """Whether the next print starts by itself after one that is done."""
+        """Sets whether the next print starts without confirmation after one that has succeeded."""
         self._keep(self._entries, on)
 
     def add(self, path: str) -> QueuedPrint:
@@ -78,15 +78,16 @@ class PrintQueue:
         self._keep(entries, self._automatic)
 
     def move(self, number: int, place: int) -> None:
-        """Moves a print to a place: 0 or less is the next one; beyond the end is the last one."""
+        """Moves a print to a position: 0 or less is the next one; beyond the end is the last
+        one."""
         found = self._found(number)
         others = [entry for entry in self._entries if entry is not found]
         others.insert(min(max(place, 0), len(others)), found)
         self._keep(tuple(others), self._automatic)
 
     def start_next(self) -> None:
-        """Starts the next print, and takes it out. Raises CommandError if there is none or the
-        printer is printing, CardError and InputError for its file: then it stays."""
+        """Starts the next print, and removes it. If there is none, or the printer is printing,
+        raises CommandError; for its file, CardError and InputError: then it stays."""
         before = self._entries
         if not before:
             raise CommandError.of("queue.empty")

@@ -37,23 +37,23 @@ class Stopwatch:
         return self._sum_s + running
 
     def start(self) -> None:
-        """Counts from now on, beside what it has counted before."""
+        """Starts counting, in addition to the time counted before."""
         if self._since_s is None:
             self._since_s = self._printer.queue.now_s
 
     def pause(self) -> None:
-        """Counts no more, until started."""
+        """Stops counting until it is started."""
         self._sum_s, self._since_s = self.seconds, None
 
     def reset(self) -> None:
-        """Back to 0, standing."""
+        """Stops at 0."""
         self._sum_s, self._since_s = 0.0, None
 
 
 class Progress:
-    """Of the print that is under way, or was the last: a file's, or a host's that reports it.
+    """The progress of the current or the last print: a file's, or a host's that reports it.
 
-    `percent` and `minutes_left` are what the file or the host says of it (M73, M532), or None.
+    `percent` and `minutes_left` are the values from the file or the host (M73, M532), or None.
     """
 
     def __init__(
@@ -73,9 +73,9 @@ class Progress:
         self._from_card: Print | None = None
         self._loop = asyncio.get_running_loop()
         self._begun_s: float | None = None  # host time, of that
-        self._last = 0.0, 0.0  # elapsed s and filament mm of the last one
-        self._failed: Print | None = None  # the last one from the card, if so it ended
-        self._from_host: Print | None = None  # that says by itself when it begins and ends
+        self._last = 0.0, 0.0  # elapsed s and filament mm of the last print
+        self._failed: Print | None = None  # the last print from the card, if it failed
+        self._from_host: Print | None = None  # a host's print that reports its begin and end
         self.percent: float | None = None
         self.minutes_left: float | None = None
         runner.watchers.append(self._job_changed)
@@ -104,13 +104,13 @@ class Progress:
                 job, self._from_card, self._begun_s = self._from_card, None, None
                 self._statistics.ended(job, self._runner.ended)
                 if self._runner.ended != "done" and self._forecast is not None:
-                    self._forecast.cancel()  # it would keep others from the file
+                    self._forecast.cancel()  # otherwise the file would stay open
                 self._failed = job if self._runner.ended == "failed" else None
                 if self._failed is None:
                     self.percent = self.minutes_left = None
 
     def _begun(self) -> Print:
-        """The print from the card that begins, or goes on behind what has failed."""
+        """The print from the card that begins, or continues after a failure."""
         name, failed = self._runner.name, self._failed
         if failed is not None and failed.name == name and self._runner.offset > 0:
             return self._statistics.goes_on(failed)
@@ -136,7 +136,8 @@ class Progress:
         self._statistics.close()
 
     def _host_begins(self) -> None:
-        """One that was announced, and has not begun yet, is the same; else it was broken off."""
+        """A host's print begins. One that was announced, and has not begun yet, is the same print;
+        otherwise the earlier print was broken off."""
         before = self._from_host
         if before is not None and self._printer.filament_mm() > before.filament_mm:
             self._host_ends("interrupted")
@@ -146,14 +147,14 @@ class Progress:
         )
 
     def _host_ends(self, how: str) -> None:
-        """The watch stands, and is read until the next print."""
+        """A host's print ends: the stopwatch stops, and is read until the next print."""
         job, self._from_host = self._from_host, None
         if job is not None:
             self._watch.pause()
             self._statistics.ended(job, how)
 
     def _stopped(self, _: str) -> None:
-        """M410 may be a host's own; after a halt nothing goes on."""
+        """The machine was stopped. M410 may be a host's own; after a halt no print continues."""
         if self._printer.halted:
             self._host_ends("failed")
 
@@ -172,14 +173,14 @@ class Progress:
         self._forecast.add_done_callback(self._foretell)
 
     def _foretell(self, task: asyncio.Task[Forecast | None]) -> None:
-        """What the file will ask of the board, when that is known."""
+        """Reports the load of the file on the board, when it is known."""
         found = None if task.cancelled() else task.result()
         for sentence in found.budget.told(self._runner.name) if found else ():
             self._printer.state.announce(_log, logging.INFO, sentence)
 
     @property
     def printed_s(self) -> float:
-        """Print time of the print that is under way, or was the last, without pauses."""
+        """Print time of the current or the last print, without pauses."""
         return self._watch.seconds
 
     @property
@@ -190,24 +191,24 @@ class Progress:
 
     @property
     def elapsed_s(self) -> float:
-        """Host time of the print that is under way, or was the last, with its pauses."""
+        """Host time of the current or the last print, with its pauses."""
         return self._last[0] if self._begun_s is None else self._loop.time() - self._begun_s
 
     @property
     def filament_mm(self) -> float:
-        """What all extruders have pushed for the print that is under way, or was the last."""
+        """The filament that all extruders have pushed for the current or the last print."""
         job = self._from_card
         return self._last[1] if job is None else self._printer.filament_mm() - job.filament_mm
 
     @property
     def layers(self) -> int | None:
-        """Layers of the file that is printed; None while that is not known."""
+        """Layers of the file that is printed; None while unknown."""
         found = self._found()
         return found.layers if found else None
 
     @property
     def left_s(self) -> float | None:
-        """Print time that the rest of the file's moves takes; None while that is not known."""
+        """Print time that the rest of the file's moves takes; None while unknown."""
         times = self.times()
         return None if times is None else times[1] - times[0]
 
@@ -218,7 +219,7 @@ class Progress:
         return task.result()
 
     def times(self) -> tuple[float, float] | None:
-        """Seconds of motion done and in all; None if not known."""
+        """Seconds of motion done and in total; None if unknown."""
         found = self._found()
         if not found or not found.seconds:
             return None
@@ -228,8 +229,8 @@ class Progress:
         return min(max(done, 0.0), total), total
 
     def share_done(self) -> float | None:
-        """Of the print, 0 to 1, by the best that is known: its time, what the file or the host says
-        of it (M73, M532), its bytes. None if nothing is known of one."""
+        """The fraction of the print that is done, 0 to 1, by the best source: its time, the values
+        of the file or the host (M73, M532), its bytes. None without any of these."""
         times = self.times()
         if times is not None:
             return times[0] / times[1]
@@ -238,7 +239,7 @@ class Progress:
     # -- prints of a host, and the stopwatch ------------------------------------------------------
 
     def host_print(self, *, begins: bool) -> None:
-        """A host says that its print begins or ends."""
+        """A host reports that its print begins or ends."""
         self.percent = self.minutes_left = None
         if self._from_card is None and begins:
             self._host_begins()
@@ -247,12 +248,12 @@ class Progress:
             self._host_ends("done")
 
     def name_host_print(self, name: str) -> None:
-        """A host says how its print is called."""
+        """A host reports the name of its print."""
         if self._from_host is not None:
             self._from_host.name = name or _HOST
 
     def timer(self, *, runs: bool) -> None:
-        """Starts or pauses the stopwatch of a host's print. A file's is timed by itself."""
+        """Starts or pauses the stopwatch of a host's print. A file's print has its own timer."""
         if self._from_card is not None:
             return
         if runs:

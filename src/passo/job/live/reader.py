@@ -1,4 +1,4 @@
-"""What a print reads its program from: a file of the card or of the computer."""
+"""The source of a print's program: a file of the card or of the computer."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ class Reader(Protocol):
         ...
 
     def seek(self, offset: int, /) -> int:
-        """The next read begins here."""
+        """Sets the position of the next read."""
         ...
 
     def tell(self) -> int:
-        """Where the next read begins."""
+        """The position of the next read."""
         ...
 
     def close(self) -> None:
-        """No more reads."""
+        """Closes the file."""

@@ -1,4 +1,5 @@
-"""Going on with a print after everything has stopped: reach the place, warm, and read on there."""
+"""Resumes a print after a power cut or a crash: home, heat, approach the position, and read the
+file from there."""
 
 from __future__ import annotations
 
@@ -41,7 +42,8 @@ class Recovery:
             raise CommandError.of("job.no-part", program.path, value=", ".join(sorted(wanted)))
 
     async def run(self) -> int:
-        """Brings the machine to where the print goes on; returns the offset to read from."""
+        """Brings the machine to the position where the print resumes; returns the offset to read
+        from."""
         printer = self._printer
         for line in self._program.settings:
             printer.dispatch.take_setting(line, NullReply())
@@ -78,9 +80,9 @@ class Recovery:
         return offset
 
     async def _lift_and_home(self) -> None:
-        """Up first, and no more if the board knows where it stands. A machine whose Z is moved
-        alone keeps it, and homes the others; one whose arms move together homes upwards. What has
-        homed since it was interrupted, or an earlier try has placed, is where the printer says."""
+        """Lifts first, if the position is unknown. A machine whose Z moves alone keeps Z, and homes
+        the other axes; one whose arms move together homes upwards. Axes that were homed since the
+        interruption, or placed by an earlier try, are at the printer's position."""
         printer, machine = self._printer, self._printer.machine
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         if printer.positions.restore(self._moment.origins):
@@ -95,7 +97,7 @@ class Recovery:
         known = printer.positions.known
         offset_mm, was_mm = printer.offsets.home_mm["z"], printer.homer.offset_mm
         z = self._moment.z_mm
-        if "z" in known:  # the program counts from where it has homed itself
+        if "z" in known:  # the program's coordinates start from its own homing
             z = printer.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
         printer.job.set_axes([(Z, z)])
         known.add("z")
@@ -122,7 +124,7 @@ class Recovery:
             printer.rig.set_fan(fan, fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:
-        """Over the place, a little filament to fill the nozzle, and down."""
+        """Moves over the position, pushes a little filament to fill the nozzle, and lowers."""
         park = self._printer.machine.park
         speed = park.speed_mm_s if park else math.inf
         if self._printer.machine.axes_of_arms == ("x", "y"):

@@ -1,4 +1,4 @@
-"""A file on its way through the printer: start, pause, resume, cancel."""
+"""Prints a file: start, pause, resume, cancel."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _log = logging.getLogger(__name__)
 _CHUNK = 1 << 14  # bytes read at a time
 _AS_IT_IS = "print it as it is (M24 U1)"
 _ADVICE = f"Change the file, or {_AS_IT_IS}"
-_AHEAD_S = 4.0  # of planned print time in one stretch
+_AHEAD_S = 4.0  # of planned print time in one step
 _MAX_MESSAGES = 4096  # and so many for the board
 
 
@@ -49,15 +49,15 @@ class Runner:
         self._resumed = asyncio.Event()
         self.first_line = 1  # number of the first line fed
         self._begin = 0  # offset of the first byte fed since the source was restarted
-        self._suspended = False  # the rest of the print is, in a pause or until its end
-        self._macro_left = False  # a macro has asked for the pause, and is to be carried out in it
-        self._waits_for: Wait | None = None  # what the last command waits for, if that is not over
+        self._suspended = False  # the rest of the print is suspended, in a pause or until its end
+        self._macro_left = False  # a macro has asked for the pause, and is carried out during it
+        self._waits_for: Wait | None = None  # the unfinished wait of the last command
         self._parked = False
-        self._locked = set[int]()  # axes that did not know where they are when it began
+        self._locked = set[int]()  # axes that were not homed when it began
         self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
-        self.problems: tuple[Problem, ...] = ()  # of the last print, where they are known
-        self._pauses = False  # a print that is APPROACHING will pause as soon as it goes on
+        self.problems: tuple[Problem, ...] = ()  # of the last print, if known
+        self._pauses = False  # a print that is APPROACHING will pause as soon as it resumes
         self._skips = printer.skips
         self._surveyed: tuple[Reader, _core.Job] | None = None  # and given its sub-programs
         self._state = JobState.NONE
@@ -169,7 +169,7 @@ class Runner:
         self._reader = reader
 
     def seek(self, offset: int) -> None:
-        """The next start is at this byte. Raises CommandError, and CardError."""
+        """Sets the byte at which the next start begins. Raises CommandError, and CardError."""
         self._refuse_if_active()
         self._seek(offset)
 
@@ -181,8 +181,8 @@ class Runner:
 
     @contextmanager
     def keep(self) -> Generator[Callable[[int], None]]:
-        """The selected file stays as it is while the machine is brought to where it goes on; yields
-        what seeks that byte."""
+        """Keeps the selected file while the machine moves to the resume position; yields a function
+        that seeks that byte."""
         self._refuse_if_active()
         self._pauses = False
         self._enter(JobState.APPROACHING)
@@ -195,7 +195,7 @@ class Runner:
             self._enter(JobState.READY)
 
     def start(self, *, skips: Skips | None = None) -> None:
-        """Starts the selected file where it stands, or ends a pause. `skips` are commands that the
+        """Starts the selected file at its offset, or ends a pause. `skips` are commands that the
         print may leave out, by default those of the printer. Raises CommandError."""
         if self.state is JobState.PAUSED:
             if self._suspended:
@@ -214,15 +214,15 @@ class Runner:
         self._skips = self._printer.skips if skips is None else skips
         self._again = self._task is not None and not self._task.done()
         if self._again:
-            return  # when the one that was just cancelled has let go of the machine
+            return  # when the cancelled print has released the machine
         self._failed = ""
         self.problems = ()
         self._suspended = False
         self._waits_for = None
-        # The task is there before anybody hears of it, and runs when all have.
+        # The task exists before the watchers are called, and runs after that.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
-        self._task = task  # the loop alone would not keep it
+        self._task = task  # the loop keeps only a weak reference
         self._resumed.clear()
         self._enter(JobState.PRINTING)
         if self._pauses:
@@ -232,11 +232,10 @@ class Runner:
     def pause(
         self, words: Mapping[str, float] = MappingProxyType({}), *, by_file: bool = False
     ) -> None:
-        """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
-        park, see `Park.leave`. What is brought to where it goes on pauses as soon as it is there.
-        `by_file`: a command of the file asks for it. What is left of the macro that it stands in is
-        carried out in the pause then.
-        """
+        """Brakes to a stop on the path at once; `start` resumes from there. `words` control the
+        park, see `Park.leave`. A print that is approaching its resume position pauses when it gets
+        there. `by_file`: a command of the file asks for it. The rest of the macro with that command
+        is carried out during the pause."""
         self._again = False
         if self.state is JobState.APPROACHING and not self._pauses:
             self._pauses, self._park_words = True, words
@@ -246,7 +245,7 @@ class Runner:
             self._park_words = words
             self._enter(JobState.PAUSED)
             self._resumed.clear()
-            # Axes that home do so to the end: their moves are not the program's.
+            # Homing is not interrupted: its moves are not the program's.
             if not self._printer.homer.active:
                 self._suspend(hand_over_macro=by_file)
                 self._macro_left = by_file
@@ -260,7 +259,7 @@ class Runner:
             self.park.owed_mm = 0.0
             self._locked = set(self._printer.job.locked_axes)
             if self._printer.dispatch.in_console_line:
-                self._printer.job.abandon()  # what is left of it is no part of the print
+                self._printer.job.abandon()  # the rest does not belong to the print
             self._printer.suspend_job(hand_over_macro=hand_over_macro)
 
     def _require_places(self) -> None:
@@ -300,7 +299,7 @@ class Runner:
         self._rewind(0)
 
     def _cool(self) -> None:
-        """Heaters and fans off."""
+        """Switches heaters and fans off."""
         printer = self._printer
         printer.targets.switch_off(printer.machine.heaters)
         printer.queue.before_moves()
@@ -331,7 +330,7 @@ class Runner:
                 await printer.motion_lock.acquire()
                 try:
                     ended = await self._stretch()
-                    # Nobody else can be served in the middle of a line.
+                    # Other tasks cannot run in the middle of a line.
                     while not (ended or printer.job.at_boundary):
                         ended = await self._stretch(rest_of_line=True)
                 finally:
@@ -344,14 +343,14 @@ class Runner:
         self._end()
 
     async def _look_through(self) -> None:
-        """Finds the file's sub-programs. Raises InputError, before anything moves, for a file whose
+        """Scans the file for its sub-programs. Raises InputError, before any move, for a file whose
         print must not begin."""
         reader, at = self._reader, self._reader.tell() if self._reader else 0
         if reader is None:
             return
         begins, job = self.offset == 0, self._printer.job
         if not begins and self._surveyed == (reader, job):
-            return  # it continues behind a line that has failed
+            return  # it continues after a line that has failed
         try:
             found = await survey_beside(self._printer.machine, reader, lambda: self.active)
         except CardError as error:
@@ -370,7 +369,7 @@ class Runner:
             raise InputError([first])
 
     def _over(self, task: asyncio.Task[None]) -> None:
-        """A print that ends by a fault of the program must not leave heaters on."""
+        """Ends a print. One that ends by a fault of the program must not leave heaters on."""
         fault = None if task.cancelled() else task.exception()
         if fault is not None:
             self._failed = f"{type(fault).__name__}: {fault}"
@@ -380,7 +379,7 @@ class Runner:
             self.start(skips=self._skips)
 
     def _stopped(self, reason: str) -> None:
-        """The machine was stopped in mid-print. What was planned is lost, so the file can only be
+        """The machine was stopped during the print. The plan is lost, so the file can only be
         printed from its beginning."""
         revived = self.active and bool(self._printer.halted)  # a pause has nothing to return to
         if self.state.prints or revived:
@@ -419,7 +418,7 @@ class Runner:
         await self._resumed.wait()
 
     async def _room(self) -> None:
-        """Waits until the plan does not reach far enough ahead."""
+        """Waits until there is space in the plan."""
         printer, queue = self._printer, self._printer.queue
         await queue.until(
             lambda: (
@@ -453,7 +452,7 @@ class Runner:
         finally:
             queue.after_moves()
         if found == _core.JobStatus.FULL and not rest_of_line and not queue.full:
-            await asyncio.sleep(TICK_S)  # it is the link that does not keep up
+            await asyncio.sleep(TICK_S)  # the link does not keep up
         return await self._answer(found)
 
     async def _come_back(self) -> bool:
@@ -479,7 +478,7 @@ class Runner:
         return True
 
     async def _answer(self, found: _core.JobStatus) -> bool:
-        """What made the interpreter stop."""
+        """Handles the reason why the interpreter stopped."""
         printer, job = self._printer, self._printer.job
         status = _core.JobStatus
         if found == status.NEED_INPUT:
@@ -492,14 +491,14 @@ class Runner:
                 job.feed(data)
             else:
                 job.finish()
-            await asyncio.sleep(0)  # much may be read that plans nothing: skipped objects, comments
+            await asyncio.sleep(0)  # long parts may plan nothing: skipped objects, comments
         elif found == status.MACRO:
             command = Command(*job.event)
             try:
                 printer.dispatch.expand(command, self._reply)
             except CommandError as error:
                 raise InputError(self._placed(error, command.line)) from None
-            await asyncio.sleep(0)  # macros may do much that plans nothing
+            await asyncio.sleep(0)  # macros may run for long and plan nothing
         elif found == status.EVENT:
             command = Command(*job.event)
             try:
@@ -516,7 +515,7 @@ class Runner:
         return False
 
     async def _wait(self) -> bool:
-        """Waits for what the last command waits for; later, if a pause suspends moves before it.
+        """Waits for the condition of the last command; later, if a pause suspends moves before it.
         True at the end of the program."""
         printer = self._printer
         wait = self._waits_for
@@ -545,7 +544,8 @@ class Runner:
         return False
 
     async def _finish_macro(self) -> None:
-        """What is left of the macro that has asked for a pause. With the turn."""
+        """Carries out the rest of the macro that has asked for a pause. The caller holds the motion
+        lock."""
         left, self._macro_left = self._macro_left, False
         if not left:
             return
@@ -556,7 +556,7 @@ class Runner:
             self._printer.state.announce(_log, logging.WARNING, text, error.problems[0])
 
     def _pauses_for(self, heaters: Sequence[str]) -> bool:
-        """One of these has failed, and a print pauses for it."""
+        """Whether one of these heaters has failed and its policy is to pause the print."""
         printer = self._printer
         return any(
             printer.connection.heaters[name].fault is not None
@@ -565,11 +565,12 @@ class Runner:
         )
 
     def _placed(self, error: PassoError, line: int) -> list[Problem]:
-        """What is wrong, at a line of the file."""
+        """The error with the line of the file."""
         return [replace(p, file=self.name, line=line) for p in error.problems]
 
     async def _finish(self) -> bool:
-        """Lets the last moves end, and the laser go off with them; a pause in them still counts."""
+        """Waits until the last moves end, and the laser is off with them; a pause during them still
+        takes effect."""
         queue = self._printer.queue
         self._printer.laser.off()
         queue.flush()

@@ -1,4 +1,4 @@
-"""M78: what was printed, from the card and by hosts, and how long the printer was on."""
+"""M78: totals of prints from the card and by hosts, and how long the printer was on."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 STORE_EVERY_S = 600.0  # the time that the printer was on
-_PRINT_EVERY_S = 60.0  # how far a print is, should it be interrupted
+_PRINT_EVERY_S = 60.0  # progress of a print, in case of an interruption
 _SHOWN = 5
 
 
 def spoken(seconds: float) -> str:
-    """`1h 2m 3s`."""
+    """A duration as `1h 2m 3s`."""
     whole = int(seconds)
     return f"{whole // 3600}h {whole // 60 % 60}m {whole % 60}s"
 
 
 @dataclass(slots=True)
 class Print:
-    """A print that is under way; `filament_mm` was pushed before it, and `seconds` tells how long
-    it takes so far."""
+    """A print in progress; `filament_mm` was pushed before it, and `seconds` returns its duration
+    so far."""
 
     name: str
     size: int
@@ -53,7 +53,7 @@ class Statistics:
         self._missing = CommandError.of("settings.nowhere")
         self._on_s = self._stored_s = 0.0
         self._seen_s = self._noted_s = printer.queue.now_s
-        self._job: Print | None = None  # the one that is under way
+        self._job: Print | None = None  # the current print
         if directory is None:
             return
         try:
@@ -68,8 +68,8 @@ class Statistics:
     def begun(
         self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None
     ) -> Print:
-        """A print begins, or is what another one has announced. Should the program be killed, the
-        history says that it was interrupted."""
+        """A print begins, or is the one that was announced. If the program is killed, the history
+        says that it was interrupted."""
         self._printer.lateness.begin()
         row = instead.row if instead is not None else None
         _log.info("Print of %s started", name, extra={"file": name})
@@ -78,7 +78,7 @@ class Statistics:
         return self._job
 
     def goes_on(self, job: Print) -> Print:
-        """A print that has failed is gone on with: it stays one."""
+        """A failed print is resumed: it stays the same print."""
         self._job = job
         _log.info("Print of %s resumed", job.name, extra={"file": job.name})
         self._note(job, "interrupted")
@@ -109,7 +109,7 @@ class Statistics:
 
     def _time_passed(self) -> None:
         before, self._seen_s = self._seen_s, self._printer.queue.now_s
-        self._on_s += max(self._seen_s - before, 0.0)  # the board's clock may begin anew
+        self._on_s += max(self._seen_s - before, 0.0)  # the board's clock may restart
         if self._job is not None and abs(self._seen_s - self._noted_s) > _PRINT_EVERY_S:
             self._note(self._job, "interrupted")
         if self._on_s < self._stored_s + STORE_EVERY_S:
@@ -126,7 +126,7 @@ class Statistics:
         self._history.was_on(self._on_s)
 
     def close(self) -> None:
-        """Nothing is remembered any more."""
+        """Stops recording."""
         if self._history is not None:
             if self._job is not None:
                 self._note(self._job, "interrupted")
@@ -152,7 +152,7 @@ class Statistics:
         kind=Kind.QUIET,
     )
     def _statistics(self, command: Command, reply: Reply) -> Wait | None:
-        """Never a reason for a print that asks to end."""
+        """Runs a query. An error must not break a print that ends."""
         if self._history is None:
             reply.say(f"echo:{self._missing}")
             return None

@@ -1,4 +1,4 @@
-"""Reads the typed status of a printer with its job, once for all who show it."""
+"""Reads the typed status of a printer with its job, once for all readers."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from passo.job.live.runner import Runner
     from passo.printer.printer import Printer
 
-_SPEED_OVER_S = 0.02  # the speed now is the mean of so long
+_SPEED_OVER_S = 0.02  # the current speed is the mean over this time
 
 
 class StatusReader:
@@ -129,7 +129,7 @@ class StatusReader:
         )
 
     def _speeds(self) -> tuple[float, float]:
-        """Of the nozzle and of the filament, mm/s; backwards is less than 0 for the filament."""
+        """Speeds of the nozzle and of the filament, mm/s; a retraction is negative."""
         printer, job = self._printer, self._printer.job
         now = printer.queue.passed
         if printer.halted or printer.queue.idle:
@@ -172,7 +172,7 @@ class StatusReader:
     def _job_status(self) -> JobStatus:
         runner, progress = self._runner, self._progress
         job, now = self._printer.job, self._printer.queue.passed
-        line = job.line_at(now)  # what lies behind it is forgotten
+        line = job.line_at(now)  # past lines are dropped
         return JobStatus(
             file=runner.name,
             fraction=progress.share_done() or 0.0,
@@ -214,13 +214,13 @@ def _board_status(connection: Connection, *, simulated: bool) -> BoardStatus:
 
 
 def _heater_status(printer: Printer, name: str) -> HeaterStatus:
-    """A heater of this name."""
+    """The status of a heater of this name."""
     heater = printer.connection.heaters[name]
     celsius = printer.connection.reading(name)
     return HeaterStatus(
         None if celsius == ABSOLUTE_ZERO_C else celsius,
         heater.target,
-        # What the board said last of a heater is from before it was halted.
+        # The board's last report of a heater is from before the halt.
         0.0 if printer.halted or heater.fault else heater.power,
         heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
         printer.heat.cold.min_c_of(name),
@@ -228,6 +228,6 @@ def _heater_status(printer: Printer, name: str) -> HeaterStatus:
 
 
 def _homed_axes(printer: Printer) -> frozenset[str]:
-    """The axes that may move: homed, or of a machine that does not ask for it."""
+    """The axes that may move: homed, or of a machine that does not require homing."""
     axes, locked = axis_order(printer.machine.axes), printer.job.locked_axes
     return frozenset(name for i, name in enumerate(axes) if i not in locked)

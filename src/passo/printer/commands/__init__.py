@@ -1,1 +1,1 @@
-"""What the commands do: one subject a file."""
+"""The handlers of commands: one subject a file."""

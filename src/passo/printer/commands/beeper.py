@@ -21,25 +21,25 @@ if TYPE_CHECKING:
 LONGEST_S = 5.0  # of one tone
 _HZ, _MS = 260, 1000  # unless given: Marlin's
 _LOWEST_HZ = 20
-# Each tone takes two timer interrupts a cycle. Steps have a faster one, but what a processor has
-# left for the others is little on a chip of 8 bits; 1000 Hz is what heaters and fans may have.
+# Each tone takes two timer interrupts a cycle. Steps have a faster one, but an 8-bit chip has
+# little time left for the others; 1000 Hz is the limit of heaters and fans.
 _HIGHEST_HZ, _HIGHEST_HZ_OF_8_BITS = 5000, 1000
 _8_BITS = ("atmega", "at90", "attiny")  # names of such chips begin so
 _MAX_TONES = 64  # planned or waiting, before M300 waits
-_APART_S = 0.01  # from the end of a tone until the board may be told of the next
+_APART_S = 0.01  # from the end of a tone until the board may receive the next
 _CALL = (1000, 300)  # Hz and ms, to call the user
 _MARK, _ERAS = 1 << 13, 1 << 6  # a mark of 32 bits holds an era, Hz and ms
-_SOON_S = 1.0  # the board is told of a tone behind a rest so long before it
+_SOON_S = 1.0  # after a rest, the board receives a tone so long before it
 _MAX_TICKS = 2**31 - 1  # of a duration, on the board
 
 
 def longest_tone_s(board: Board) -> float:
-    """How long a tone may be, seconds, so that the board can count its time."""
+    """The maximum length of a tone, seconds, such that the board can count its time."""
     return min(LONGEST_S, _MAX_TICKS / board.clock_hz - _APART_S)
 
 
 def most_ticks(board: Board) -> int:
-    """What a tone never exceeds on its board, whatever becomes of the host."""
+    """The maximum duration of a tone on its board, even if the host stops."""
     return min(_MAX_TICKS, round((longest_tone_s(board) + _APART_S) * board.clock_hz))
 
 
@@ -50,9 +50,8 @@ def highest_hz(board: Board) -> int:
 
 class Beeper:
     """M300 of one printer, if it has a beeper. A tone is due when the moves before it are done;
-    moves behind it do not wait. Tones that are due sound one after the other, at least LEAD_S
-    apart, which rests between them may fill: a board takes another pitch only while it is silent.
-    """
+    later moves do not wait. Tones that are due sound one after the other, at least LEAD_S apart,
+    including rests between them: a board takes another pitch only while it is silent."""
 
     def __init__(self, rig: Rig, state: State) -> None:
         self._rig, self._state = rig, state
@@ -65,14 +64,14 @@ class Beeper:
         self._next = self._silent = 0
 
     def begin(self, boards: Boards) -> None:
-        """The boards have begun anew; or go on, maybe with a tone that another host has begun."""
+        """The boards have restarted; or continue, maybe with a tone that another host has begun."""
         self._silent = 0
         if boards.adopted:
             self._silent = boards.now + int((LONGEST_S + LEAD_S) * boards.board.clock_hz)
         self.forget()
 
     def forget(self) -> None:
-        """Tones that have not begun will not."""
+        """Discards tones that have not begun."""
         self._era = (self._era + 1) % _ERAS
         self._planned = 0  # tones that are not due yet
         self._due: deque[tuple[int, int]] = deque()
@@ -84,7 +83,8 @@ class Beeper:
             self._plan(*_CALL)
 
     def mark_reached(self, value: int) -> None:
-        """The moves before a tone are done, or were forgotten; `value` is what its mark holds."""
+        """The moves before a tone are done, or were discarded; `value` is the content of its
+        mark."""
         value, ms = divmod(value, _MARK)
         era, hz = divmod(value, _MARK)
         if era == self._era:
@@ -92,7 +92,7 @@ class Beeper:
             self._due.append((hz, ms))
 
     def time_passed(self) -> None:
-        """Orders the next tone when the last one has ended."""
+        """Sends the next tone when the last one has ended."""
         boards = self._rig.connection
         if self._state.halted or self._rig.queue.interrupted:
             self._due.clear()

@@ -1,4 +1,4 @@
-"""Commands about the motors' drivers: currents, modes, and how they are."""
+"""Commands about the motors' drivers: currents, modes, and status."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MOTORS = "XYZABCUVWE"  # letters of axes, actuators and extruders
 
 
 class DriverCommands:
-    """M350, M906, M911, M912 and what M122, M503 and M569 say of the drivers of one printer."""
+    """M350, M906, M911, M912 and the driver lines of M122, M503 and M569 of one printer."""
 
     def __init__(self, machine: MachineConfig, watch: DriverWatch, motors: Motors) -> None:
         self._machine, self._watch, self._all_motors = machine, watch, motors
@@ -56,7 +56,8 @@ class DriverCommands:
         return None
 
     def _with_current(self, motor: str, letter: str, milliampere: float) -> DriverSettings:
-        """The current at a standstill keeps its share; the driver must be able to do it, too."""
+        """The current at standstill keeps its ratio to the run current; the driver must support it,
+        too."""
         settings = self._watch.states[motor].settings
         share = settings.hold_a / settings.run_a
         most = floor(largest_current_ma(settings.chip, settings.resistor_ohm) / max(1.0, share))
@@ -76,7 +77,8 @@ class DriverCommands:
         kind=Kind.QUIET,
     )
     def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
-        """They belong to the scale of the motor: both stand in the machine file."""
+        """Refuses to change microsteps: they belong to the scale of the motor, and both are in the
+        machine file."""
         if command.words():
             raise CommandError.of("command.fixed", value="steppers")
         for motor, state in self._watch.states.items():
@@ -93,7 +95,7 @@ class DriverCommands:
         bare=AXES,
     )
     def _modes(self, command: Command, reply: Reply) -> Wait | None:
-        """Without S it tells what the machine file says of the drivers."""
+        """Without S it reports the drivers' settings in the machine file."""
         words = command.words()
         if "S" not in words:
             if words:
@@ -116,7 +118,7 @@ class DriverCommands:
         return None
 
     def _tell_inputs(self, reply: Reply) -> None:
-        """What the machine file says of the drivers' inputs."""
+        """Reports the settings of the drivers' inputs in the machine file."""
         reply.say("Reporting Stepper control")
         for row in self._machine.core_spec()["steppers"]:
             reply.say(
@@ -125,7 +127,8 @@ class DriverCommands:
             )
 
     def _stealth_threshold(self, motor: str) -> int:
-        """That of the machine file; without one the driver is in stealthChop at any speed."""
+        """The threshold of the machine file; without one the driver is in stealthChop at any
+        speed."""
         stepper = self._machine.steppers[motor]
         tmc = stepper.tmc
         below = (tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s) if tmc else None
@@ -147,7 +150,7 @@ class DriverCommands:
         return found
 
     def setting_lines(self) -> Iterator[str]:
-        """M906 and M569 for each driver, by a letter and, where that has several, its index."""
+        """M906 and M569 for each driver, by a letter and, if the letter has several, its index."""
         for words, state in self._words():
             axis, *tool = reversed(words.split())
             where = "".join(f"{word} " for word in tool)
@@ -167,7 +170,7 @@ class DriverCommands:
     # -- how they are -----------------------------------------------------------------------------
 
     def status_lines(self) -> Iterator[str]:
-        """A line or more for each driver, as it was a second ago at most."""
+        """One or more lines for each driver, with its status at most a second old."""
         for motor, state in self._watch.states.items():
             settings, currents = state.settings, state.settings.currents
             yield (

@@ -51,46 +51,47 @@ class ControlCommands:
         self._borrowed: dict[str, Control] = {}  # the controls of heaters that a tune uses
         self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
 
-    # -- which heater, and what controls it -------------------------------------------------------
+    # -- which heater, and its controller
+    # -----------------------------------------------------------
 
     def named(self, words: dict[str, float], otherwise: int = 0) -> str:
-        """The heater that H (or E) of a command means. Raises CommandError if there is none."""
+        """The heater that H (or E) of a command selects. Raises CommandError if there is none."""
         number = int(words.get("H", words.get("E", otherwise)))
         kind = KINDS.get(number, "hotend")
         return self._rig.commands.set_points.heater(kind, max(number, 0))
 
     def number_of(self, name: str) -> int | None:
-        """H of a heater; None for one that no number means."""
+        """H of a heater; None for a heater without a number."""
         return number_of(self._machine, name)
 
     def _numbered(self, names: Sequence[str]) -> Iterator[tuple[int, str]]:
-        """The heaters of these names, all if none is given, that a number means, with it."""
+        """The heaters of these names, all if none is given, that have a number, with it."""
         for name in names or self._machine.heaters:
             number = self.number_of(name)
             if number is not None:
                 yield number, name
 
     def control(self, name: str) -> Control:
-        """What controls a heater, as set; during a tune what controls it afterwards."""
+        """The controller of a heater, as set; during a tune the one that returns afterwards."""
         return self._borrowed.get(name) or self._rig.connection.heaters[name].control
 
     def set_control(self, name: str, control: Control) -> None:
-        """Takes over at once, or when the heater's tune is over."""
+        """Sets the controller at once, or when the heater's tune is over."""
         if name in self._borrowed:
             self._borrowed[name] = control
         else:
             self._rig.connection.heaters[name].set_control(control)
 
     def lent(self, name: str) -> bool:
-        """A tune has the heater."""
+        """Whether a tune uses the heater."""
         return name in self._borrowed
 
     def lend(self, name: str) -> None:
-        """A tune takes the heater over: what controls it is kept."""
+        """A tune takes the heater over: keeps its controller."""
         self._borrowed[name] = self._rig.connection.heaters[name].control
 
     def take_back(self, name: str) -> None:
-        """The tune is over: what was kept controls the heater again."""
+        """The tune is over: restores the heater's controller."""
         control = self._borrowed.pop(name, None)
         if control is not None:
             self._rig.connection.heaters[name].set_control(control)
@@ -280,7 +281,7 @@ class ControlCommands:
         )
 
     def drive_lines(self) -> Iterator[str]:
-        """M306 for each heater whose integral has bounds."""
+        """M306 for each heater with limits of its integral."""
         for number, name in self._numbered(()):
             control = self.control(name)
             if isinstance(control, _core.PidControl):
@@ -293,7 +294,7 @@ def _drive(control: _core.PidControl) -> str:
 
 
 def with_gains(old: _core.PidControl, gains: Gains) -> _core.PidControl:
-    """A controller that differs in its gains alone."""
+    """A controller with other gains."""
     return _core.PidControl(
         gains.kp, gains.ki, gains.kd, old.filter_s, old.drive_min, old.drive_max, old.range_c
     )
@@ -302,8 +303,8 @@ def with_gains(old: _core.PidControl, gains: Gains) -> _core.PidControl:
 def _with_words(
     kind: type[_Table], held: dict[str, object], keys: Mapping[str, str], given: dict[str, float]
 ) -> _Table:
-    """A table with a command's values in place of those it held, by letter. Raises CommandError
-    with the first that it must not have."""
+    """A table with a command's values in place of its old ones, by letter. Raises CommandError with
+    the first invalid value."""
     try:
         return kind.model_validate(held | {keys[k]: value for k, value in given.items()})
     except ValidationError as error:

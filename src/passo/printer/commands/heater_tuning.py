@@ -1,4 +1,4 @@
-"""M303: a heater is tuned, and what was found is taken where that is asked for."""
+"""M303: tunes a heater, and applies the result if the command asks for it."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from passo.printer.state import State
 from passo.printer.targets import Targets
 from passo.printer.wait_requests import Reply, Wait, WaitForTuning
 
-_STEP_RESPONSE = len(RULES)  # R behind those of the relay's rules: the model, whatever controls
+_STEP_RESPONSE = len(RULES)  # R after those of the relay's rules: the model, for any controller
 _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
 
 
 class TuneCommands:
-    """The tunes of one printer's heaters, whose `controls` they borrow."""
+    """The tunes of one printer's heaters, whose `controls` they use."""
 
     def __init__(
         self, rig: LiveRig, state: State, targets: Targets, controls: ControlCommands
@@ -69,7 +69,7 @@ class TuneCommands:
         except TuneError as error:
             reply.fail(str(error))
             return None
-        self._controls.take_back(name)  # from a tune that a halt has cut off
+        self._controls.take_back(name)  # from a tune that a halt has ended
         asked = words.get("U", 1.0 if "U" in command.letters() else 0.0) != 0
         apply = asked and fits
         for line in tune.begin(" Apply result" if apply else ""):
@@ -79,7 +79,7 @@ class TuneCommands:
         )
 
     def _run(self, name: str, tune: RelayTune | StepTune, reply: Reply) -> bool:
-        """Feeds what the sensor has said since the last call; True when the tune is over."""
+        """Feeds the readings of the sensor since the last call; True when the tune is over."""
         heater = self._rig.connection.heaters[name]
         if not self._controls.lent(name):
             self._controls.lend(name)
@@ -87,10 +87,10 @@ class TuneCommands:
             heater.set_control(tune.control)
             self._targets.set_target(name, tune.target_c, at_once=True)
         if heater.target != tune.target_c:
-            return True  # somebody has switched it off, or wants it otherwise
+            return True  # another command has switched it off, or changed its target
         for sample in heater.take_samples():
             for line in tune.feed(sample):
-                # A failed tune is no reason for a host to disconnect.
+                # A failed tune must not make a host disconnect.
                 reply.say(line.removeprefix("Error:"))
         if not tune.done:
             if heater.control != tune.control:
@@ -104,7 +104,7 @@ class TuneCommands:
         return tune.done or heater.fault is not None
 
     def _keys(self, name: str, result: Gains | _core.HeatModel) -> Iterator[str]:
-        """What to write into the machine file so that it has what the tune has found."""
+        """The lines for the machine file that keep the result of the tune."""
         yield f"To keep this, write in the machine file, in the table [heaters.{name}]:"
         if isinstance(result, Gains):
             old = self._machine.heaters[name].control
@@ -117,8 +117,8 @@ class TuneCommands:
             yield f"model = {_inline({key: getattr(result, key) for key in keys})}"
 
     def _end(self, name: str, tune: RelayTune | StepTune, apply: bool) -> None:
-        """The heater off, unless somebody wants it otherwise by now, and, where asked for, with
-        what the tune has found. Raises CommandError if that cannot be stored."""
+        """Switches the heater off, unless another command has changed its target, and applies the
+        result if asked for. Raises CommandError if it cannot be stored."""
         self._controls.take_back(name)
         if self._state.halted:
             return  # everything is off

@@ -1,5 +1,5 @@
-"""Commands of Klipper that mean commands with numbers: each becomes lines, which are read next, as
-those of a macro are."""
+"""Klipper's commands that stand for numbered commands: each becomes lines, which are read next,
+like those of a macro."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from passo.printer.wait_requests import Reply
 
 _Words = Mapping[str, str]
-_OF_PAGES = "_ui_"  # names of states that pages save before moves by hand, which are in mm
+_OF_PAGES = "_ui_"  # names of states that web pages save before manual moves, which are in mm
 _DEFAULT = "default"  # name of a saved state that has none
 _SETS = {"hotend": "M104 T{}", "bed": "M140 P{}", "chamber": "M141 P{}"}
 _FULL_FAN = 255
@@ -29,8 +29,8 @@ _TUNED = "a heater that H of M303 means"
 
 @dataclass(frozen=True, slots=True)
 class _Saved:
-    """What RESTORE_GCODE_STATE brings back: commands that say how lines are read, without that of
-    the tool; factors; where the program was, mm."""
+    """The state for RESTORE_GCODE_STATE: commands that set how lines are read, without that of the
+    tool; factors; the program's position, mm."""
 
     modes: tuple[str, ...]
     speed_factor: float
@@ -40,7 +40,7 @@ class _Saved:
 
 
 class KlipperCommands:
-    """Those of one job."""
+    """The Klipper commands of one job."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
         self._machine, self._job = machine, job
@@ -238,8 +238,8 @@ class KlipperCommands:
 
 
 def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, float]:
-    """SET_GCODE_OFFSET: by how much each of X, Y and Z is shifted, mm, where `done_mm` are shifts
-    so far, by axis. Raises CommandError."""
+    """SET_GCODE_OFFSET: the shift of each of X, Y and Z, mm, where `done_mm` are shifts so far, by
+    axis. Raises CommandError."""
     words = command.pairs()
     found: dict[str, float] = {}
     for name in "xyz":
@@ -279,7 +279,7 @@ def number(words: _Words, key: str, default: float | None = None) -> float:
 
 
 def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
-    """What a name means. Raises CommandError."""
+    """The value of a name. Raises CommandError."""
     name = words.get(key, "")
     if name not in named:
         limit = ", ".join(named) or "none on this machine"
@@ -288,7 +288,7 @@ def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
 
 
 def _lettered(words: _Words, letters: Mapping[str, tuple[str, float]]) -> str:
-    """Words of a command with numbers, out of keys and their factors."""
+    """Words of a command with numbers, from keys and their factors."""
     found = [
         f" {letter}{numeral(factor * number(words, key))}"
         for letter, (key, factor) in letters.items()

@@ -29,7 +29,7 @@ _TERMS = ("C0", "CX", "CY", "CXX", "CXY", "CYY")
 
 
 def _exact(value: float) -> str:
-    """A number that is read as the same double, without an exponent."""
+    """A number without an exponent that reads back as the same double."""
     return f"{Decimal(repr(value)):f}"
 
 
@@ -84,8 +84,8 @@ class LevellingCommands:
         return WaitForProcedure(measure)
 
     async def _correct_by_points(self, places: Sequence[Place], reply: Reply, *, dry: bool) -> None:
-        """As APrinter: heights are those that the correction in force leaves, and what is fitted to
-        them is added to it."""
+        """As in APrinter: the measured heights include the correction in force, and the fit to them
+        is added to it."""
         now = self._correction
         before = now.correction if now.on else None
         method = self._config.method
@@ -274,7 +274,7 @@ class LevellingCommands:
         lacks=NO_PROBE,
     )
     def forget(self, _: Command, __: Reply) -> Wait | None:
-        """Forgets it at standstill."""
+        """Deletes it at standstill."""
         return WaitForMoves(lambda: self._put(None, on=False))
 
     @command(
@@ -465,7 +465,7 @@ class LevellingCommands:
         self._put(None if empty else correction, on=self._correction.on and not empty)
 
     def setting_lines(self) -> Iterator[str]:
-        """Commands that bring offsets and correction back, to the last bit."""
+        """Commands that restore offsets and correction exactly."""
         now = self._correction
         correction = now.correction or Correction()
         yield self._offset_line()

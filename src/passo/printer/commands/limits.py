@@ -34,15 +34,15 @@ _KLIPPERS_CORNER = "SQUARE_CORNER_VELOCITY"
 
 class Limits:
     """The limits of one job. They hold for the moves that follow; those of a console during a print
-    hold for all that is planned again. A note names values above the machine's limits, and words
-    without an effect."""
+    hold for all moves that can be replanned. A note names values above the machine's limits, and
+    words without an effect."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job, plan: Plan) -> None:
         self._machine, self._job, self._plan = machine, job, plan
         self._axes = axis_order(machine.axes)
 
     def _set(self, reply: Reply, notes: Iterable[str], *, again: bool = False) -> None:
-        """Replans where the reply's settings are live, and notes what there is to note."""
+        """Replans if the reply's settings are live, and sends the notes."""
         if note := ". ".join(note for note in notes if note):
             reply.note(note, note, again=again)
         if self._plan.live(reply):
@@ -102,7 +102,7 @@ class Limits:
         return notes
 
     def axis_lines(self, code: str, what: str) -> list[str]:
-        """M201 ("accel"), M203 ("speed") or M205 ("jerk") with what holds now."""
+        """M201 ("accel"), M203 ("speed") or M205 ("jerk") with the current values."""
         job = self._job
         words = [f"{a.upper()}{numeral(job.axis_limit(a, what))}" for a in self._axes]
         return with_extruders(self._machine, code, words, lambda name: job.axis_limit(name, what))
@@ -142,13 +142,13 @@ class Limits:
         self._set(reply, notes)
 
     def acceleration_line(self) -> str:
-        """M204 with what holds now."""
+        """M204 with the current values."""
         p, r, t = (self._job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
         return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
 
     def _bounded(self, code: str, word: str, value: float, what: str, names: Iterable[str]) -> str:
-        """A note where a limit of the path is above the machine file's for these axes or extruders,
-        which bound moves as well; else nothing."""
+        """A note if a limit of the path is above the machine file's for these axes or extruders,
+        which limit moves as well; else nothing."""
         parts = {**self._machine.axes, **self._machine.extruders}
         own = {n: parts[n].accel_mm_s2 if what == "accel" else parts[n].speed_mm_s for n in names}
         if value >= LARGEST or not any(limit < value for limit in own.values()):
@@ -189,7 +189,7 @@ class Limits:
         self._set(reply, (*above, without))
 
     def junction_lines(self) -> list[str]:
-        """M205 with what holds now."""
+        """M205 with the current values."""
         if self._machine.limits.junction == "jerk":
             return self.axis_lines("M205", "jerk")
         return [f"M205 J{numeral(self._job.limit('junction_deviation'))}"]
@@ -242,7 +242,7 @@ class Limits:
         self._set(reply, (*above, without))
 
     def velocity_line(self) -> str:
-        """SET_VELOCITY_LIMIT with what no other command sets; 1e9 mm/s is no limit."""
+        """SET_VELOCITY_LIMIT with the settings that no other command has; 1e9 mm/s is no limit."""
         speed, ratio = (self._job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
         speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
         return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
@@ -264,7 +264,7 @@ def _values(command: Command) -> dict[str, float]:
 
 
 def _at_least(word: str, value: float, what: str) -> None:
-    """Raises CommandError for a limit that no machine has."""
+    """Raises CommandError for a limit below the minimum of any machine."""
     least, unit = _LEAST[what]
     if value < least:
         raise CommandError.bad_value(word, value, f"at least {least:g} {unit}")

@@ -12,8 +12,8 @@ from passo.printer.commands.ranges import beyond
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-_MARGIN_C = 15.0  # presets stay so far below a heater's limit
-_HOTTEST_C = 1200.0  # where there is no such heater
+_MARGIN_C = 15.0  # minimum distance of a preset from a heater's limit
+_HOTTEST_C = 1200.0  # if there is no such heater
 
 
 class Preset:
@@ -31,8 +31,8 @@ class Presets:
         self._materials = [Preset(190, 60, 255), Preset(235, 100, 0), Preset(230, 80, 128)]
 
     def set(self, words: dict[str, float]) -> str:
-        """Those of the material S that are given, not beyond their limits; without S it changes
-        nothing. Returns a note on what is taken instead, or nothing. Raises CommandError."""
+        """Sets the given values of the material S, clamped to their limits; without S it changes
+        nothing. Returns a note on clamped values, or nothing. Raises CommandError."""
         if "S" not in words:
             return ""
         preset = self._of("S", words["S"])
@@ -45,7 +45,7 @@ class Presets:
         return ". ".join(note for note in notes if note)
 
     def celsius(self, number: float, kind: str) -> float:
-        """What a material asks of the hotend or the bed. Raises CommandError."""
+        """The temperature of a material for the hotend or the bed. Raises CommandError."""
         preset = self._of("I", number)
         return preset.hotend_c if kind == "hotend" else preset.bed_c
 

@@ -29,23 +29,23 @@ _BUZZ = (1.0, -1.0) * 10  # mm or degrees
 _BUZZ_SPEED = 4.0  # mm/s or degrees/s
 _BUZZ_PAUSE_S = 0.3
 _TRIAL_MM = 1.0  # to see whether an actuator moves the nozzle on a straight line
-_ROUNDING = 1e-6  # mm or degrees, far above what sums of positions lose
+_ROUNDING = 1e-6  # mm or degrees, far above the rounding of sums of positions
 
 
 @dataclass(frozen=True, slots=True)
 class _Motor:
-    """What a motor moves. `per_unit` are the axes that go with it, by number, and how far they go
-    in mm while it goes 1 mm; empty where an actuator moves the nozzle on a curve: `joint` is its
-    number then."""
+    """The motion of a motor. `per_unit` are the axes that move with it, by number, and their travel
+    in mm for 1 mm of it. It is empty if an actuator moves the nozzle on a curve: then `joint` is
+    its number."""
 
-    together: tuple[str, ...]  # all motors that drive the same
+    together: tuple[str, ...]  # all motors that drive the same axis
     per_unit: dict[int, float]
     joint: int = 0
 
 
 class MotorMoves:
-    """Moves of single motors of one printer, at standstill. Where an axis is homed, it stays so,
-    and keeps within its limits."""
+    """Moves of single motors of one printer, at standstill. A homed axis stays homed, and within
+    its limits."""
 
     def __init__(self, rig: Rig, state: State, triggered: TriggeredMoves) -> None:
         self._rig, self._state, self._triggered = rig, state, triggered
@@ -97,7 +97,7 @@ class MotorMoves:
     # -- motors -----------------------------------------------------------------------------------
 
     def _motor(self, name: str) -> _Motor:
-        """The motor of a name, as Klipper has it or as the machine file. Raises CommandError."""
+        """The motor of a name, in Klipper's form or as in the machine file. Raises CommandError."""
         driven_by = self._machine.driven_by
         movable = [
             n for n in self._machine.steppers if (d := driven_by(n)) and d.drive != "extruder"
@@ -118,7 +118,7 @@ class MotorMoves:
         return _Motor(together, per_unit, driven.index)
 
     def _straight(self, actuator: int) -> tuple[float, ...] | None:
-        """How far X, Y and Z go while an actuator goes 1 mm; None if that depends on the place."""
+        """The travel of X, Y and Z for 1 mm of an actuator; None if it depends on the position."""
         geometry = self._machine.geometry
         found: list[tuple[float, ...]] = []
         home = geometry.inverse(self._machine.home_point)
@@ -146,7 +146,7 @@ class MotorMoves:
     # -- moves ------------------------------------------------------------------------------------
 
     def _fits(self, motor: _Motor, by: Sequence[float]) -> bool:
-        """Homed axes that go with the motor keep within their limits."""
+        """Whether homed axes that move with the motor stay within their limits."""
         try:
             self._require_limits(motor, by)
         except CommandError:

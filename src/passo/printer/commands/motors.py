@@ -1,4 +1,4 @@
-"""Motors on and off, and what the machine forgets with them."""
+"""Motors on and off, and the homing state that depends on them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 class Motors:
     """The drivers' enable pins of one printer. A move turns all motors on; an axis whose motors go
-    off no longer knows where it is."""
+    off is no longer homed."""
 
     def __init__(self, rig: Rig, laser: Laser) -> None:
         self._rig, self._laser = rig, laser
@@ -31,15 +31,16 @@ class Motors:
             self._set(list(self._machine.steppers), on=True)
 
     def all_off(self) -> None:
-        """Only while the machine stands."""
+        """Only while the machine is at standstill."""
         self._set(list(self._machine.steppers), on=False)
 
     def forget(self) -> None:
-        """The board begins anew, with all motors off."""
+        """The board restarts, with all motors off."""
         self.on.clear()
 
     def renew(self) -> None:
-        """The board may not have heard the last words about motors."""
+        """Sends the states of the motors again, because the board may not have received the last
+        ones."""
         for name, output in self._outputs.items():
             self._rig.connection.switch(output, self.live(name))
 
@@ -59,7 +60,7 @@ class Motors:
         return any(self._outputs.get(other) == self._outputs.get(name) for other in self.on)
 
     def axes_lost(self, steppers: Sequence[str]) -> set[str]:
-        """The axes with a switch that no longer know where they are when these motors are off."""
+        """The axes with an endstop that are no longer homed when these motors are off."""
         return axes_lost(self._machine, steppers)
 
     def named(self, text: str) -> list[str]:

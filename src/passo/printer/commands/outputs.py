@@ -31,19 +31,19 @@ class Outputs:
         names = machine.timed_outputs
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
         self.fans: dict[str, float] = {}  # as last set, 0 to 1
-        self._acts_at: dict[str, float] = {}  # clock from which what was planned of them acts
+        self._acts_at: dict[str, float] = {}  # clock from which their planned values act
         self._spindle = 0.0
         self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
         if machine.laser:
             job.set_laser(*self._outputs["laser"])
 
     def plan_forgotten(self) -> None:
-        """Nothing that was planned acts any more."""
+        """The plan was discarded: its output values do not act any more."""
         self._acts_at.clear()
 
     def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
-        """Sets an output, 0 to 1, when the moves so far are done, or at once: then until what is
-        planned of it acts."""
+        """Sets an output, 0 to 1, when the moves so far are done, or at once: then until its
+        planned value acts."""
         index, full = self._outputs[output]
         value, stays = round(min(max(share, 0.0), 1.0) * full), True
         if at_once:
@@ -85,17 +85,18 @@ class Outputs:
         self._laser()
 
     def laser_off(self) -> None:
-        """Laser or spindle off when the moves so far are done, until it is switched on again."""
+        """Switches laser or spindle off when the moves so far are done, until it is switched on
+        again."""
         self._spindle_mode = ""
         self._laser()
 
     @property
     def lit(self) -> bool:
-        """The laser is on also where the head stands."""
+        """Whether the laser is also on at standstill."""
         return bool(self._machine.laser) and self._spindle_mode == "M3" and self._spindle > 0
 
     def shade(self, *, dark: bool) -> None:
-        """The laser dark when the moves so far are done, or again as it is set."""
+        """Blanks the laser when the moves so far are done, or restores it."""
         if dark:
             self.set_output("laser", 0.0)
         else:
@@ -115,7 +116,7 @@ class Outputs:
         return [name for name, fan in self._machine.fans.items() if fan.commanded]
 
     def fans_off(self) -> None:
-        """All fans, as soon as the moves so far are done."""
+        """Switches all fans off, as soon as the moves so far are done."""
         for fan in self.commanded_fans:
             self.set_output(fan, 0.0)
 
@@ -155,8 +156,8 @@ class Outputs:
         self._set_fan(command, 0.0)
 
     def _set_fan(self, command: Command, share: float | None) -> None:
-        """None: only settings. Raises CommandError if P names no fan; a machine without fans lets
-        the rest pass."""
+        """Sets a fan; None: only settings. Raises CommandError if P names no fan; a machine without
+        fans ignores the rest."""
         words, fans = command.words(), self._machine.fans
         number = words.get("P")
         at_once = "F" not in words and "F" in command.letters()

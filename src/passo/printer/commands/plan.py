@@ -1,4 +1,4 @@
-"""How commands reach moves that are planned already."""
+"""How commands change moves that are planned already."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ class Plan(Protocol):
     """The planned moves of a job that commands may change."""
 
     def live(self, reply: Reply) -> bool:
-        """Whether settings from there change what is planned, too, not only what follows."""
+        """Whether settings from that source also change planned moves, not only later ones."""
         ...
 
     def replan(self) -> None:
-        """Plans again, by the limits of now, what the board does not have yet."""
+        """Replans the moves that the board does not have yet, by the current limits."""
 
     def scale_flow(self, extruder: int, factor: float) -> None:
-        """Scales the filament of what the board does not have yet, and of all that follows."""
+        """Scales the filament of the moves that the board does not have yet, and of all later
+        ones."""
 
     def record_at_once(self, output: int, value: int) -> float:
         """Sets an output as early as possible; returns the clock at which that acts."""
@@ -38,19 +39,19 @@ class PlanAhead:
         self._job = job
 
     def live(self, reply: Reply) -> bool:
-        """Never."""
+        """Never live."""
         del reply
         return False
 
     def replan(self) -> None:
-        """Nothing to do: settings act on what follows."""
+        """Does nothing: settings act only on later lines."""
 
     def scale_flow(self, extruder: int, factor: float) -> None:
-        """Scales what follows."""
+        """Scales later moves."""
         self._job.set_flow(extruder, factor)
 
     def record_at_once(self, output: int, value: int) -> float:
-        """Sets the output after the moves so far: no user waits for it."""
+        """Sets the output after the moves so far, because no user waits for it."""
         self._job.record(output, value)
         return inf
 
@@ -63,17 +64,17 @@ class LivePlan:
         self._drive, self._during_print = drive, during_print
 
     def live(self, reply: Reply) -> bool:
-        """During a print, for consoles."""
+        """Live for consoles during a print."""
         return self._during_print(reply)
 
     def replan(self) -> None:
-        """As `Drive.replan`."""
+        """As `MotionQueue.replan`."""
         self._drive.replan()
 
     def scale_flow(self, extruder: int, factor: float) -> None:
-        """As `Drive.scale_flow`."""
+        """As `MotionQueue.scale_flow`."""
         self._drive.scale_flow(extruder, factor)
 
     def record_at_once(self, output: int, value: int) -> float:
-        """As `Drive.record_at_once`."""
+        """As `MotionQueue.record_at_once`."""
         return self._drive.record_at_once(output, value)

@@ -1,4 +1,4 @@
-"""The power supply of motors and heaters, where the board switches it."""
+"""The power supply of motors and heaters, if the board switches it."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProced
 if TYPE_CHECKING:
     from passo.board.boards import Boards
 
-_RISES_S = 2.5  # until there is power, and every driver with registers has been asked and set up
+_RISES_S = 2.5  # until the supply is stable, and every driver with registers has been configured
 
 
 class PowerSupply:
-    """M80 and M81 of one printer. Without a pin the mains are always on. A board that shuts down
-    switches them off."""
+    """M80 and M81 of one printer. Without a pin the power supply is always on. A board that shuts
+    down switches it off."""
 
     def __init__(self, rig: Rig, laser: Laser, motors: Motors, targets: Targets) -> None:
         self._rig, self._laser, self._motors, self._targets = rig, laser, motors, targets
@@ -29,16 +29,16 @@ class PowerSupply:
         self.on = True
 
     def begin(self, boards: Boards) -> None:
-        """The boards have begun anew, or go on with what another host has left warm."""
+        """The boards have restarted, or continue with what another host has left on."""
         if self._pin is not None:
             self._switch(boards, self._pin.on_at_start or boards.adopted)
 
     def renew(self) -> None:
-        """The board may not have heard the last word."""
+        """Sends the state again, because the board may not have received the last one."""
         self._switch(self._rig.connection, self.on)
 
     def require(self) -> None:
-        """Raises CommandError while they are off."""
+        """Raises CommandError while it is off."""
         if not self.on:
             raise CommandError.of("command.no-mains")
 

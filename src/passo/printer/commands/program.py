@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.printer.status import Status
 
-# The handlers of a job by code, as name of the part and of its method: the parts of a job belong to
-# `Commands`, and must not hold it.
+# The handlers of a job by code, as name of the part and of its method. The parts of a job belong to
+# `Commands`, and must not refer to it.
 _PARTS = {
     "flow": ProgramFlow,
     "set_points": SetPoints,
@@ -43,11 +43,12 @@ for _name, _part in _PARTS.items():
         _METHODS[_role][_code] = (_name, _method)
 
 DECLARED = frozenset(_METHODS[Role.DECLARED])
-"""Commands that are declared here; the others only have their place in a program here."""
+"""The declarations of these commands are here; the others only have their handler in a program
+here."""
 
 
 class _Counted(NullReply):
-    """Counts the notes of one command of a program; nobody reads its answers."""
+    """Counts the notes of one command of a program, whose answers have no reader."""
 
     def __init__(self, omitted: SkippedCommands, line: int) -> None:
         self._omitted, self._line = omitted, line
@@ -58,14 +59,16 @@ class _Counted(NullReply):
 
 
 class Commands:
-    """Carries out what the job's interpreter hands out. One object a job; not thread-safe.
+    """Carries out the commands that the job's interpreter hands out. One object a job; not
+    thread-safe.
 
-    Its parts are one subject each. `omitted` counts what it leaves out.
+    Its parts are one subject each. `omitted` counts the commands that it leaves out.
     """
 
     @classmethod
     def of_plan(cls, machine: MachineConfig, job: _core.Job) -> Self:
-        """Those of a job that is only planned: without heat and without a board's outputs."""
+        """The commands of a job that is only planned: without heat and without a board's
+        outputs."""
         return cls(machine, job, NoHeat(), [1] * len(machine.timed_outputs))
 
     def __init__(
@@ -77,8 +80,8 @@ class Commands:
         plan: Plan | None = None,
         macros: Macros | None = None,
     ) -> None:
-        """`full_scale` of each timed output; `plan`: what commands may change of planned moves,
-        by default nothing; `macros` are those of a printer: a program has its own."""
+        """`full_scale` of each timed output; `plan`: which planned moves commands may change, by
+        default none; `macros` are those of a printer: a program has its own."""
         self._machine, self._job = machine, job
         plan = plan or PlanAhead(job)
         self.omitted = SkippedCommands()
@@ -92,9 +95,9 @@ class Commands:
         self.skips = ALL  # what a print without consoles may leave out
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
-        """Carries one command out in its place, or counts it as unknown; returns what it waits for.
-        Without `reply` its notes are counted. Raises CommandError where it is refused, WordError
-        for a word without a number."""
+        """Carries out one command in its place, or counts it as unknown; returns its wait. Without
+        `reply` its notes are counted. Raises CommandError if it is refused, WordError for a word
+        without a number."""
         if command.letter == "T":
             if command.minor:
                 self.omitted.count(SkippedCommand.TOOL, f"T{command.number}", command.line)
@@ -119,7 +122,7 @@ class Commands:
         return None
 
     def expand(self, command: Command, respond: Respond, *, console: bool = False) -> None:
-        """A macro is called: the job reads next what it becomes. See Macros.expand."""
+        """A macro is called: the job reads its lines next. See Macros.expand."""
         self.macros.expand(self._job, command, self.status(), respond, console=console)
 
     def status(self) -> Status:
@@ -142,14 +145,14 @@ class Commands:
         return None
 
     def knows(self, command: Command) -> bool:
-        """Whether a command means anything, if only that it does nothing here."""
+        """Whether a command is known, even if it has no effect here."""
         code = _key(command)
         if code == "G92.1":
             return by_interpreter(command)
         return command.letter == "T" or code == "S" or row_of(code) is not None
 
     def refuse(self, command: Command, error: CommandError, file: str) -> None:
-        """A command of `file` that was not carried out, in a print that continues."""
+        """Records a command of `file` that was not carried out, in a print that continues."""
         del file
         self.omitted.count(SkippedCommand.REFUSED, f"{command.code}: {error}", command.line)
 
@@ -177,8 +180,8 @@ class Commands:
         return problem_of(self._job, path, self._machine.geometry)
 
     def warnings(self, file: str) -> list[str]:
-        """One sentence for each code that meant nothing, waited for the user, or was ignored, for
-        each axis whose targets were moved to the limit, for moves that were left out, and for a
+        """One sentence for each code that was unknown, waited for the user, or was ignored, for
+        each axis whose targets were clamped to the limit, for moves that were left out, and for a
         file that was cut short."""
         return self.omitted.warnings(file, self._clamped())
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.printer.commands.outputs import Outputs
 
-# How the interpreter writes the words of its own events. The form marks them: the lexer takes the
-# last blank off a program's line, so no words of a program have it.
+# The form in which the interpreter writes the words of its own events. It marks them: the lexer
+# removes the last blank of a program's line, so a program cannot write it.
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")
 _BABYSTEP_MM = 2.0  # at most, with one command
 
@@ -30,7 +30,7 @@ def by_interpreter(command: Command) -> bool:
 
 
 def babysteps(command: Command) -> list[tuple[int, float]]:
-    """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""
+    """M290: numbers of axes with their distances, mm; S is Z's. Raises CommandError."""
     words = command.words()
     words.setdefault("Z", words.get("S", 0.0))
     found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
@@ -41,7 +41,7 @@ def babysteps(command: Command) -> list[tuple[int, float]]:
 
 
 class ProgramFlow:
-    """Where the program of one job is. `omitted` counts what is left out; `ended`: a command has
+    """The flow of one job's program. `omitted` counts the commands left out; `ended`: a command has
     ended the program."""
 
     def __init__(
@@ -67,7 +67,7 @@ class ProgramFlow:
         bare=ANY,
     )
     def _home(self, command: Command, _: Reply) -> Wait:
-        self._outputs.laser_off()  # homing runs over what lies there
+        self._outputs.laser_off()  # homing moves over the work
         return WaitForHoming(command.text)
 
     @in_program("G92")
@@ -83,7 +83,7 @@ class ProgramFlow:
         return self._placed(places) if places else None
 
     def _placed(self, places: dict[int, float]) -> Wait:
-        """Once the machine stands: a plan that is under way could not be planned anew."""
+        """Waits for standstill: a plan in progress could not be replanned."""
         return WaitForMoves(lambda: self._job.set_axes(list(places.items())))
 
     @in_program("M290")
@@ -129,7 +129,7 @@ class ProgramFlow:
         bare=None,
     )
     def _call(self, command: Command, _: Reply) -> None:
-        """Of a sub-program that is missing, where that may be left out."""
+        """Leaves out a call of a missing sub-program, if that is allowed."""
         self._omitted.count(SkippedCommand.UNKNOWN, f"M98 {command.text}", command.line)
 
     @command(
@@ -142,7 +142,7 @@ class ProgramFlow:
         bare=ANY,
     )
     def _return(self, command: Command, reply: Reply) -> Wait | None:
-        """Outside of a sub-program: other machines begin again."""
+        """M99 outside of a sub-program: other machines restart the program."""
         if command.text:
             self._omitted.count(SkippedCommand.NOT_BUILT, "M99", command.line)
             return None
@@ -164,7 +164,8 @@ class ProgramFlow:
 
     @in_program("M486")
     def _cancel_objects(self, command: Command, _: Reply) -> None:
-        """As a console has ordered it, by number, in the part of a print that is read again."""
+        """Cancels objects as a console has ordered, by number, in the part of a print that is read
+        again."""
         action = _core.ObjectAction
         for what, number, _name in _core.object_orders(command.code, command.text):
             if what in (action.CANCEL, action.RESTORE) and number >= 0:

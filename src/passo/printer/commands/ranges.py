@@ -1,11 +1,11 @@
-"""Values that are brought within a range, with a note on what is taken."""
+"""Values that are clamped to a range, with a note."""
 
 from __future__ import annotations
 
 
 def beyond(code: str, value: float, within: tuple[float, float], unit: str = "") -> str:
-    """A note where a value of a command is outside of its range, of which the nearer end is taken;
-    else nothing."""
+    """A note if a value of a command is outside of its range and is clamped to the nearer end; else
+    nothing."""
     low, high = within
     taken = min(max(value, low), high)
     if taken == value:

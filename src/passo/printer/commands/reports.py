@@ -1,4 +1,4 @@
-"""Commands that say how the printer is: temperatures, position, firmware."""
+"""Commands that report the state of the printer: temperatures, position, firmware."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ class Reports:
         self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
 
     def temperatures(self) -> str:
-        """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured (-273.15 where the board tells nothing),
+        """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured (-273.15 while the board reports nothing),
         target, power of 127."""
         printer = self._printer
         parts: list[str] = []
         powers: list[str] = []
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
-        at_work = hotends[-1] if hotends else ""  # where the tool has none
+        at_work = hotends[-1] if hotends else ""  # if the tool has none
         with suppress(CommandError):
             at_work = printer.commands.set_points.heater("hotend")
         for name, config in printer.machine.heaters.items():
             heater = printer.connection.heaters[name]
-            # What the board said last of a heater is from before it was halted.
+            # The board's last report of a heater is from before the halt.
             power = 0 if printer.halted else round(heater.power * 127)
             letter = _LETTERS[config.kind]
             reading = f":{printer.connection.reading(name):.2f} /{heater.target:.2f}"
@@ -117,12 +117,12 @@ class Reports:
         return None
 
     def _require_board(self) -> None:
-        """Raises CommandError while the boards are stopped: they answer no questions then."""
+        """Raises CommandError while the boards are stopped, because they do not answer then."""
         if self._printer.halted:
             raise CommandError.of("command.halted", value=self._printer.halted)
 
     def _real(self) -> str:
-        """As `position`, of what the motors have done so far. Raises CommandError."""
+        """As `position`, by the steps that the motors have made so far. Raises CommandError."""
         self._require_board()
         places, counts = self._printer.positions.now()
         e = places.pop("E", None)

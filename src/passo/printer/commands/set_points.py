@@ -19,17 +19,17 @@ _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
 class Heat(Protocol):
-    """Where temperatures are set."""
+    """The destination of temperature targets."""
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a heater's target when the moves so far are done, or at once; 0 is off."""
 
 
 class NoHeat:
-    """Nothing heats in a plan: temperatures are taken as reached."""
+    """Nothing heats in a plan: temperatures count as reached."""
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
-        """Forgets it."""
+        """Ignores it."""
 
 
 class SetPoints:
@@ -53,7 +53,7 @@ class SetPoints:
         return found
 
     def _exists(self, kind: str, words: dict[str, float]) -> bool:
-        """A machine without such heaters lets a command pass that numbers none."""
+        """A machine without such heaters ignores a command without a number."""
         there = any(heater.kind == kind for heater in self._machine.heaters.values())
         return there or _number(words) is not None
 
@@ -68,12 +68,12 @@ class SetPoints:
             self._heat.set_target(name, target, at_once=at_once)
         else:
             self._heat.set_target(name, 0.0, at_once=True)
-            self._heat.set_target(name, 0.0)  # a target that is still queued is not the last word
+            self._heat.set_target(name, 0.0)  # a queued target must not override it
             limit = f"{heater.min_c:g} to {heater.max_c:g}"
             raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
 
     def _celsius(self, words: dict[str, float], kind: str) -> float | None:
-        """What a command asks for: the material I of M145, or S, or R. Raises CommandError."""
+        """The temperature of a command: the material I of M145, or S, or R. Raises CommandError."""
         if "I" in words and kind in ("hotend", "bed"):
             return self.presets.celsius(words["I"], kind)
         return words.get("S", words.get("R"))
@@ -214,8 +214,8 @@ class SetPoints:
 
     @in_program("G10")
     def _tool_temperatures(self, command: Command, _: Reply) -> None:
-        """G10 P: the temperature of a tool at work (S) and on standby (R). The tool at work takes
-        the one at once, another one the other."""
+        """G10 P: the temperature of a tool at work (S) and on standby (R). The tool at work uses
+        the one at once, another tool the other."""
         words = command.words()
         tool = int(words.get("P", self._job.tool))
         work, standby = self._tool_c.get(tool, (None, None))
@@ -229,7 +229,8 @@ class SetPoints:
             self._heat_to(self.heater("hotend", tool), celsius)
 
     def take_tool_temperatures(self, other: SetPoints) -> None:
-        """What G10 has set for others of the same machine holds here; heaters stay as they are."""
+        """Copies the G10 temperatures of another job of the same machine; heaters stay as they
+        are."""
         self._tool_c |= other._tool_c
 
     def follow_tool(self) -> None:
@@ -237,7 +238,8 @@ class SetPoints:
         self._tool = self._job.tool
 
     def tool_changed(self, tool: int) -> None:
-        """The tool that leaves goes on standby, the one that comes to work."""
+        """The tool that leaves gets its standby temperature, the new one its working
+        temperature."""
         before, self._tool = self._tool, tool
         standby, work = (self._tool_c.get(t, (None, None))[i] for t, i in ((before, 1), (tool, 0)))
         if tool != before:

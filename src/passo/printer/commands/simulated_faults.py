@@ -1,4 +1,4 @@
-"""SIMULATE_FAULT, and faults that come at a print time, where the boards can be made to fail."""
+"""SIMULATE_FAULT, and faults that come at a print time, on boards that support fault injection."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _WORDS = ("NAME", "VALUE", "AFTER", "DURATION")
 
 
 class SimulatedFaultCommands:
-    """Faults of one printer's boards. Print time passes for them as it does on the boards, also
-    while the printer is halted; where it is `free` (--clock fast), only while the printer works."""
+    """Faults of one printer's boards. Their print time passes as on the boards, also while the
+    printer is halted; if it is `free` (--clock fast), only while the printer works."""
 
     def __init__(self, rig: Rig, state: State, *, free: bool) -> None:
         self._rig, self._state, self._free = rig, state, free
@@ -31,7 +31,7 @@ class SimulatedFaultCommands:
 
     @property
     def injector(self) -> FaultInjector:
-        """What gives the boards their faults. Raises CommandError where the boards are real."""
+        """The fault injector of the boards. Raises CommandError if the boards are real."""
         if self._rig.connection.injector is None:
             raise CommandError.of("command.real-board")
         return self._rig.connection.injector
@@ -64,7 +64,7 @@ class SimulatedFaultCommands:
         self._timers.add(timer)
 
     def time_passed(self) -> None:
-        """Print time counts on where the boards were restarted."""
+        """Counts print time on, also across restarts of the boards."""
         if not self._free:
             return
         now_s = self._rig.queue.now_s
@@ -76,7 +76,7 @@ class SimulatedFaultCommands:
             self.order(order)
 
     def close(self) -> None:
-        """Faults that are still to come do not."""
+        """Cancels faults that are still to come."""
         for timer in self._timers:
             timer.cancel()
 

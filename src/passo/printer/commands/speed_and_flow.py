@@ -21,7 +21,7 @@ _FLOW = (1.0, 1000.0)  # percent of M221
 
 class SpeedAndFlow:
     """The factors of one job. In a program they take their place among the moves; a console's line
-    changes what is planned, too. `kept` is the factor that M220 B has kept for R."""
+    also changes planned moves. `kept` is the factor that M220 B has stored for R."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job, plan: Plan) -> None:
         self._machine, self._job, self._plan = machine, job, plan

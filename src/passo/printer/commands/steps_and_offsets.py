@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 
 class MotionCommands:
-    """Settings of motion of one printer. Limits and the feed rate override take their place among
-    the moves of the program, or of the line, that they stand in. What a console sends beside a
-    print is live, M221 too: it acts at once on what the board does not have yet. M220 and M290 in
-    lines of their own are live from every console."""
+    """Settings of motion of one printer. Limits and the feedrate override take their place among
+    the moves of their program or line. The lines of a console during a print are live, M221 too:
+    they act at once on the moves that the board does not have yet. M220 and M290 in lines of their
+    own are live from every console."""
 
     def __init__(self, rig: LiveRig, state: State, offsets: Offsets, homer: Homer) -> None:
         self._rig, self._state, self._homer = rig, state, homer
@@ -83,7 +83,7 @@ class MotionCommands:
         return WaitForMoves(lambda: self._rescale(changes))
 
     def _layers(self, words: dict[str, float]) -> str:
-        """Heights of layers that Z's motor reaches in whole steps, on which it stands best."""
+        """Layer heights that Z's motor reaches in full steps, where it holds best."""
         places = self._places("z")
         if not places:
             raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
@@ -101,12 +101,12 @@ class MotionCommands:
         )
 
     def require_scales(self, code: str) -> None:
-        """Raises CommandError where a command must not change scales now."""
+        """Raises CommandError if a command must not change scales now."""
         if self._rig.job.suspended:
             raise CommandError.of("command.aside", value=code)
 
     def _rescale(self, changes: list[tuple[int, float]]) -> None:
-        self.require_scales("M92")  # a pause may have come meanwhile
+        self.require_scales("M92")  # a pause may have begun meanwhile
         for i, value in changes:
             self._rig.job.set_steps_per_unit(i, value)
 
@@ -163,7 +163,7 @@ class MotionCommands:
         _report(reply, self.change_lines())
 
     def filament_lines(self) -> Iterator[str]:
-        """M200 for each tool where E is a volume, else that it is a length."""
+        """M200 for each tool whose E is a volume, else that it is a length."""
         diameters = self._rig.job.filament_diameters
         if diameters is None:
             yield "M200 S0"
@@ -183,7 +183,7 @@ class MotionCommands:
                 yield f"M603 T{tool} L{numeral(load)} U{numeral(unload)}"
 
     def retraction_lines(self) -> Iterator[str]:
-        """M207 to M209 with what holds now."""
+        """M207 to M209 with the current values."""
         job = self._rig.job
         mm, feed, hop, extra, back, swap, swap_extra = job.retraction
         into = {"S": mm, "F": feed * 60, "Z": hop, "R": extra, "W": swap}
@@ -230,7 +230,7 @@ class MotionCommands:
         return offsets
 
     def home_offset_line(self, offsets_mm: dict[str, float] | None = None) -> str:
-        """M206 with these offsets, or with what holds now."""
+        """M206 with these offsets, or with the current values."""
         offsets_mm = offsets_mm or self.offsets.home_mm
         words = [f"{a.upper()}{numeral(mm)}" for a, mm in offsets_mm.items()]
         return f"M206 {' '.join(words)}"

@@ -17,7 +17,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForTuning
 
 
 class HeatCommands:
-    """What only a live printer has of heaters; `SetPoints` has the temperatures."""
+    """Heater commands that only a live printer has; `SetPoints` has the temperatures."""
 
     def __init__(self, rig: LiveRig, controls: ControlCommands) -> None:
         self._rig, self._controls = rig, controls
@@ -55,7 +55,7 @@ class HeatCommands:
         return None
 
     def cold_lines(self) -> Iterable[str]:
-        """M302 as it is set."""
+        """M302 with the current setting."""
         return self.cold.lines(self._controls.number_of)
 
     def guard_extrusion(self) -> None:
@@ -63,7 +63,7 @@ class HeatCommands:
         self.cold.guard(self._rig.job, self._rig.connection.heaters)
 
     def warm(self) -> bool:
-        """The active tool's hotend lets filament move."""
+        """Whether the active tool's hotend lets filament move."""
         return self.cold.warm(self._rig.connection.heaters, self._rig.job.tool)
 
     @command(

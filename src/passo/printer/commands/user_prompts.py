@@ -13,8 +13,8 @@ from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForUser
 
-# Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3". The rest
-# is a message, which the lexer does not divide.
+# Words only if the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3". The rest is
+# a message, which the lexer does not split.
 _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
 
 
@@ -26,8 +26,8 @@ class UserPrompts:
         self.message = ""
         self.asking = False  # hosts show a question
         self.awaited = False  # it is that of a wait, which an answer ends; not of a paused print
-        self.for_ever = False  # a wait goes on that only a user ends
-        self.wait_listeners: list[Callable[[], None]] = []  # called as a wait for a user begins
+        self.for_ever = False  # a wait is open that only a user ends
+        self.wait_listeners: list[Callable[[], None]] = []  # called when a wait for a user begins
         self.kill_s = 0.0  # M85: idle for so long, everything goes off
 
     @command(
@@ -66,8 +66,8 @@ class UserPrompts:
 
     @contextmanager
     def waited_for(self, *, for_ever: bool = True) -> Generator[None]:
-        """A wait for a user lasts while this is open, the machine at rest; `for_ever`: no time ends
-        it."""
+        """A wait for a user lasts while this is open, with the machine at standstill; `for_ever`:
+        it has no timeout."""
         self.for_ever = for_ever
         for listener in list(self.wait_listeners):
             listener()
@@ -115,5 +115,5 @@ class UserPrompts:
         return None
 
     def kill_line(self) -> str:
-        """M85 with what holds now."""
+        """M85 with the current value."""
         return f"M85 S{numeral(self.kill_s)}"

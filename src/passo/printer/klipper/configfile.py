@@ -1,4 +1,4 @@
-"""The machine file as the sections of a printer.cfg, as far as clients and macros read them."""
+"""The machine file as the sections of a printer.cfg, for the keys that clients and macros read."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Object = dict[str, Any]
 
 # Clients draw all machines but these as cartesian ones.
 _KINEMATICS = {"delta", "rotary_delta", "corexy", "corexz", "cartesian"}
-# Clients warn where these sections are missing. What they do needs no configuration here.
+# Clients warn if these sections are missing. Their functions need no configuration here.
 _NEEDED: dict[str, Object] = {"pause_resume": {}, "display_status": {}, "respond": {}}
 _BUILT_IN = ("PAUSE", "RESUME", "CANCEL_PRINT")
 

@@ -16,14 +16,14 @@ _ROOM_C = 25.0  # shown of a heater whose sensor has not reported
 
 
 def heater(status: Status, name: str) -> Object:
-    """A heater; its temperature in °C is that of a room until its sensor reports."""
+    """A heater; its temperature is a room temperature in °C until its sensor reports."""
     seen = status.heaters[name]
     celsius = _ROOM_C if seen.celsius is None else seen.celsius
     return {"temperature": round(celsius, 2), "target": seen.target_c, "power": seen.power}
 
 
 def extruder(status: Status, name: str) -> Object:
-    """A hotend with its filament. Clients show a pressure advance where there is one."""
+    """A hotend with its filament. Clients show a pressure advance if there is one."""
     seen = heater(status, name)
     return seen | {
         "can_extrude": seen["temperature"] >= status.heaters[name].min_extrude_c,

@@ -17,9 +17,9 @@ _ENDS = {"done": "complete", "cancelled": "cancelled", "failed": "error"}
 
 
 def print_stats(status: Status) -> Object:
-    """The print under way, or the last one as long as its file is selected. The time of printing
-    begins with the first extrusion, and has no pauses. The whole time is at least that without
-    pauses, also where print time runs faster than real."""
+    """The current print, or the last one as long as its file is selected. The printing time begins
+    with the first extrusion, and excludes pauses. The total time is at least the time without
+    pauses, also if print time runs faster than real time."""
     job, ended = status.job, status.ended
     state, message = "standby", ""
     if job is None and ended is not None:
@@ -41,7 +41,7 @@ def print_stats(status: Status) -> Object:
 
 
 def virtual_sdcard(status: Status) -> Object:
-    """The file that is printed, or was the last as long as it is selected. Its progress is that of
+    """The file that is printed, or the last one as long as it is selected. Its progress is that of
     its bytes."""
     job = status.job or (status.ended.job if status.ended else None)
     return {

@@ -11,7 +11,7 @@ Object = dict[str, Any]
 
 
 def webhooks(status: Status) -> Object:
-    """Whether the printer runs, and if not, why and what to do."""
+    """Whether the printer runs; if not, why and what to do."""
     if status.link == "restarting":
         return {"state": "startup", "state_message": "The boards start. Wait some seconds"}
     if not status.halted:

@@ -77,7 +77,7 @@ def _babystep(status: Status, name: str) -> float:
 
 
 def motion_report(machine: MachineConfig, status: Status) -> Object:
-    """Where the machine is now, and how fast."""
+    """The position and speed of the machine now."""
     x, y, z = (status.axes[n].machine_mm if n in status.axes else 0.0 for n in "xyz")
     return {
         "live_position": Coord(x, y, z, status.position_mm.get("e", 0.0)),

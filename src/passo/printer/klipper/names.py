@@ -1,4 +1,4 @@
-"""What Klipper calls the parts of a machine."""
+"""Klipper's names for the parts of a machine."""
 
 from __future__ import annotations
 

@@ -29,8 +29,8 @@ Variables = Mapping[str, Mapping[str, object]]
 
 
 def objects(machine: MachineConfig, status: Status, variables: Variables) -> Objects:
-    """All objects of a printer by their names, each made when it is asked for. `variables` are
-    those of the macros, by name."""
+    """All objects of a printer by their names, each made on demand. `variables` are those of the
+    macros, by name."""
     found: Objects = {
         "webhooks": lambda: webhooks(status),
         "configfile": lambda: configfile(machine, status.files.folder, status.unsaved),

@@ -1,1 +1,1 @@
-"""What follows a failed board or a lost link."""
+"""Recovery after a failed board or a lost link."""

@@ -1,4 +1,4 @@
-"""The states of the links to a printer's boards, and the ways between them."""
+"""The states of the links to a printer's boards, and their transitions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class LinkState(Enum):
-    """What the boards do, as far as the host knows."""
+    """The state of the boards, as far as the host knows."""
 
     CONNECTED = "the boards answer"
     RECONNECTING = "a link is lost; the boards brake by themselves and keep warm"
@@ -17,11 +17,11 @@ class LinkState(Enum):
 
 _S = LinkState
 TRANSITIONS: dict[LinkState, frozenset[LinkState]] = {
-    # A link is lost, where the boards survive that; a board was reset; M112 or what else halts.
+    # A link is lost, and the boards survive that; a board was reset; M112 or another halt.
     _S.CONNECTED: frozenset({_S.RECONNECTING, _S.PLACE_LOST, _S.HALTED}),
-    # All boards are back; a motor is not where it was told to stop; M112, or a board has stopped.
+    # All boards are back; a motor is not at its stop position; M112, or a board has stopped.
     _S.RECONNECTING: frozenset({_S.CONNECTED, _S.PLACE_LOST, _S.HALTED}),
-    # By itself, as soon as no command waits any more; M112 meanwhile.
+    # Automatically, as soon as no command waits any more; M112 meanwhile.
     _S.PLACE_LOST: frozenset({_S.RESTARTING, _S.HALTED}),
     # M999.
     _S.HALTED: frozenset({_S.RESTARTING}),

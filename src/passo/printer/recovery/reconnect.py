@@ -1,4 +1,4 @@
-"""After a lost link: the boards have stopped by themselves, and the print goes on from there."""
+"""After a lost link: the boards have stopped by themselves, and the print continues from there."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 _AGAIN_S = 0.5  # between two tries to open the port
-# What a board did in one commit, it takes back in so long: some 40 times as slowly.
+# Steps of one commit are taken back in this time: about 40 times more slowly.
 _BACK_S = 3.0
 
 
 class Reconnection:
-    """What follows the lost links of one printer, and the parts that it sets up again."""
+    """Recovery from lost links of one printer, and the parts that it sets up again."""
 
     def __init__(
         self,
@@ -48,10 +48,10 @@ class Reconnection:
         self.drivers, self.endstops = drivers, endstops
 
     async def reconnect(self, lost: LinkLostError) -> None:
-        """Waits for the boards, proves that they stand where their brake tails end, and goes on
-        with what was held as soon as what was warm is so again. Raises `lost` when the printer is
-        halted meanwhile, PlaceLostError when a board's place cannot be proved, and MachineError
-        when one has shut down."""
+        """Waits for the boards, verifies that they have stopped at the end of their brake tails,
+        and resumes the held plan as soon as the heaters are warm again. Raises `lost` if the
+        printer is halted meanwhile, PlaceLostError if a board's position cannot be verified, and
+        MachineError if one has shut down."""
         held = self.rig.job.holds
         self.rig.queue.interrupted = True
         attempt = _Attempt(self)
@@ -79,19 +79,20 @@ class Reconnection:
 
 
 class _Attempt:
-    """One lost link, until all boards are there again; those of `silent` must be reopened."""
+    """One lost link, until all boards are back; those of `silent` must be reopened."""
 
     def __init__(self, parts: Reconnection) -> None:
         self._parts, self._rig, self._state = parts, parts.rig, parts.state
         self._connections = parts.rig.connection.connections
         self.silent: set[Connection] = set()
         self.look_for_silent()
-        # Serials of two commits, and how much further each motor is behind the second one.
+        # Serials of two commits, and how far each motor is beyond the first one after the second
+        # one.
         self._apart: tuple[int, int, list[int]] | None = None
 
     @property
     def outlook(self) -> str:
-        """What the boards do meanwhile."""
+        """A description of what the boards do meanwhile."""
         who = "The board" if len(self._connections) == 1 else "Each board"
         if not self._rig.queue.commits:
             return f"Axes were homing: their place is lost. {who} keeps warm for a minute"
@@ -102,7 +103,7 @@ class _Attempt:
         self.silent |= {c for c in self._connections if c.lost}
 
     async def take_over(self) -> None:
-        """Raises LinkLostError while a board cannot be reached, and again when one is lost
+        """Raises LinkLostError while a board cannot be reached, and again if a link is lost
         again."""
         rig, state, parts = self._rig, self._state, self._parts
         rig.queue.wait()  # none has shut down
@@ -116,7 +117,7 @@ class _Attempt:
         serial = min(serials.values())
         ahead = [c for c in self._connections if serials[c] != serial]
         further = self._further(serial, {serials[c] for c in ahead})
-        # One that was not armed yet has not moved yet; while axes home the plan has no commits.
+        # A board that was not armed yet has not moved yet; while axes home the plan has no commits.
         if not rig.queue.recover_from(serial):
             raise PlaceLostError.of("machine.place-unknown")
         self._prove(dict.fromkeys(ahead, further))
@@ -149,7 +150,7 @@ class _Attempt:
             else "The board is back, and stands where it was told to stop",
         )
         heaters = rig.connection.heaters.values()
-        # Meanwhile one may be switched off.
+        # A heater may be switched off meanwhile.
         while any(h.target > 0 and not (h.reached or h.fault) for h in heaters):
             if state.halted:
                 return
@@ -157,14 +158,14 @@ class _Attempt:
             rig.queue.look()
 
     async def _stood_behind(self, connection: Connection) -> int:
-        """The last commit of a board whose motors stand."""
+        """The last commit of a board whose motors have stopped."""
         states = connection.dictionary.enumerations["survive"]
         with self._silence_of(connection):
             # The link asks for the state as well, and its question may be older than a commit that
-            # is still under way. Behind this answer, none is.
+            # is still on its way. After this answer, none is.
             connection.ask("get_config", "config")
-            # By the board's own time: while questions are asked again that of a simulated one runs
-            # ahead of the machine's.
+            # By the board's own time: while questions are asked again, the time of a simulated
+            # board runs ahead of the machine's.
             end = connection.now + int(BRAKING_S * connection.wire.hz)
             while connection.now < end:
                 if (state := stopped(connection)) is not None:
@@ -174,8 +175,8 @@ class _Attempt:
         raise PlaceLostError.of("machine.place-unknown")
 
     def _further(self, serial: int, others: set[int]) -> dict[str, int]:
-        """Steps that the motors of boards which have stopped behind another commit have made more;
-        it must be the next one."""
+        """The further steps of motors on boards that have stopped after another commit; it must be
+        the next one."""
         job = self._rig.job
         if not others:
             return {}
@@ -189,7 +190,7 @@ class _Attempt:
         return dict(zip(names, self._apart[2], strict=True))
 
     def _prove(self, ahead: dict[Connection, dict[str, int]]) -> None:
-        """Every motor must be where the plan is, or so many steps ahead of it."""
+        """Verifies that every motor is where the plan is, or so many steps ahead of it."""
         found: dict[str, int] = {}
         for connection in self._connections:
             with self._silence_of(connection):
@@ -209,7 +210,7 @@ class _Attempt:
 
     @contextmanager
     def _silence_of(self, connection: Connection) -> Generator[None]:
-        """One that does not answer must be reopened."""
+        """A board that does not answer must be reopened."""
         try:
             yield
         except LinkLostError:

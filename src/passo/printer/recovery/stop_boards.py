@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_AGAIN_S = 0.5  # between two tries; a board that receives the first has answered by the second
+_AGAIN_S = 0.5  # between two tries; a board that receives the first has answered before the second
 
 
 async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
-    """Orders every board to shut down until all have confirmed it, or `given_up` is set. Reopens
-    the port of a silent board again and again."""
+    """Sends every board the command to shut down until all have confirmed it, or `given_up` is set.
+    Reopens the port of a silent board repeatedly."""
     left = [c for c in rig.connection.connections if not c.link.shut_down]
     warned = False
     while left and not given_up.is_set():
@@ -36,7 +36,8 @@ async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
         await either(given_up, _AGAIN_S)
         rig.queue.live_on(_AGAIN_S)
         left = [c for c in left if not c.has_shut_down()]
-        # Those that cannot keep warm by themselves have switched all off within three seconds.
+        # Boards that cannot keep heaters on by themselves have switched everything off within three
+        # seconds.
         warm = [c for c in left if c.heaters] if rig.connection.survives else []
         if warm and not warned:
             warned = True

@@ -84,7 +84,7 @@ class Supervisor:
         self._answer()
 
     def _answer(self) -> None:
-        """Tells the consoles that wait for M999 that it is done, or has failed."""
+        """Reports to the consoles that wait for M999 that it is done, or has failed."""
         self._restart_asked.clear()
         for asking in self._asking:
             if not asking.done():
@@ -118,8 +118,8 @@ class Supervisor:
                     self._motion_lock.release()
 
     def _has_to_halt(self, failure: PlaceLostError) -> bool:
-        """True if the printer was halted already, or if its heaters may be what resets the
-        board."""
+        """True if the printer was halted already, or if its heaters may have caused the reset of
+        the board."""
         if not isinstance(failure, BoardResetError):
             return bool(self._state.halted)
         before, self._reset_s = self._reset_s, asyncio.get_running_loop().time()
@@ -139,13 +139,13 @@ class Supervisor:
             await rig.queue.hear_stop()
 
     async def _reconnect(self, error: Exception) -> Exception | None:
-        """After a lost link resumes where the boards have braked by themselves, and returns None;
+        """After a lost link, resumes where the boards have braked by themselves, and returns None;
         else returns the failure that halts the printer."""
         rig, state = self._rig, self._state
         if state.halted or not isinstance(error, LinkLostError):
             return error
         if isinstance(error, PlaceLostError):
-            return error  # nothing is left that could be taken over
+            return error  # no board is left to take over
         boards = rig.connection
         if not boards.survives or boards.timeline.halted:
             return error
@@ -170,7 +170,7 @@ class Supervisor:
         rig, state = self._rig, self._state
         self._make_safe()
         if state.start_failure is None and not self._restart_asked.is_set():
-            # Else each console is told when it opens, or there is nothing to do.
+            # Otherwise each console receives it when it opens, or there is nothing to do.
             state.tell(f"Error:Printer halted: {state.why_halted}")
         rig.queue.end_waits()
         await self._until_restart_asked()
@@ -217,7 +217,7 @@ class Supervisor:
                 if self._state.halted:
                     fields = failure.problems[0].log_fields
                     _log.error("The restart failed: %s", failure, extra=fields)
-                else:  # the board is well, but not what came after it
+                else:  # the board is well, but its start-up has failed
                     self._state.halt(failure)
                 self._enter(LinkState.HALTED)
                 self._make_safe()

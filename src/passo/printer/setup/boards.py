@@ -1,4 +1,4 @@
-"""From a machine file to what is wired to its board."""
+"""From a machine file to the descriptions of its boards."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-MAX_DURATION_S = 3.0  # a heater that is on must be told so again, or the board shuts down
+MAX_DURATION_S = 3.0  # a heater that is on must be renewed within it, or the board shuts down
 _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
 
@@ -222,8 +222,8 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
 
 
 def enable_outputs(machine: MachineConfig) -> dict[str, str]:
-    """The output that switches each motor on, for those that have one. Motors may share an output:
-    it has the name of the first of them."""
+    """The output that enables each motor, for those that have one. Motors may share an output: it
+    has the name of the first of them."""
     by_pin: dict[str, str] = {}
     outputs: dict[str, str] = {}
     for name in machine.steppers:
@@ -234,7 +234,7 @@ def enable_outputs(machine: MachineConfig) -> dict[str, str]:
 
 
 def enable_pin(machine: MachineConfig, name: str) -> str | None:
-    """The microcontroller's pin that switches a motor on, if it has one, with its board's name."""
+    """The microcontroller's pin that enables a motor, if it has one, with its board's name."""
     stepper, socket = machine.steppers[name], machine.socket(name)
     pin = stepper.enable_pin or (socket.enable if socket else None)
     if pin is None:
@@ -245,7 +245,7 @@ def enable_pin(machine: MachineConfig, name: str) -> str | None:
 def simulated_board(
     machine: MachineConfig, board: BoardDescription, name: str = MAIN
 ) -> SimulatedBoard:
-    """A simulated board that a machine file names, with its share of mechanics and heat."""
+    """A simulated board that a machine file names, with its part of mechanics and heat."""
     from passo.simulator import Body, PlantDescription, SimulatedBoard
     from passo.simulator import Switch as PlantSwitch
 
@@ -372,8 +372,8 @@ def _corners(area: Sequence[float]) -> tuple[float, float, float, float]:
 
 
 def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
-    """Before it is homed, a simulated machine stands a little away from its switches, and askew
-    where it has two motors with a switch each."""
+    """Before it is homed, a simulated machine is a little away from its endstops, and askew if it
+    has two motors with an endstop each."""
     from passo.simulator import Actuator
 
     geometry = machine.geometry
@@ -401,7 +401,7 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
 def _felt_at(
     machine: MachineConfig, switch: Switch, weights: tuple[tuple[str, float], ...]
 ) -> float:
-    """The sum of weighted positions at which the switch is pressed."""
+    """The sum of weighted positions at which the endstop triggers."""
     if is_actuator(machine, switch.home) or len(weights) == 1:
         off_mm = machine.simulated.endstops_mm.get(switch.name, 0.0)
         return _simulated_home(machine, switch.home) + off_mm
@@ -421,7 +421,7 @@ def connect_simulated(
     machine: MachineConfig, cable: Cable | None = None
 ) -> tuple[Boards, SimulatedMachine]:
     """Connections to simulated boards for the machine, identified and configured, and the boards
-    themselves, to look at. Boards on a cable, however good it is, can be made to fail. Raises
+    themselves, for tests. Boards on a cable, even a perfect one, can be made to fail. Raises
     MachineError."""
     boards = board_descriptions(machine)
     simulated = simulated_machine(machine, boards, cable)
@@ -437,7 +437,7 @@ def connect_simulated(
 def simulated_machine(
     machine: MachineConfig, boards: dict[str, BoardDescription], cable: Cable | None = None
 ) -> SimulatedMachine:
-    """All simulated boards of a machine; the clocks of further ones are as its file says."""
+    """All simulated boards of a machine; the clocks of further boards are as its file says."""
     from passo.simulator import SimulatedMachine
 
     return SimulatedMachine(
@@ -449,8 +449,8 @@ def simulated_machine(
 
 def connect(machine: MachineConfig) -> tuple[Boards, SimulatedMachine | None]:
     """Connections to the boards that the machine file names, identified and configured, and the
-    boards themselves where they are simulated. A board that has outlived another host is adopted.
-    Raises MachineError."""
+    boards themselves if they are simulated. A board that has survived the loss of another host is
+    adopted. Raises MachineError."""
     if machine.board.link == "simulated":
         from passo.simulator import Cable
 

@@ -1,4 +1,4 @@
-"""From a machine file to the wires over which drivers are set up and converters asked."""
+"""From a machine file to the buses of drivers and converters."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
 
 
 def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
-    """The pins that tell drivers in sockets how fine their steps are. Nobody switches them: one
-    that is to be high is inverted, so that it is off as it stands."""
+    """The pins that select the microsteps of drivers in sockets. They are never switched: a pin
+    that must be high is inverted, so that its off state is high."""
     for name, stepper in machine.steppers.items():
         socket, on = machine.socket(name), machine.board_of_stepper(name)
         board = machine.all_boards[on]

@@ -11,14 +11,14 @@ if TYPE_CHECKING:
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
 
-_STAYS_C = 2.0  # so much below its threshold a fan goes off again
+_STAYS_C = 2.0  # this far below its threshold a fan goes off again
 
 
 class AutomaticFans:
-    """The fans of one printer that follow something: fully on, as far as `max_power` lets them,
-    while their heater is above its threshold, or has failed, since its temperature is then unknown;
-    and while any of their motors is on, and a while longer. A halted board has all its outputs off.
-    """
+    """The fans of one printer that follow heaters or motors. A fan is fully on, up to its
+    `max_power`, while its heater is above its threshold, or has failed, because its temperature is
+    then unknown; and while any of its motors is on, and for a time after that. A halted board has
+    all its outputs off."""
 
     def __init__(self, rig: LiveRig, state: State, motors: Motors) -> None:
         self._rig, self._state, self._motors = rig, state, motors
@@ -27,7 +27,7 @@ class AutomaticFans:
         self._motors_s: dict[str, float] = {}  # host time when a fan's motors were last seen on
 
     def time_passed(self) -> None:
-        """Looks at the heaters and motors."""
+        """Checks the heaters and motors."""
         if self._state.halted:
             return
         commands = self._rig.commands

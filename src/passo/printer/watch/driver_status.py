@@ -1,4 +1,4 @@
-"""The motors' drivers that can be set up and asked, and what becomes of what they say."""
+"""The motors' drivers with registers: asks for their status, and acts on it."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_LOOK_S = 1.0  # between two questions how a driver is
-# What setting the driver up ends: it has lost its settings, or keeps a flag of what is over.
+_LOOK_S = 1.0  # between two status questions to a driver
+# Setting the driver up ends these: it has lost its settings, or keeps the flag of a past fault.
 _LATCHED = ("driver.reset", "driver.undervoltage", "driver.stopped")
 
 
 class DriverWatch:
-    """The drivers of one printer. Each is asked every second how it is. While the motors are on, a
-    driver that has failed halts the printer; while they are off, one that has lost its settings, or
-    whose supply was too low, is set up anew. Nothing moves while one cannot be spoken to."""
+    """The drivers of one printer. Each reports its status every second. While the motors are on, a
+    driver that has failed halts the printer. While they are off, a driver that has lost its
+    settings, or whose supply was too low, is set up again. Nothing moves while a driver does not
+    answer."""
 
     def __init__(
         self, rig: Rig, state: State, motors: Motors, halt: Callable[[MachineError], None]
     ) -> None:
         self._rig, self._state, self._motors, self._halt = rig, state, motors, halt
         self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
-        self._set: dict[str, DriverSettings] = {}  # by command: they outlive the board's reset
+        self._set: dict[str, DriverSettings] = {}  # by command: they survive the board's reset
         self._told: set[tuple[str, str]] = set()
         self._next_look = 0
 
     def begin(self, boards: Boards) -> None:
-        """The boards have begun anew: their drivers are set up. Lets time pass; raises
-        MachineError."""
+        """The boards have restarted: sets up their drivers. Lets time pass; raises MachineError."""
         self._boards = boards
         self._of_boards = [Drivers(connection) for connection in boards.connections]
         for motor, settings in self._set.items():
@@ -53,8 +53,8 @@ class DriverWatch:
             drivers.configure()
 
     async def reconnected(self) -> None:
-        """The board is back after a lost link: drivers that have come through it well are set up
-        again, for they may have missed something. Raises MachineError."""
+        """The board is back after a lost link: sets up healthy drivers again, because a setting may
+        have been lost. Raises MachineError."""
         for drivers in self._of_boards:
             drivers.interrupt()
             for motor in drivers.states:
@@ -66,7 +66,7 @@ class DriverWatch:
             await self._answered()
 
     async def _answered(self) -> None:
-        """Waits for all answers, and looks at them."""
+        """Waits for all answers, and handles them."""
         while not self._state.halted and not all(drivers.idle for drivers in self._of_boards):
             await asyncio.sleep(TICK_S)
             self._rig.queue.look()
@@ -84,13 +84,13 @@ class DriverWatch:
         return {m: state for drivers in self._of_boards for m, state in drivers.states.items()}
 
     def set(self, motor: str, settings: DriverSettings) -> None:
-        """Other settings for a driver; it has them a moment later."""
+        """Gives a driver other settings; they take effect a moment later."""
         if settings != self.states[motor].settings:
             self._set[motor] = settings
             self._of(motor).begin_configure(motor, settings)
 
     def failures(self) -> Iterator[Problem]:
-        """The drivers that cannot be spoken to."""
+        """The drivers that do not answer."""
         for state in self.states.values():
             if state.failure is not None:
                 yield state.failure.problem
@@ -101,7 +101,7 @@ class DriverWatch:
             self._halt(MachineError([problem]))
 
     def time_passed(self) -> None:
-        """Asks on, and looks at what was answered."""
+        """Asks the next questions, and handles the answers."""
         if not self.states or self._state.halted:
             return
         for drivers in self._of_boards:
@@ -148,7 +148,7 @@ class DriverWatch:
         self._told = {(who, what) for who, what in self._told if who != motor or what in codes}
 
     def _tell_once(self, motor: str, what: str, problem: Problem) -> None:
-        """What goes on is told when it begins."""
+        """Reports a lasting condition once, when it begins."""
         if (motor, what) not in self._told:
             self._told.add((motor, what))
             self._state.tell(f"echo:{problem}")

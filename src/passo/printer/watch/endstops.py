@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_REST_S = 0.001  # the board looks so often
-_AHEAD_S = 0.02  # from the command to its first look
-_PRESSED_S = 0.25  # whether one that is pressed has been let go is asked so often
+_REST_S = 0.001  # sampling interval of the board
+_AHEAD_S = 0.02  # from the command to the first sample
+_PRESSED_S = 0.25  # interval of checks whether a triggered endstop has opened
 
 
 class EndstopWatch:
-    """M120, M121 and M540 of one printer. A switch that is pressed when the watch begins, or where
-    its axis is at home, is watched once it has been let go."""
+    """M120, M121 and M540 of one printer. An endstop that is triggered when the watch begins, or
+    because its axis is at home, is watched once it has opened."""
 
     def __init__(
         self,
@@ -37,25 +37,25 @@ class EndstopWatch:
         stop: Callable[[Sequence[str]], None],
     ) -> None:
         self._rig, self._state, self._triggered = rig, state, triggered
-        self._stop = stop  # the machine, by these switches
+        self._stop = stop  # stops the machine, because of these endstops
         self._switches = switches(rig.machine)
         self._on = False
-        self.stops = False  # M540: a hit stops the machine
+        self.stops = False  # M540: a trigger stops the machine
         self.begin()
 
     def begin(self) -> None:
-        """The board has begun anew."""
+        """The board has restarted."""
         self._endstops = Endstops(self._rig.connection)
         self._watched: list[str] = []
         self._next_look = 0  # clock
 
     def pause(self) -> None:
-        """Homing needs the switches for itself."""
+        """Homing needs the endstops for itself."""
         self._arm([])
         self._next_look = 0
 
     def time_passed(self) -> None:
-        """Looks for hits, and for switches that have been let go."""
+        """Checks for triggers, and for endstops that have opened."""
         rig = self._rig
         if not self._on or self._state.halted or self._triggered.active or rig.queue.interrupted:
             return
@@ -68,7 +68,7 @@ class EndstopWatch:
             self._look()
 
     def _look(self) -> None:
-        """Watches all switches that are open now."""
+        """Watches all endstops that are open now."""
         connection = self._rig.connection
         self._next_look = connection.now + int(_PRESSED_S * connection.board.clock_hz)
         others = [s.name for s in self._switches if s.name not in self._watched]
@@ -77,19 +77,19 @@ class EndstopWatch:
             self._arm([*self._watched, *let_go])
 
     def _arm(self, names: list[str]) -> None:
-        """From now on these switches are watched."""
+        """Arms these endstops."""
         if self._watched:
             self._endstops.disarm()
         self._watched = names
         if not names:
             return
-        # The board stops no motor by itself: the plan would go on without it.
+        # The board stops no motor by itself, because the plan would continue.
         connection = self._rig.connection
         clock = connection.now + int(_AHEAD_S * connection.board.clock_hz)
         self._endstops.arm(dict.fromkeys(names, ()), clock, _REST_S)
 
     def _report(self, names: list[str]) -> None:
-        """Where the machine was when the switches closed, which is a while ago by now."""
+        """Reports the position of the machine when the endstops triggered, a while ago."""
         base = self._rig.queue.base
         clocks = {name: self._endstops.hit_clock(name) - base for name in names}
         self._arm([name for name in self._watched if name not in clocks])
@@ -147,5 +147,5 @@ class EndstopWatch:
         return None
 
     def stop_line(self) -> str:
-        """M540 with what holds now."""
+        """M540 with the current setting."""
         return f"M540 S{int(self.stops)}"

@@ -36,12 +36,12 @@ class HeaterHistory:
         """Takes a sample if one is due."""
         now_s = self._rig.queue.now_s
         if self._samples and now_s < self._samples[-1][0]:
-            self._samples.clear()  # print time begins again
+            self._samples.clear()  # print time restarts
         if not self._samples or now_s >= self._samples[-1][0] + EVERY_S:
             self._samples.append((now_s, self.now()))
 
     def now(self) -> dict[str, HeaterSample]:
-        """The heaters as they are known now, without a question to a board."""
+        """The current state of the heaters, without a question to a board."""
         return {
             name: HeaterSample(
                 heater.celsius if heater.heard else None,

@@ -17,7 +17,7 @@ from passo.printer.wait_runner import WaitRunner
 
 _log = logging.getLogger(__name__)
 
-LASER_OFF_S = 3.0  # of standing with the laser on, no print being under way
+LASER_OFF_S = 3.0  # of standstill with the laser on, without a print
 
 
 class IdleWatch:
@@ -50,8 +50,7 @@ class IdleWatch:
             self._cool_hotends()
         if self._state.busy() or self._motion_lock.locked:
             return
-        # Where something is kept warm a host may only have paused: its print must not lose its
-        # place.
+        # If a heater is on, a host may only have paused: its print must not lose its position.
         warm = any(heater.target > 0 for heater in heaters.values())
         motors_off = 0 < self._motors.idle_s < idle_s and bool(self._motors.on) and not warm
         if rig.commands.outputs.lit and (idle_s > LASER_OFF_S or motors_off):

@@ -1,4 +1,4 @@
-"""Tells when commands reach the board with little time to spare, and why."""
+"""Reports when commands reach the board with little time to spare, and why."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _AGAIN_S = 10.0  # between two lines on the consoles
 
 
 class LateCommandWatch:
-    """The slack of one printer's link. `program` names the file that is printed; `worst` is what
-    there is to say of the print that is under way, or was the last one."""
+    """The slack of one printer's link. `program` names the file that is printed; `worst` is the
+    report of the current or the last print."""
 
     def __init__(self, rig: Rig, state: State) -> None:
         self._rig, self._state = rig, state
@@ -37,9 +37,10 @@ class LateCommandWatch:
         self.worst = ""
 
     def time_passed(self) -> None:
-        """Looks at what has arrived since; tells the least slack of the last ten seconds."""
+        """Handles the slack reports since the last call; reports the least slack of the last ten
+        seconds."""
         rig = self._rig
-        rig.job.line_at(rig.queue.passed)  # what lies behind it is forgotten
+        rig.job.line_at(rig.queue.passed)  # past lines are dropped
         self.look()
         now = rig.connection.now
         if self._pending is not None and now >= self._next_word:
@@ -47,7 +48,7 @@ class LateCommandWatch:
             self._tell()
 
     def look(self) -> None:
-        """Takes notice of what has happened since the last look."""
+        """Handles what has happened since the last call."""
         for connection in self._rig.connection.connections:
             slack = connection.link.take_slack()
             if not is_late(connection, slack):
@@ -60,9 +61,9 @@ class LateCommandWatch:
                 self._least_s, self.worst = seconds, str(problem)
 
     def board_failed(self) -> None:
-        """What is known is told at once: it may be why."""
+        """Reports what is known at once: it may be the cause."""
         self.look()
-        self._next_word = 0  # the board's clock may begin anew
+        self._next_word = 0  # the board's clock may restart
         self._tell()
 
     def summaries(self) -> list[str]:

@@ -18,12 +18,12 @@ from passo.web.roles import Role
 if TYPE_CHECKING:
     from passo.web.accounts.store import Store
 
-IDLE_S = 14 * 86400.0  # a log-in that is not used so long ends
-MAX_AGE_S = 90 * 86400.0  # and each after so long
-FRESH_S = 300.0  # so long after the password was entered it need not be entered again
-_USED_EVERY_S = 3600.0  # how often it is stored that a log-in is used
+IDLE_S = 14 * 86400.0  # a log-in ends if it is not used for so long
+MAX_AGE_S = 90 * 86400.0  # every log-in ends after so long
+FRESH_S = 300.0  # for so long after entering the password it is not asked for again
+_USED_EVERY_S = 3600.0  # interval at which the use of a log-in is stored
 _MAX_SESSIONS = 50  # of one account; the oldest ends
-_CODE = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # nothing that looks like another
+_CODE = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # without letters and digits that look alike
 KEY_PREFIX = "passo_"
 
 
@@ -38,8 +38,8 @@ class Account:
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """A log-in; its times are those of the wall clock. `confirmed_s` is when its password was
-    entered last, 0 before the start of this program."""
+    """A log-in; its times are those of the wall clock. `confirmed_s` is the time at which its
+    password was last entered, 0 before the start of this program."""
 
     hash: str
     account: str
@@ -50,7 +50,7 @@ class Session:
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """An API key. Only its hash is known."""
+    """An API key. Only its hash is stored."""
 
     hash: str
     id: str
@@ -60,12 +60,12 @@ class Key:
 
 
 def digest(token: str) -> str:
-    """What is stored of a token. Tokens are random: a fast hash is enough."""
+    """The stored hash of a token. Tokens are random: a fast hash is enough."""
     return hashlib.sha256(token.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 class Accounts:
-    """All of it is in memory; each change is in the store before it is true. Used in the web's
+    """All accounts are in memory; each change is stored before it takes effect. Used in the web's
     event loop alone."""
 
     def __init__(self, store: Store, *, wall_s: Callable[[], float], now_s: Callable[[], float]):
@@ -98,12 +98,12 @@ class Accounts:
 
     @property
     def kept(self) -> bool:
-        """Whether accounts outlive the program."""
+        """Whether accounts survive a restart of the program."""
         return self._store.kept
 
     @property
     def code(self) -> str:
-        """The one-time code that makes the administrator; empty once there is one."""
+        """The one-time code that creates the administrator; empty once there is one."""
         return "" if self._accounts else self._code
 
     @property
@@ -120,8 +120,8 @@ class Accounts:
     async def create_administrator(
         self, name: str, password: str, address: str, code: str | None
     ) -> str:
-        """Makes the first account and logs it in; returns the token. `code` is None where it is not
-        asked for. Raises WebError."""
+        """Creates the first account and logs it in; returns the token. `code` is None if it is not
+        needed. Raises WebError."""
         if self._accounts:
             raise WebError.of("web.set-up")
         if code is not None:
@@ -131,7 +131,7 @@ class Accounts:
             self.limiter.succeeded(address)
         account = Account(name.lower(), Role.ADMIN, await self._passwords.hashed(password))
         async with self._changing:
-            if self._accounts:  # another one has been faster
+            if self._accounts:  # another request was faster
                 raise WebError.of("web.set-up")
             await self._store.write(_insert(account))
             self._accounts[account.name] = account
@@ -144,7 +144,7 @@ class Accounts:
         return await self._begin(account)
 
     async def confirm(self, session: str, password: str, address: str) -> None:
-        """The password of a session is entered again. Raises WebError."""
+        """Confirms the password of a session. Raises WebError."""
         found = self._sessions[session]
         await self._checked(found.account, password, address)
         if session in self._sessions:
@@ -181,7 +181,7 @@ class Accounts:
         return token
 
     def session(self, hash_: str) -> tuple[Session, Account] | None:
-        """A session that goes on, and its account. Never waits."""
+        """A valid session, and its account. Never waits."""
         found = self._sessions.get(hash_)
         account = self._accounts.get(found.account) if found is not None else None
         if found is None or account is None:
@@ -193,7 +193,7 @@ class Accounts:
         return found, account
 
     async def use(self, session: Session) -> None:
-        """Notes that a session is used."""
+        """Records that a session is used."""
         now = self._wall_s()
         if now < session.used_s + _USED_EVERY_S:
             return
@@ -209,7 +209,7 @@ class Accounts:
         return found is not None and self._wall_s() < found.confirmed_s + FRESH_S
 
     def sessions(self, account: str | None = None) -> list[Session]:
-        """The sessions of an account, or all, that go on."""
+        """The valid sessions of an account, or of all."""
         found = [found for hash_ in list(self._sessions) if (found := self.session(hash_))]
         return [session for session, _ in found if account in (None, session.account)]
 
@@ -239,7 +239,7 @@ class Accounts:
     async def change(
         self, name: str, *, password: str | None = None, role: Role | None = None, but: str = ""
     ) -> Account:
-        """Gives an account another password or role, and ends its sessions `but` for one. Raises
+        """Gives an account another password or role, and ends its sessions except `but`. Raises
         WebError."""
         stored = None if password is None else await self._passwords.hashed(password)
         async with self._changing:
@@ -256,7 +256,7 @@ class Accounts:
         return account
 
     async def change_own_password(self, session: str, old: str, new: str, address: str) -> None:
-        """Changes the password of a session's account, which must be known. Raises WebError."""
+        """Changes the password of a session's account, which must be given. Raises WebError."""
         found = self._sessions[session]
         await self._checked(found.account, old, address)
         await self.change(found.account, password=new, but=session)
@@ -293,11 +293,11 @@ class Accounts:
         return sorted(self._keys.values(), key=lambda key: key.made_s)
 
     def key(self, token: str) -> Key | None:
-        """The key that a token is. Never waits."""
+        """The key that belongs to a token. Never waits."""
         return self._keys.get(digest(token))
 
     async def add_key(self, name: str, role: Role) -> tuple[Key, str]:
-        """Makes a key; returns it with its token, which is not known afterwards."""
+        """Makes a key; returns it with its token, which cannot be read later."""
         token = KEY_PREFIX + secrets.token_hex(20)
         key = Key(digest(token), secrets.token_hex(4), name, role, self._wall_s())
         statement = "insert into keys (hash, id, name, role, made_s) values (?, ?, ?, ?, ?)"
@@ -307,7 +307,7 @@ class Accounts:
         return key, token
 
     async def revoke_key(self, id_: str) -> None:
-        """A key is worth nothing from now on. Raises WebError."""
+        """Makes a key invalid from now on. Raises WebError."""
         found = next((key for key in self._keys.values() if key.id == id_), None)
         if found is None:
             raise WebError.of("web.not-found", value=f"key {id_}")

@@ -1,4 +1,4 @@
-"""How often a log-in may fail: 3 times a minute, 5 in 10 minutes, 10 in an hour."""
+"""The limits of failed log-ins: 3 a minute, 5 in 10 minutes, 10 in an hour."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Limiter:
         self._forget(now)
 
     def succeeded(self, *keys: str) -> None:
-        """The last attempt was none: it was right."""
+        """The last attempt succeeded: it does not count."""
         for key in keys:
             if attempts := self._attempts.get(key):
                 attempts.pop()
@@ -51,7 +51,7 @@ class Limiter:
 
 
 def address_key(host: str) -> str:
-    """The key of an address: of IPv6 its network of 64 bits, which one computer has to itself."""
+    """The key of an address: for IPv6 its network of 64 bits, which belongs to one computer."""
     try:
         address = ip_address(host)
     except ValueError:

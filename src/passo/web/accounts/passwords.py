@@ -49,7 +49,7 @@ class Passwords:
             return await asyncio.to_thread(hashed, password)
 
     async def matches(self, password: str, stored: str | None) -> bool:
-        """Whether a password has this hash; no password has None, which takes as long."""
+        """Whether a password has this hash; for None it returns False after the same time."""
         async with self._turns:
             same = await asyncio.to_thread(matches, password, stored or self._dummy)
         return same and stored is not None

@@ -1,4 +1,4 @@
-"""Accounts, log-ins and keys in SQLite, in a thread of its own; or nowhere."""
+"""Accounts, log-ins and keys in SQLite, in a thread of its own; or only in memory."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ create table if not exists keys (
 
 
 class Store:
-    """The file `accounts.sqlite` of a folder, which only its user may read; None: nothing is kept.
-    What `write` has done survives a power cut."""
+    """The file `accounts.sqlite` of a folder, which only its user may read; None: nothing is
+    stored. The changes of `write` survive a power cut."""
 
     def __init__(self, folder: Path | None) -> None:
         """Raises WebError if the file cannot be used."""
@@ -47,7 +47,7 @@ class Store:
 
     @property
     def kept(self) -> bool:
-        """Whether accounts outlive the program."""
+        """Whether accounts survive a restart of the program."""
         return self._base is not None
 
     def rows(self, query: str) -> list[tuple[Any, ...]]:
@@ -62,7 +62,7 @@ class Store:
         return self._thread.submit(run).result()
 
     async def write(self, *statements: tuple[str, tuple[object, ...]]) -> None:
-        """Carries out statements as one transaction. Raises WebError; then none was."""
+        """Carries out statements as one transaction. Raises WebError; then none was carried out."""
         base = self._base
         if base is None:
             return
@@ -78,7 +78,7 @@ class Store:
             raise WebError.of("web.accounts", value=error) from None
 
     def close(self) -> None:
-        """Nothing may be asked any more."""
+        """Closes the file; no method may be called after that."""
         if self._base is not None:
             self._thread.submit(self._base.close).result()
         self._thread.shutdown()

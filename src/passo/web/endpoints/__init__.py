@@ -1,1 +1,1 @@
-"""What clients may ask for, one subject a module: each handler with its row of the table."""
+"""The operations for clients, one subject a module: each handler with its row of the table."""

@@ -38,14 +38,14 @@ class AccountRecord(Struct):
 
 
 class NewKey(Struct, forbid_unknown_fields=True):
-    """An API key to make; `name` tells what it is for."""
+    """An API key to make; `name` says what it is for."""
 
     name: Annotated[str, Meta(min_length=1, max_length=64)]
     role: RoleName = "operator"
 
 
 class KeyRecord(Struct):
-    """An API key, without what is secret; `made_s` is in seconds since 1970."""
+    """An API key, without its secret; `made_s` is in seconds since 1970."""
 
     id: str
     name: str
@@ -54,7 +54,7 @@ class KeyRecord(Struct):
 
 
 class MadeKey(Struct):
-    """A key that was made just now. `key` is shown this once."""
+    """A key that was just made. `key` is shown only this once."""
 
     record: KeyRecord
     key: str
@@ -90,7 +90,7 @@ async def add(call: Call, body: NewAccount) -> AccountRecord:
     fresh=True,
 )
 async def change(call: Call, name: str, body: AccountChange) -> AccountRecord:
-    """Changes the password or the role of an account, and ends its log-ins, but for this one."""
+    """Changes the password or the role of an account, and ends its log-ins, except this one."""
     role = None if body.role is None else Role[body.role.upper()]
     changed = await call.site.accounts.change(
         name, password=body.password, role=role, but=call.caller.session
@@ -113,7 +113,7 @@ async def remove(call: Call, name: str) -> None:
 
 @operation("keys.list", "GET", "/keys", Role.ADMIN)
 async def keys(call: Call) -> list[KeyRecord]:
-    """All API keys, without what is secret."""
+    """All API keys, without their secrets."""
     return [_key(key) for key in call.site.accounts.keys]
 
 
@@ -141,7 +141,7 @@ async def add_key(call: Call, body: NewKey) -> MadeKey:
     fresh=True,
 )
 async def revoke_key(call: Call, id: str) -> None:
-    """Makes a key worthless at once."""
+    """Makes a key invalid at once."""
     await call.site.accounts.revoke_key(id)
 
 

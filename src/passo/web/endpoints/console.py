@@ -18,7 +18,7 @@ class Script(Struct, forbid_unknown_fields=True):
 
 
 class Answer(Struct):
-    """What the printer has answered, a string a line."""
+    """The answer of the printer, a string a line."""
 
     lines: list[str]
 

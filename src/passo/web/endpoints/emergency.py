@@ -1,4 +1,4 @@
-"""Emergency stop, and the start after it."""
+"""Emergency stop, and the restart after it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from passo.web.roles import Role
 
 @operation("emergency.stop", "POST", "/stop", Role.OPERATOR)
 async def stop(call: Call) -> None:
-    """Switches heaters, motors and fans off at once (M112). The print is lost, and positions are
-    not certain any more."""
+    """Switches heaters, motors and fans off at once (M112). The print is lost, and axes are not
+    homed any more."""
     call.bridge.emergency_stop()
 
 
 @operation("emergency.restart", "POST", "/restart", Role.OPERATOR, errors=("command.failed",))
 async def restart(call: Call) -> None:
-    """Starts a halted printer again (M999); answers when it runs."""
+    """Restarts a halted printer (M999); answers when it runs."""
     await call.bridge.restart()

@@ -39,8 +39,8 @@ _ERRORS = (
 
 @operation("explain.file", "GET", "/explain", Role.VIEWER, errors=_ERRORS)
 async def explain_file(call: Call, query: LineOfFile) -> Explanation:
-    """What a line of a file of the card becomes, as `passo explain` shows it. A simulated board
-    prints the file until the line is done, which takes seconds for a late line of a long file."""
+    """Explains a line of a file of the card, as `passo explain` shows it. A simulated board prints
+    the file until the line is done, which takes seconds for a late line of a long file."""
     return await call.bridge.explain(confined(query.path), query.line)
 
 

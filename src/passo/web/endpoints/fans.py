@@ -1,4 +1,4 @@
-"""Fans that commands turn on."""
+"""Fans that commands control."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with the printer now."""
+"""The current errors of the printer."""
 
 from __future__ import annotations
 

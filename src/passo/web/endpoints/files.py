@@ -29,7 +29,7 @@ _Path = Annotated[str, Meta(min_length=1, max_length=1024)]
 
 
 class FilePath(Struct, forbid_unknown_fields=True):
-    """Where something is on the card, from its root; names have `/` between them."""
+    """The path of a file or folder on the card, from its root; names have `/` between them."""
 
     path: _Path
 
@@ -48,7 +48,7 @@ class PictureQuery(Struct, forbid_unknown_fields=True):
 
 
 class NewName(Struct, forbid_unknown_fields=True):
-    """What is renamed, and its new path, which may be in another folder."""
+    """The file or folder to rename, and its new path, which may be in another folder."""
 
     path: _Path
     to: _Path
@@ -66,7 +66,7 @@ class FileEntry(Struct):
 
 
 class Folder(Struct):
-    """A folder of the card and what is in it, by name; how many bytes the card has free."""
+    """A folder of the card and its content, by name; the free bytes of the card."""
 
     path: str
     free_bytes: int
@@ -74,7 +74,7 @@ class Folder(Struct):
 
 
 class StoredFile(Struct):
-    """How many bytes of a file have come, and whether it is on the card now."""
+    """The number of bytes of a file that have come, and whether it is on the card now."""
 
     path: str
     size: int
@@ -82,7 +82,8 @@ class StoredFile(Struct):
 
 
 class KeptUpload(Struct):
-    """An upload that was interrupted: what follows `offset` may be sent within some minutes."""
+    """An upload that was interrupted: the bytes from `offset` on may be sent within some
+    minutes."""
 
     path: str
     offset: int
@@ -107,8 +108,8 @@ async def files(call: Call, query: FolderQuery) -> Folder:
     "files.metadata", "GET", "/files/metadata", Role.VIEWER, errors=(*_CARD, "card.directory")
 )
 async def metadata(call: Call, query: FilePath) -> Metadata:
-    """What is known of a file: slicer, objects, thumbnails, and how this printer would print it,
-    as `passo estimate` finds out. That takes some seconds of a long file; until then `state` is
+    """Facts about a file: slicer, objects, thumbnails, and how this printer would print it, as
+    `passo estimate` computes. That takes some seconds for a long file; until then `state` is
     `pending`."""
     return await call.site.metadata.get(confined(query.path))
 
@@ -176,9 +177,10 @@ async def content(call: Call, query: FilePath) -> Response:
     status=201,
 )
 async def upload(call: Call, query: FilePath) -> StoredFile:
-    """Puts a file onto the card, in place of one of that path, once it is whole. If the connection
-    is lost, what has come is kept for some minutes: `files.kept` tells how much, and the rest is
-    sent with `Content-Range: bytes FIRST-LAST/TOTAL`, as may be the parts of any file."""
+    """Puts a file onto the card, in place of one of that path, once it is complete. If the
+    connection is lost, the bytes so far are kept for some minutes: `files.kept` reports how many,
+    and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`. Any file may be sent in such
+    parts."""
     body = Body(call.request)
     try:
         path = program(query.path)
@@ -198,7 +200,7 @@ async def upload(call: Call, query: FilePath) -> StoredFile:
     "files.kept", "GET", "/files/upload", Role.OPERATOR, errors=("card.name", "web.not-found")
 )
 async def kept(call: Call, query: FilePath) -> KeptUpload:
-    """Where an interrupted upload of a file goes on."""
+    """The offset from which an interrupted upload of a file continues."""
     path = confined(query.path)
     found = call.site.uploads.kept(path)
     if found is None or found.total is None:
@@ -208,7 +210,7 @@ async def kept(call: Call, query: FilePath) -> KeptUpload:
 
 @operation("files.forget", "DELETE", "/files/upload", Role.OPERATOR, errors=("card.name",))
 async def forget(call: Call, query: FilePath) -> None:
-    """Gives up an interrupted upload."""
+    """Discards an interrupted upload."""
     await call.site.uploads.forget(confined(query.path))
 
 

@@ -1,4 +1,4 @@
-"""The firmware of boards: what they need, images for them."""
+"""The firmware of boards: what each board needs, and its images."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ class Boards(Struct):
 
 
 class BuildOrder(Struct, forbid_unknown_fields=True):
-    """What is built: the image of the shipped board `board`; or the images for all boards of the
-    machine file `text`; or those of the printer's own machine file, if both are null. `board` comes
-    first if both are given."""
+    """The images to build: the image of the shipped board `board`; or the images for all boards of
+    the machine file `text`; or those of the printer's own machine file, if both are null. `board`
+    has priority if both are given."""
 
     board: Annotated[str, Meta(max_length=100)] | None = None
     text: Annotated[str, Meta(max_length=500_000)] | None = None

@@ -18,7 +18,7 @@ _COMMANDS = {"hotend": "M104 T", "bed": "M140 P", "chamber": "M141 P"}
 
 
 class HeaterTarget(Struct, forbid_unknown_fields=True):
-    """What a heater is to reach, in °C; 0 switches it off."""
+    """The target of a heater, in °C; 0 switches it off."""
 
     celsius: Annotated[float, Meta(ge=0, le=1000)]
 

@@ -1,4 +1,4 @@
-"""What the server has kept of the printer's past."""
+"""The past of the printer, as the server has recorded it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from passo.web.roles import Role
 
 
 class Span(Struct):
-    """How far back, in seconds."""
+    """The length of the past, in seconds."""
 
     span_s: Annotated[float, Meta(gt=0, le=86400)] = 3600.0
 

@@ -13,7 +13,7 @@ from passo.web.roles import Role
 
 
 class FileToPrint(Struct, forbid_unknown_fields=True):
-    """Where a file is on the card."""
+    """The path of a file on the card."""
 
     path: str
 
@@ -25,7 +25,7 @@ class ObjectState(Struct, forbid_unknown_fields=True):
 
 
 class HowMany(Struct, forbid_unknown_fields=True):
-    """How many at most."""
+    """The maximum number."""
 
     limit: Annotated[int, Meta(ge=1, le=1000)] = 50
 
@@ -68,7 +68,7 @@ async def cancel(call: Call) -> None:
     errors=("job.no-objects", "job.no-object", "job.objects-and-laser"),
 )
 async def cancel_object(call: Call, number: int, body: ObjectState) -> None:
-    """Leaves an object out of the print from now on, or takes it in again. `number` is that of the
+    """Leaves an object out of the print from now on, or prints it again. `number` is that of the
     status."""
     await call.bridge.cancel_object(number, cancelled=body.cancelled)
 

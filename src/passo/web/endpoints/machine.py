@@ -1,4 +1,4 @@
-"""The machine: what its parts are."""
+"""The parts of the machine."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class HeaterOfMachine(Struct):
 
 
 class ToolOfMachine(Struct):
-    """A tool: its extruder and its heater, null where it has none."""
+    """A tool: its extruder and its heater, null without one."""
 
     extruder: str | None
     heater: str | None

@@ -187,7 +187,7 @@ async def apply(call: Call, body: NewMachineFile) -> Applied:
     before, backup = await asyncio.to_thread(file.replace, path, body.text, body.replaces)
     _log.info("%s was written by %s", path, call.caller.name)
     applied = Applied([], [], [], str(backup))
-    with suppress(ConfigError):  # the file before may have had errors
+    with suppress(ConfigError):  # the previous file may have had errors
         machine = (await _loaded(call, before)).machine
     held = {change.key: change.before for change in key_changes(machine, loaded.machine)}
     for change in key_changes(call.bridge.machine, loaded.machine):

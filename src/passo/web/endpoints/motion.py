@@ -1,4 +1,4 @@
-"""Moves by hand: jog, home, motors off."""
+"""Manual moves: jog, home, motors off."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from passo.web.roles import Role
 
 
 class Jog(Struct, forbid_unknown_fields=True):
-    """How far axes, or the extruder `e`, move from where the last move ends, in mm, and how
-    fast."""
+    """The distances of axes, or of the extruder `e`, from the end of the last move, in mm, and the
+    speed."""
 
     distances_mm: Annotated[
         dict[str, Annotated[float, Meta(ge=-10000, le=10000)]], Meta(min_length=1)
@@ -24,7 +24,7 @@ class Jog(Struct, forbid_unknown_fields=True):
 
 
 class AxesToHome(Struct, forbid_unknown_fields=True):
-    """Axes to home; without any all that have an endstop."""
+    """Axes to home; without any, all that have an endstop."""
 
     axes: list[str] = []
 
@@ -54,7 +54,7 @@ async def jog(call: Call, body: Jog) -> None:
 
 @operation("motion.home", "POST", "/motion/home", Role.OPERATOR, errors=_ERRORS)
 async def home(call: Call, body: AxesToHome) -> None:
-    """Homes axes; answered when they are homed."""
+    """Homes axes; answers when they are homed."""
     for name in body.axes:
         _require_axis(call, name, extruder=False)
     await call.run(" ".join(["G28", *(name.upper() for name in body.axes)]))
@@ -74,7 +74,7 @@ async def wait(call: Call) -> None:
     errors=("command.halted", "command.failed"),
 )
 async def motors_off(call: Call) -> None:
-    """Switches the motors off when the machine stands; positions are not certain any more."""
+    """Switches the motors off at standstill; axes are not homed any more."""
     await call.run("M18")
 
 

@@ -1,4 +1,4 @@
-"""The files that are to be printed next."""
+"""The files that will be printed next."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class QueueFile(Struct, forbid_unknown_fields=True):
 
 
 class QueueMode(Struct, forbid_unknown_fields=True):
-    """Whether the next print starts by itself after one that is done. Only for a printer that
-    clears its bed by itself."""
+    """Whether the next print starts without confirmation after one that has succeeded. Only for a
+    printer that clears its bed itself."""
 
     automatic: bool
 
@@ -67,13 +67,15 @@ async def remove(call: Call, number: int) -> None:
     "queue.move", "PUT", "/queue/prints/{number}/place/{place}", Role.OPERATOR, errors=_NUMBER
 )
 async def move(call: Call, number: int, place: int) -> None:
-    """Moves a print to another place: 0 is the next print; a place beyond the end is the last."""
+    """Moves a print to another position: 0 is the next print; a position beyond the end is the
+    last."""
     await call.bridge.move_queued_print(number, place)
 
 
 @operation("queue.mode", "PUT", "/queue/mode", Role.OPERATOR, errors=("queue.unwritable",))
 async def mode(call: Call, body: QueueMode) -> None:
-    """Sets whether the next print starts by itself, or waits for `queue.start` (the default)."""
+    """Sets whether the next print starts without confirmation, or waits for `queue.start` (the
+    default)."""
     await call.bridge.set_queue_mode(automatic=body.automatic)
 
 

@@ -19,7 +19,7 @@ GivenPassword: TypeAlias = Annotated[str, Meta(max_length=200)]
 
 
 class Administrator(Struct, forbid_unknown_fields=True):
-    """The first account. `code` is the one-time code of `passo serve`, where `code_needed`."""
+    """The first account. `code` is the one-time code of `passo serve`, if `code_needed`."""
 
     name: Name
     password: NewPassword
@@ -47,9 +47,9 @@ class PasswordChange(Struct, forbid_unknown_fields=True):
 
 
 class Identity(Struct):
-    """Who the caller is. `role` is `public` without a log-in; `set_up`: there is an administrator;
-    `code_needed`: creating it takes the one-time code; `fresh`: the password was entered within the
-    last five minutes."""
+    """The identity of the caller. `role` is `public` without a log-in; `set_up`: there is an
+    administrator; `code_needed`: creating it takes the one-time code; `fresh`: the password was
+    entered within the last five minutes."""
 
     name: str
     role: str
@@ -59,7 +59,7 @@ class Identity(Struct):
 
 
 class LogInRecord(Struct):
-    """A log-in of an account, with times in seconds since 1970; `own` is the one that asks."""
+    """A log-in of an account, with times in seconds since 1970; `own` is that of the caller."""
 
     id: str
     account: str
@@ -70,7 +70,7 @@ class LogInRecord(Struct):
 
 @operation("session.get", "GET", "/session", Role.PUBLIC)
 async def identity(call: Call) -> Identity:
-    """Who the caller is, and whether there is an administrator yet."""
+    """The identity of the caller, and whether there is an administrator yet."""
     caller, accounts = call.caller, call.site.accounts
     needed = not accounts.exist and call.site.access.needs_code(call.request)
     fresh = accounts.fresh(caller.session)
@@ -175,7 +175,7 @@ def _whose(call: Call) -> str | None:
 
 
 def _with_cookie(call: Call, token: str) -> Answer[Identity]:
-    """Who is logged in now, with the cookie."""
+    """The identity of the caller now, with the cookie."""
     accounts, request = call.site.accounts, call.request
     found = accounts.session(digest(token))
     assert found is not None

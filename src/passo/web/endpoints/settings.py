@@ -1,4 +1,4 @@
-"""What commands can set, with where each value comes from."""
+"""Settings that commands can change, with the source of each value."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _ERRORS = ("command.value", "command.halted", "command.failed")
 
 @operation("settings.list", "GET", "/settings", Role.VIEWER)
 async def settings(call: Call) -> list[SettingValue]:
-    """All settings. `source` says where the value in force comes from: `file` (the machine file or
-    its defaults), `stored` (M500), or `command` (changed since)."""
+    """All settings. `source` is the source of the value in force: `file` (the machine file or its
+    defaults), `stored` (M500), or `command` (changed since)."""
     return await call.bridge.settings()
 
 
@@ -49,7 +49,7 @@ async def set_value(call: Call, body: NewValue) -> None:
     errors=("settings.nowhere", "settings.unwritable", *_ERRORS),
 )
 async def store(call: Call) -> None:
-    """Stores what differs from the machine file (M500), durably."""
+    """Stores the values that differ from the machine file (M500), durably."""
     await call.run("M500")
 
 
@@ -61,11 +61,11 @@ async def store(call: Call) -> None:
     errors=("settings.nowhere", "settings.none", "settings.unreadable", *_ERRORS),
 )
 async def load(call: Call) -> None:
-    """Goes back to the stored values (M501)."""
+    """Restores the stored values (M501)."""
     await call.run("M501")
 
 
 @operation("settings.reset", "POST", "/settings/reset", Role.OPERATOR, errors=_ERRORS)
 async def reset(call: Call) -> None:
-    """Goes back to the values of the machine file (M502); what is stored stays stored."""
+    """Restores the values of the machine file (M502); stored values stay stored."""
     await call.run("M502")

@@ -1,4 +1,4 @@
-"""The status of the printer, and what serves it."""
+"""The status of the printer, and the version of the server."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from passo.web.roles import Role
 
 
 class StatusNow(Struct):
-    """The status, and a number that counts up with each change of it."""
+    """The status, and a number that increases with each change of it."""
 
     version: int
     status: Status
@@ -28,12 +28,12 @@ class Version(Struct):
 @operation("status.get", "GET", "/status", Role.VIEWER)
 async def status(call: Call) -> StatusNow:
     """The printer now: state, positions, heaters, fans, the print, faults. The WebSocket
-    `/api/v1/feed` tells the same as it changes. Numbers that are not finite are null."""
+    `/api/v1/feed` reports the same as it changes. Numbers that are not finite are null."""
     snapshot = call.bridge.latest()
     return StatusNow(snapshot.version, snapshot.status)
 
 
 @operation("status.version", "GET", "/version", Role.VIEWER)
 async def version(call: Call) -> Version:
-    """Which version of Passo serves which machine."""
+    """The version of Passo, and the machine that it serves."""
     return Version(__version__, call.bridge.machine.name)

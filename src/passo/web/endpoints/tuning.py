@@ -1,4 +1,4 @@
-"""What may be changed while a print runs: speed, flow, babysteps."""
+"""Values that may be changed while a print runs: speed, flow, babysteps."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ class FlowFactor(Struct, forbid_unknown_fields=True):
 
 
 class Babystep(Struct, forbid_unknown_fields=True):
-    """How far all moves that are not done yet shift along an axis, in mm, further than now."""
+    """The distance by which all moves that are not done yet shift along an axis, in mm, in addition
+    to earlier shifts."""
 
     axis: str
     distance_mm: Annotated[float, Meta(ge=-2, le=2)]

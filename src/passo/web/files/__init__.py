@@ -1,1 +1,1 @@
-"""Files of a printer's card, as clients of the web see and send them."""
+"""Files of a printer's card, as clients of the web read and write them."""

@@ -1,4 +1,4 @@
-"""The body of a request, as it comes, and not too slowly."""
+"""The body of a request, read as it arrives, with a minimum rate."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Pace:
         self._since_s, self._bytes = now_s, 0
 
     def too_slow(self) -> InputError:
-        """What a sender is told that sends too little."""
+        """The error for a sender that is too slow."""
         return InputError.of("upload.slow", value=self._bytes, limit=f"{SPAN_S:g}")
 
 
@@ -47,10 +47,10 @@ class Body:
         self.type = request.headers.get("content-type", "")
         length = request.headers.get("content-length", "")
         self.length = int(length) if length.isascii() and length.isdecimal() else None
-        """Its bytes, where the client tells them before."""
+        """Its bytes, if the client declares them before."""
 
     async def pieces(self) -> AsyncGenerator[bytes]:
-        """What follows, as it comes. Raises InputError `upload.slow`, and ClientDisconnect."""
+        """The next bytes, as they arrive. Raises InputError `upload.slow`, and ClientDisconnect."""
         pace = Pace(current_time())
         while self._more:
             try:
@@ -70,7 +70,8 @@ class Body:
                 yield data
 
     async def drain(self) -> None:
-        """Reads the rest and forgets it: a client that still sends hears no answer."""
+        """Reads the rest and discards it: a client that is still sending does not read the
+        answer."""
         with suppress(InputError, ClientDisconnect):
             async for _ in self.pieces():
                 pass

@@ -1,4 +1,4 @@
-"""What a slicer has written about a file into its comments: its name, thumbnails, objects."""
+"""The comments of a slicer in a file: its name, thumbnails, objects."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _END = re.compile(r";\s*thumbnail(?:_\w+)? end")
 _OBJECT = re.compile(
     r"EXCLUDE_OBJECT_DEFINE\s.*?NAME=(?:'([^']*)'|\"([^\"]*)\"|(\S+))|M486\b.*?\sA(.+)"
 )
-_KINDS = {  # by how the picture itself begins
+_KINDS = {  # by the first bytes of the picture
     "image/png": b"\x89PNG\r\n\x1a\n",
     "image/jpeg": b"\xff\xd8\xff",
     "image/qoi": b"qoif",
@@ -38,8 +38,8 @@ class Thumbnail:
 
 @dataclass(frozen=True, slots=True)
 class Comments:
-    """The slicer's name and version, empty if it does not tell; the thumbnails, smallest first; the
-    names of the objects that can be cancelled."""
+    """The slicer's name and version, empty if the file does not have it; the thumbnails, smallest
+    first; the names of the objects that can be cancelled."""
 
     slicer: str
     thumbnails: tuple[Thumbnail, ...]
@@ -47,7 +47,7 @@ class Comments:
 
 
 def read_comments(lines: Iterable[str]) -> Comments:
-    """Reads the lines of the beginning of a file. What is not as it should be is left out."""
+    """Reads the lines of the beginning of a file. Malformed comments are left out."""
     slicer = ""
     thumbnails: list[Thumbnail] = []
     objects: dict[str, None] = {}

@@ -23,8 +23,8 @@ _RANGE = re.compile(r"bytes=(\d{0,19})-(\d{0,19})")
 
 
 async def download(request: Request, card: Card, path: str) -> Response:
-    """The file at a confined path. It is not kept from others while a slow client reads it: if it
-    is replaced, the answer breaks off. Raises CardError."""
+    """The file at a confined path. It is not locked while a slow client reads it: if it is
+    replaced, the answer breaks off. Raises CardError."""
     entry = await beside(lambda: card.find(path))
     if entry.is_directory:
         raise CardError.of("card.directory", path)
@@ -49,7 +49,7 @@ async def download(request: Request, card: Card, path: str) -> Response:
 
 
 def _part(first: str, last: str, size: int) -> tuple[int, int]:
-    """The bytes that a range means: from, and up to but without."""
+    """The bytes of a range: from, and up to but excluding."""
     if not first:
         return max(size - int(last), 0), size
     return int(first), min(int(last) + 1, size) if last else size

@@ -1,4 +1,4 @@
-"""A body of `multipart/form-data`, read in pieces: fields, and one file that is never whole in
+"""A body of `multipart/form-data`, read in pieces: fields, and one file that is never completely in
 memory.
 
 Sources: RFC 7578 (form data), RFC 2047 and RFC 5987 (names beyond ASCII), which clients mix.
@@ -51,14 +51,14 @@ class FileData:
 
 @dataclass(frozen=True, slots=True)
 class FileEnds:
-    """The file was whole."""
+    """The file is complete."""
 
 
 Part: TypeAlias = Field | FileBegins | FileData | FileEnds
 
 
 class Form:
-    """Takes a body in pieces of any size, and gives its parts in order. Raises InputError
+    """Takes a body in pieces of any size, and returns its parts in order. Raises InputError
     `upload.malformed`, then and later."""
 
     def __init__(self, content_type: str) -> None:
@@ -90,7 +90,7 @@ class Form:
             raise _malformed(str(error)) from None
 
     def feed(self, data: bytes) -> list[Part]:
-        """The parts that are known after these bytes."""
+        """The parts that these bytes complete."""
         try:
             self._parser.write(data)
         except FormParserError as error:
@@ -99,7 +99,7 @@ class Form:
         return found
 
     def finish(self) -> None:
-        """The body ends here. Raises InputError if the form does not."""
+        """The body ends here. Raises InputError if the form is not complete."""
         if not self._over:
             raise _malformed("it ends before its last boundary")
 
@@ -150,7 +150,7 @@ class Form:
 
 
 def _file_name(disposition: bytes) -> str | None:
-    """The file's name, in whichever way it is coded; None if the part is no file."""
+    """The file's name, in any of its encodings; None if the part is not a file."""
     if coded := _CODED_NAME.search(disposition):
         try:
             return unquote_to_bytes(coded[2]).decode(coded[1].decode("ascii"))
@@ -170,7 +170,7 @@ def decoded_name(raw: bytes) -> str:
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     if "=?" in text and "?=" in text:
-        with suppress(ValueError, LookupError):  # else it is what it is
+        with suppress(ValueError, LookupError):  # otherwise it stays as it is
             text = "".join(
                 part if isinstance(part, str) else part.decode(charset or "latin-1")
                 for part, charset in decode_header(text)

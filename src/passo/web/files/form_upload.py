@@ -1,4 +1,5 @@
-"""A file that comes as a form, from a browser or a slicer, straight onto the card."""
+"""A file that arrives as a form, from a browser or a slicer, and is written directly to the
+card."""
 
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class FormUpload:
-    """A form that was received: its fields, wherever they stood, and where its file is now; empty
+    """A form that was received: its fields, in any order, and the path of its file now; empty
     without one."""
 
     fields: Mapping[str, str]
@@ -28,8 +29,8 @@ class FormUpload:
 async def receive_form(
     body: Body, uploads: Uploads, target: Callable[[Mapping[str, str], str], str]
 ) -> FormUpload:
-    """Takes a form with at most one file. `target` tells the confined path of the file from the
-    fields before it and its name. Raises what `Uploads.file` and `Form` raise."""
+    """Takes a form with at most one file. `target` returns the confined path of the file from the
+    fields before it and its name. Raises the errors of `Uploads.file` and `Form`."""
     fields: dict[str, str] = {}
     path, size = "", 0
     async with aclosing(_parts(body)) as parts:

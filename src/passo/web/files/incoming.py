@@ -1,4 +1,5 @@
-"""A file on its way to the card: checked, written in worker threads, there when it is whole."""
+"""A file that is being uploaded to the card: checked, written in worker threads, and visible when
+it is complete."""
 
 from __future__ import annotations
 
@@ -14,24 +15,24 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 _PIECE = 1 << 18  # bytes written at once
-_FREE_CHECK = 1 << 22  # bytes between two looks at the free space
+_FREE_CHECK = 1 << 22  # bytes between two checks of the free space
 RESERVE = 1 << 24
 """Bytes that an upload leaves free: the journal and the settings may share the medium."""
 
-_HEAD = 1024  # bytes that show what a file is
+_HEAD = 1024  # bytes that show the type of a file
 _BINARY, _ZIP = b"GCDE", b"PK\x03\x04"
 
-_threads = CapacityLimiter(4)  # a medium that hangs takes these, not those of others
+_threads = CapacityLimiter(4)  # a medium that hangs blocks only these threads
 
 
 async def beside(action: Callable[[], _T]) -> _T:
-    """Runs what blocks for the card in a worker thread."""
+    """Runs a blocking function of the card in a worker thread."""
     return await to_thread.run_sync(action, limiter=_threads)
 
 
 class Incoming:
-    """One file that is being uploaded. `offset` counts the bytes that came; `total` is how many
-    there will be, or None. After an error it is over: the card holds what it held before."""
+    """One file that is being uploaded. `offset` counts the received bytes; `total` is the expected
+    number, or None. After an error it is over: the card holds what it held before."""
 
     def __init__(self, card: Card, writer: Writer, path: str, total: int | None) -> None:
         self._card, self._writer = card, writer
@@ -60,15 +61,15 @@ class Incoming:
             await self._flush()
 
     async def finish(self) -> None:
-        """The file is whole: durable, and on the card under its name when this returns. Raises as
-        `write`, and InputError `input.empty`."""
+        """Completes the file: it is durable, and on the card under its name when this returns.
+        Raises as `write`, and InputError `input.empty`."""
         if not self.offset:
             raise InputError.of("input.empty", self.name)
         await self._flush()
         await beside(self._writer.close)
 
     async def abort(self) -> None:
-        """Forgets it."""
+        """Discards it."""
         await beside(self._writer.abort)
 
     def abort_now(self) -> None:

@@ -1,4 +1,4 @@
-"""What is known of the files of a card: the slicer's words at once, the plan when it is made."""
+"""Facts about the files of a card: the slicer's comments at once, the plan when it is made."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
 _log = logging.getLogger(__name__)
-_HEAD = 1 << 21  # characters in which comments are looked for
+_HEAD = 1 << 21  # characters that are searched for comments
 
 
 class Plan(Struct):
     """A file as this printer would print it. `total_s` is the sum of `moving_s`, `dwell_s` and
-    `heating_s`; `limits_s` tells for each limit of the machine how long it bounds the speed."""
+    `heating_s`; `limits_s` gives for each limit of the machine how long it limits the speed."""
 
     total_s: float
     moving_s: float
@@ -48,7 +48,7 @@ class Plan(Struct):
 
 
 class Picture(Struct):
-    """A thumbnail, to be had by its number, and its size in pixels."""
+    """A thumbnail, which can be requested by its number, and its size in pixels."""
 
     number: int
     width: int
@@ -57,8 +57,8 @@ class Picture(Struct):
 
 
 class Metadata(Struct):
-    """What is known of a file. While `state` is `pending` there is no plan yet; `refused`: the file
-    cannot be printed as it is, and `problems` are the reasons, such as what is out of range."""
+    """Facts about a file. While `state` is `pending` there is no plan yet; `refused`: the file
+    cannot be printed as it is, and `problems` are the reasons, for example moves out of range."""
 
     path: str
     state: Literal["pending", "known", "refused"]
@@ -83,7 +83,7 @@ class MetadataReader:
         self._task: asyncio.Task[None] | None = None
 
     async def get(self, path: str) -> Metadata:
-        """What is known of the file at a confined path now; the rest is found out. Raises
+        """The facts about the file at a confined path so far; starts to find out the rest. Raises
         CardError."""
         card = await self._bridge.card()
         entry = await beside(lambda: card.find(path))
@@ -95,8 +95,8 @@ class MetadataReader:
         return await _begun(card, path)
 
     async def toolpath(self, path: str) -> Path | None:
-        """Where the path that was planned of a file is, see job/batch/toolpath.py; None of a file
-        that cannot be printed as it is. Waits until it is planned. Raises CardError."""
+        """The planned path of a file, see job/batch/toolpath.py; None if the file cannot be printed
+        as it is. Waits until it is planned. Raises CardError."""
         card = await self._bridge.card()
         entry = await beside(lambda: card.find(path))
         if (found := self._toolpaths.find(path, entry)) is not None:
@@ -106,7 +106,7 @@ class MetadataReader:
         return self._toolpaths.find(path, entry)
 
     def want(self, path: str) -> asyncio.Event:
-        """The file's plan will be asked for. What it returns is set when it is known."""
+        """Requests the file's plan. The returned event is set when it is known."""
         known = self._wanted.setdefault(path, asyncio.Event())
         if self._task is None or self._task.done():
             self._task = asyncio.get_running_loop().create_task(self._work())
@@ -148,7 +148,7 @@ class MetadataReader:
             self._cache.put(path, entry, msgspec.json.encode(found))
 
     def _complete(self, path: str, entry: Entry) -> bool:
-        """All that can be known of this content of the file is known."""
+        """Whether all facts about this content of the file are known."""
         if (found := self._cache.get(path, entry)) is None:
             return False
         known = msgspec.json.decode(found, type=Metadata)
@@ -156,7 +156,7 @@ class MetadataReader:
 
 
 async def comments_of(card: Card, path: str) -> Comments:
-    """What the slicer says of a file. Raises CardError."""
+    """The slicer's comments in a file. Raises CardError."""
 
     def read() -> Comments:
         raw = Unheld(card, path)

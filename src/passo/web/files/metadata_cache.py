@@ -1,4 +1,4 @@
-"""What is known of files, kept beside the state of the printer."""
+"""The cache of facts about files, kept with the state of the printer."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ CREATE TABLE IF NOT EXISTS known (
 
 
 class MetadataCache:
-    """Bytes for each file, as long as the file and what they were made for stay the same. Any
-    thread may use it; a cache that cannot be used forgets all."""
+    """Bytes for each file, as long as the file and the machine stay the same. Any thread may use
+    it; a cache that cannot be used is empty."""
 
     def __init__(self, folder: Path | None, made_for: str) -> None:
         """`made_for` is the machine and version; without a folder all is in memory."""
@@ -35,7 +35,7 @@ class MetadataCache:
             self._base = _opened(":memory:")
 
     def get(self, path: str, entry: Entry) -> bytes | None:
-        """What is known of this content of a file."""
+        """The facts about this content of a file."""
         key = (fold(path), entry.size, entry.modified.isoformat(), self._made_for)
         words = "SELECT data FROM known WHERE (path, size, modified, made_for) = (?, ?, ?, ?)"
         with self._lock:
@@ -47,7 +47,7 @@ class MetadataCache:
         return found and found[0]
 
     def put(self, path: str, entry: Entry, data: bytes) -> None:
-        """Keeps what is known of this content of a file."""
+        """Stores the facts about this content of a file."""
         row = (fold(path), entry.size, entry.modified.isoformat(), self._made_for, data)
         old = "DELETE FROM known WHERE rowid <= (SELECT MAX(rowid) FROM known) - ?"
         with self._lock:
@@ -59,7 +59,7 @@ class MetadataCache:
                 _log.warning("What is known of files is not kept: %s", error)
 
     def close(self) -> None:
-        """Leaves it."""
+        """Closes the cache."""
         with self._lock:
             self._base.close()
 

@@ -1,4 +1,5 @@
-"""Names of files that clients send: none leads out of the card, and each is one on any computer."""
+"""Names of files that clients send: none leads out of the card, and each is valid on any
+computer."""
 
 from __future__ import annotations
 
@@ -18,8 +19,7 @@ _DEVICES = frozenset(
 
 def confined(path: str) -> str:
     """The absolute path on the card that a client means, letters composed with their accents (NFC);
-    `/` is the card itself. Raises CardError `card.name` for a name that no file should have, also
-    `.` and `..`."""
+    `/` is the card itself. Raises CardError `card.name` for a forbidden name, also `.` and `..`."""
     parts = [part for part in unicodedata.normalize("NFC", path).split("/") if part]
     if len(path) > _LONGEST_PATH:
         limit = f"a path of at most {_LONGEST_PATH} characters"
@@ -33,7 +33,7 @@ def confined(path: str) -> str:
 
 
 def program(path: str) -> str:
-    """As `confined`, of a file to upload. Raises InputError too: for what is not G-code."""
+    """As `confined`, for a file to upload. Also raises InputError if it is not G-code."""
     found = confined(path)
     name = found.rpartition("/")[2]
     if not name:

@@ -1,4 +1,4 @@
-"""The paths of planned files, kept on disk beside what is known of them."""
+"""The paths of planned files, kept on disk with the facts about them."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _ENDING = ".toolpath"
 
 
 class Toolpaths:
-    """A file for each path, as long as the file that it is of and what it was made for stay the
-    same. When they are too large together, the oldest go. Any thread may use it."""
+    """A file for each path, as long as its G-code file and the machine stay the same. When they are
+    too large together, the oldest are deleted. Any thread may use it."""
 
     def __init__(self, folder: Path | None, made_for: str) -> None:
         """`made_for` is the machine and version; without a folder all ends with the process."""
@@ -33,12 +33,12 @@ class Toolpaths:
             self._folder = folder / "toolpaths"
 
     def find(self, path: str, entry: Entry) -> Path | None:
-        """Where the path of this content of a file is."""
+        """The path of this content of a file."""
         found = self._place(path, entry)
         return found if found.exists() else None
 
     def put(self, path: str, entry: Entry, data: bytes) -> None:
-        """Keeps the path of this content of a file; without room it is not kept."""
+        """Stores the path of this content of a file; without space it is not kept."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             with replaced(self._place(path, entry)) as temporary:

@@ -1,4 +1,5 @@
-"""All files that are on their way to the card; one that was interrupted can go on for a while."""
+"""All files that are being uploaded to the card; an interrupted upload can be resumed for a
+while."""
 
 from __future__ import annotations
 
@@ -17,8 +18,8 @@ from passo.web.files.incoming import Incoming
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
-MAX_UPLOADS = 8  # at once, with those that wait for their rest
-KEPT_S = 600.0  # how long an interrupted one waits for it
+MAX_UPLOADS = 8  # at once, including interrupted ones
+KEPT_S = 600.0  # how long an interrupted one can be resumed
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ class Uploads:
         self._kept: dict[str, _Kept] = {}
 
     def kept(self, path: str) -> Incoming | None:
-        """The upload of a confined path that was interrupted, and can go on at its offset."""
+        """The interrupted upload of a confined path, which can continue at its offset."""
         found = self._kept.get(fold(path))
         return found and found.incoming
 
@@ -51,13 +52,13 @@ class Uploads:
         resumable: bool = False,
         room: int = 0,
     ) -> AsyncGenerator[Incoming]:
-        """A file at a confined path, or what follows an offset of one that was interrupted. It is
+        """A file at a confined path, or the bytes after the offset of an interrupted upload. It is
         on the card at the end of the block if `total` bytes came, or that is None. A resumable one
-        that has too few, also because the connection was lost, is kept for `KEPT_S`. `room` is the
-        free space that the card must have besides, in bytes.
+        that is incomplete, also because the connection was lost, is kept for `KEPT_S`. `room` is
+        the free space that the card must have in addition, in bytes.
 
         Raises CardError, CommandError for a file that is printed now, InputError `upload.too-many`,
-        `upload.offset`, and what `Incoming` raises: then the card holds what it held before.
+        `upload.offset`, and the errors of `Incoming`: then the card holds what it held before.
         """
         self._active += 1
         try:
@@ -87,7 +88,7 @@ class Uploads:
             self._active -= 1
 
     async def forget(self, path: str) -> None:
-        """An interrupted upload of a confined path does not go on."""
+        """Discards the interrupted upload of a confined path."""
         if kept := self._kept.pop(fold(path), None):
             kept.end.cancel()
             await kept.incoming.abort()

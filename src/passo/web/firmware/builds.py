@@ -96,7 +96,7 @@ class Builds:
 
     def zipped(self) -> bytes:
         """The images of the last build with their descriptions, and its log; a build that has
-        failed has the log alone. Blocks for as long as the disk takes."""
+        failed has only the log. Blocks for as long as the disk takes."""
         packed = io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             if self._folder is not None and self._last and self._last.images:

@@ -26,7 +26,7 @@ class Arguments:
         return value
 
     def template(self) -> dict[str, Any]:
-        """What each message of a subscription begins with; empty if none is given."""
+        """The begin of each message of a subscription; empty if none is given."""
         return self._mapping("response_template", {})
 
     def wishes(self) -> Wishes:

@@ -1,4 +1,4 @@
-"""One client of Klipper's socket: its requests, and what is sent to it. Sans-IO."""
+"""One client of Klipper's socket: its requests, and the messages to it. Sans-IO."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class TooManyRequestsError(Exception):
 
 
 class Methods(Protocol):
-    """What requests may ask for."""
+    """The methods that requests may call."""
 
     async def answer(
         self, client: Connection, method: str, arguments: Arguments
@@ -32,8 +32,8 @@ class Methods(Protocol):
 
 
 class Connection:
-    """A client. Requests begin in the order in which they come; answers may overtake. `send` takes
-    a frame, and never blocks. To be used in one event loop."""
+    """A client. Requests begin in the order of arrival; answers may overtake. `send` takes a frame,
+    and never blocks. Use it in one event loop."""
 
     def __init__(self, methods: Methods, send: Callable[[bytes], None]) -> None:
         self._methods, self._send = methods, send
@@ -44,8 +44,8 @@ class Connection:
         self.remote_methods: dict[str, dict[str, Any]] = {}  # of the client, and their templates
 
     def receive(self, data: bytes) -> None:
-        """Takes in what the client has sent. Raises FrameTooLongError, TooManyRequestsError: the
-        client is to be dropped then."""
+        """Takes the bytes that the client has sent. Raises FrameTooLongError, TooManyRequestsError:
+        then the client must be dropped."""
         for frame in self._frames.feed(data):
             try:
                 request = request_of(frame)
@@ -68,7 +68,7 @@ class Connection:
             self.tell(self.output, {"response": text})
 
     def tell_changes(self, lookup: Lookup, event_s: float) -> None:
-        """What has changed of the objects that the client wants to know of."""
+        """Sends the changes of the objects that the client has subscribed to."""
         if self.objects is not None and (news := self.objects.changed(lookup)):
             self.tell(self.objects.template, {"eventtime": event_s, "status": news})
 
@@ -81,7 +81,7 @@ class Connection:
 
 
 async def _answered(result: Awaitable[Mapping[str, Any]], method: str) -> dict[str, Any]:
-    """A result, or the error in its place: also of a fault of the program, which the printer
+    """A result, or the error in its place: also for a fault of the program, which the printer
     survives."""
     try:
         return {"result": dict(await result)}

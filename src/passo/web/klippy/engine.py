@@ -1,4 +1,5 @@
-"""All that clients of Klipper's socket may ask of a printer. Sans-IO but for its bridge."""
+"""Klipper's methods and objects of a printer for clients of the socket. Sans-IO except for its
+bridge."""
 
 from __future__ import annotations
 
@@ -34,8 +35,8 @@ _FAILED = ("shutdown", "error")
 
 class Engine:
     """Klipper's methods, objects and messages for all clients of one printer. `on_restart` is
-    called when the connections have to end, because the printer starts again: with True if it is
-    yet to be restarted."""
+    called when the connections have to end because the printer restarts: with True if it still has
+    to be restarted."""
 
     def __init__(
         self,
@@ -76,7 +77,7 @@ class Engine:
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
         """As `Listener.on_snapshot`. A state that lasts for less than the time between two messages
-        is told nevertheless: clients count prints by it."""
+        is sent all the same, because clients count prints by it."""
         status = snapshot.status
         does, self._does = self._does, (status.state, status.job is None)
         if self._does != does:
@@ -87,7 +88,7 @@ class Engine:
         self._state = state
         self._broadcast(f"// Klipper state: {state.capitalize()}")
         if self._has_failed and state == "ready":
-            self._on_restart(False)  # clients do not know a way back on the same connection
+            self._on_restart(False)  # clients cannot continue on the same connection
         self._has_failed = self._has_failed or state in _FAILED
 
     def on_event(self, event: Event) -> None:
@@ -98,8 +99,8 @@ class Engine:
             self._call_remote(event)
 
     def tell_changes(self, snapshot: Snapshot | None = None) -> None:
-        """Sends to each client what has changed of the objects that it wants to know of, in this
-        snapshot or by now."""
+        """Sends each client the changes of the objects that it has subscribed to, in this snapshot
+        or by now."""
         lookup, event_s = self._objects.lookup(snapshot), self._now_s()
         for client in list(self.connections):
             client.tell_changes(lookup, event_s)

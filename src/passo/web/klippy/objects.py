@@ -19,7 +19,7 @@ _MEMORY = Path("/proc/meminfo")
 
 
 class PrinterObjects:
-    """Those of one printer. `endstops` are the states that were asked for last."""
+    """The objects of one printer. `endstops` are the states of the last query."""
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
@@ -32,8 +32,8 @@ class PrinterObjects:
         return [*objects(self._bridge.machine, status, status.macros), *self._of_socket()]
 
     def lookup(self, snapshot: Snapshot | None = None) -> Lookup:
-        """Finds an object of the printer as it was then, or is now; empty where it has none of
-        that name."""
+        """Finds an object of the printer as it was then, or is now; empty if it has none of that
+        name."""
         status = (snapshot or self._bridge.latest()).status
         found = objects(self._bridge.machine, status, status.macros) | self._of_socket()
         made: dict[str, Object] = {}

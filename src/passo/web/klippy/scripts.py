@@ -1,4 +1,4 @@
-"""Scripts of clients, and the lines that all of them hear."""
+"""Scripts of clients, and the lines that all clients receive."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Scripts:
         return restart
 
     def hear(self, line: str) -> None:
-        """A line that the printer answers, or tells everyone."""
+        """A line that the printer answers, or sends to all."""
         self._broadcast(shown(line))
 
 

@@ -27,8 +27,8 @@ _BACKLOG = 16
 
 
 class KlippySocket:
-    """Serves one printer on a Unix socket that only this user may open. When the printer starts
-    again, all connections end and the socket is made anew, as clients expect it."""
+    """Serves one printer on a Unix socket that only this user may open. When the printer restarts,
+    all connections end and the socket is created again, as clients expect."""
 
     def __init__(self, bridge: Bridge, path: str, *, log_file: str | None = None) -> None:
         """Raises InputError where the socket cannot be made."""
@@ -46,13 +46,13 @@ class KlippySocket:
             self._path.unlink(missing_ok=True)
 
     async def _serve(self) -> bool:
-        """Serves until the printer starts again; True if it is yet to be restarted."""
+        """Serves until the printer restarts; True if it still has to be restarted."""
         loop = asyncio.get_running_loop()
         ended: asyncio.Future[bool] = loop.create_future()
 
         def end(restart: bool) -> None:
             if not ended.done():
-                # What is answered now reaches the client.
+                # Answers that are ready now reach the client.
                 loop.call_soon(lambda: ended.done() or ended.set_result(restart))
 
         engine = Engine(self._bridge, end, now_s=loop.time, log_file=self._log_file)
@@ -99,7 +99,7 @@ class _Client(asyncio.Protocol):
         self._engine.connections.append(self._connection)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """As `asyncio.Protocol.connection_lost`. Scripts under way go on."""
+        """As `asyncio.Protocol.connection_lost`. Running scripts continue."""
         self._transport = None
         self._clients.discard(self)
         self._engine.connections.remove(self._connection)
@@ -126,7 +126,7 @@ class _Client(asyncio.Protocol):
             self._drop(f"it has left {waiting} bytes unread")
 
     def close(self) -> None:
-        """Ends the connection when what was sent has been taken."""
+        """Closes the connection after the sent data."""
         if self._transport is not None:
             self._transport.close()
 
@@ -142,7 +142,7 @@ class _Client(asyncio.Protocol):
 
 def _listening(path: Path) -> socket.socket:
     """A socket at the path, in place of an older one. Raises InputError."""
-    made = path.with_name(f"{path.name}~")  # nobody opens it before it has its permissions
+    made = path.with_name(f"{path.name}~")  # not reachable before it has its permissions
     listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         if path.exists() and not stat.S_ISSOCK(path.lstat().st_mode):

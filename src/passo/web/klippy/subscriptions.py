@@ -1,4 +1,4 @@
-"""What a client wants to know of the printer's objects, and what of it has changed."""
+"""The subscription of a client to the printer's objects, and their changes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ Lookup: TypeAlias = Callable[[str], Object]  # an object by its name; empty if i
 
 
 def picked(wishes: Wishes, lookup: Lookup) -> dict[str, Object]:
-    """The fields that are wanted. A field that does not exist is None, as is the value of one that
-    is not known."""
+    """The requested fields. A field that does not exist is None, as is the value of an unknown
+    one."""
     found: dict[str, Object] = {}
     for name, fields in wishes.items():
         values = lookup(name)
@@ -21,8 +21,8 @@ def picked(wishes: Wishes, lookup: Lookup) -> dict[str, Object]:
 
 
 class Subscription:
-    """Of one client. Where all fields of an object are wanted, they are those of the first answer:
-    a field that comes later is never sent."""
+    """The subscription of one client. If all fields of an object are requested, they are those of
+    the first answer: a later field is never sent."""
 
     def __init__(self, wishes: Wishes, template: Mapping[str, Any]) -> None:
         self._wishes: dict[str, Sequence[str] | None] = dict(wishes)
@@ -35,13 +35,13 @@ class Subscription:
         return tuple(self._wishes)
 
     def first(self, lookup: Lookup) -> dict[str, Object]:
-        """All that is wanted. To be called once, before `changed`."""
+        """All requested fields. Call once, before `changed`."""
         self._sent = picked(self._wishes, lookup)
         self._wishes = {name: tuple(values) for name, values in self._sent.items()}
         return self._sent
 
     def changed(self, lookup: Lookup) -> dict[str, Object]:
-        """The fields whose values are others than those sent last, by object."""
+        """The fields whose values differ from those sent last, by object."""
         news: dict[str, Object] = {}
         now = picked(self._wishes, lookup)
         for name, values in now.items():

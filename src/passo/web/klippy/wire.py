@@ -27,7 +27,7 @@ class Request:
 
 
 class Frames:
-    """The bytes of a client as they come in, cut into frames."""
+    """Splits the bytes of a client into frames."""
 
     def __init__(self) -> None:
         self._begun = bytearray()
@@ -50,7 +50,7 @@ class Frames:
 
 
 def request_of(frame: bytes) -> Request:
-    """The request in a frame. Raises ValueError, with a sentence, for what is not one."""
+    """The request in a frame. Raises ValueError, with a sentence, if it is not a request."""
     try:
         found = msgspec.json.decode(frame)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):

@@ -1,1 +1,1 @@
-"""The machine file, as clients read and change it."""
+"""The machine file for clients: read and change."""

@@ -1,4 +1,4 @@
-"""The machine file on disk. What is here blocks for as long as the disk takes."""
+"""The machine file on disk. Its functions block for as long as the disk takes."""
 
 from __future__ import annotations
 
@@ -19,14 +19,13 @@ _replacing = threading.Lock()  # no other request changes the file between check
 
 
 def path_of(source: str) -> Path | None:
-    """The file of a machine source, as `Bridge.machine_source`; None where it is not one that may
-    be changed."""
+    """The file of a machine source, as `Bridge.machine_source`; None if it may not be changed."""
     return config.machine_path(source)
 
 
 def read(source: str, machine: config.MachineConfig) -> str:
-    """The text of the machine file: that of a shipped machine, or made from `machine`, where there
-    is no file. Raises ConfigError."""
+    """The text of the machine file: that of a shipped machine, or made from `machine` if there is
+    no file. Raises ConfigError."""
     path = path_of(source)
     if path is not None:
         return config.machine_file_text(path)
@@ -51,7 +50,7 @@ def digest(text: str) -> str:
 
 
 def difference(before: str, after: str) -> str:
-    """What differs between two texts, as `diff -u` shows it; empty if nothing does."""
+    """The difference between two texts, as `diff -u` shows it; empty if there is none."""
     lines = before.splitlines(), after.splitlines()
     return "\n".join(unified_diff(*lines, f"{_NAME} (file)", f"{_NAME} (new)", lineterm=""))
 

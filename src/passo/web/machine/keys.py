@@ -1,4 +1,4 @@
-"""The keys of a machine file: their values, where each comes from, and what differs."""
+"""The keys of a machine file: their values, their sources, and their changes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class KeyValue(Struct):
     """A key with its value. `source` is `file` (then `line` is its line), `board` (the file of a
     board or sensor that the machine file names), or `default`. `setting` is the command and the
     word that also set the value; it is empty for most keys. `setting_value` is the value in force,
-    and `setting_source` is where that comes from: `file`, `stored` (M500), or `command`."""
+    and `setting_source` is its source: `file`, `stored` (M500), or `command`."""
 
     key: str
     value: Any

@@ -1,1 +1,1 @@
-"""Interfaces of other printers' servers, which slicers know how to upload to."""
+"""Interfaces of other printers' servers, to which slicers can upload."""

@@ -1,5 +1,5 @@
-"""Sessions of RepRapFirmware's interface, whose clients send their password once and are known by
-their address from then on."""
+"""Sessions of RepRapFirmware's interface, whose clients send their password once and are identified
+by their address after that."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from passo.web.operation import Caller
 
-IDLE_S = 60.0  # a session ends that is not used so long
+IDLE_S = 60.0  # a session ends if it is not used for so long
 _MAX = 32
 
 
 class AddressSessions:
-    """Who has connected from which address with an API key. `now_s` is a monotonic clock."""
+    """The callers that have connected with an API key, by address. `now_s` is a monotonic clock."""
 
     def __init__(self, now_s: Callable[[], float]) -> None:
         self._now_s = now_s
         self._found: dict[str, tuple[Caller, float]] = {}
 
     def begin(self, address: str, caller: Caller) -> None:
-        """Requests from this address are the caller's."""
+        """Begins a session: requests from this address are the caller's."""
         self._found.pop(address, None)
         self._found[address] = (replace(caller, address=address), self._now_s())
         while len(self._found) > _MAX:
             del self._found[next(iter(self._found))]
 
     def use(self, address: str) -> Caller | None:
-        """Who has connected from this address; the session goes on."""
+        """The caller that has connected from this address; extends the session."""
         caller, used_s = self._found.pop(address, (None, 0.0))
         if caller is None or self._now_s() - used_s > IDLE_S:
             return None
@@ -42,5 +42,5 @@ class AddressSessions:
             self._found[address] = (found[0], self._now_s())
 
     def end(self, address: str) -> None:
-        """Nobody is connected from this address."""
+        """Ends the session of this address."""
         self._found.pop(address, None)

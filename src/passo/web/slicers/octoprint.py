@@ -1,5 +1,5 @@
-"""OctoPrint's interface, as far as slicers test a printer with it, upload, start and watch. Source:
-OctoPrint's REST API documentation."""
+"""OctoPrint's interface, for the requests with which slicers test a printer, upload, start and
+watch. Source: OctoPrint's REST API documentation."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ _DONE = 204
 
 @operation("octoprint.version", "GET", "/api/version", Role.VIEWER, root="")
 async def version(_: Call) -> Response:
-    """What a slicer tests: `text` begins with OctoPrint for those that ask."""
+    """The version that a slicer tests: `text` begins with OctoPrint for slicers that require it."""
     return json(
         {
             "api": "0.1",
             "server": "1.5.0",
             "text": f"OctoPrint (Passo {__version__})",
-            "capabilities": {"upload-by-put": True},  # for those that take it for PrusaLink
+            "capabilities": {"upload-by-put": True},  # for clients that treat it as PrusaLink
         }
     )
 
 
 @operation("octoprint.login", "POST", "/api/login", Role.VIEWER, root="")
 async def login(call: Call) -> Response:
-    """Who the key belongs to."""
+    """The owner of the key."""
     caller = call.caller
     admin = caller.role >= Role.ADMIN
     return json({"name": caller.name, "active": True, "user": True, "admin": admin, "session": ""})
@@ -72,7 +72,7 @@ async def printer(call: Call) -> Response:
 
 @operation("octoprint.job", "GET", "/api/job", Role.VIEWER, root="")
 async def job(call: Call) -> Response:
-    """The file that is printed, or selected, and how far it is."""
+    """The file that is printed, or selected, and its progress."""
     return json(job_state(call.bridge))
 
 
@@ -111,7 +111,7 @@ async def connection(call: Call) -> Response:
 
 @operation("octoprint.connect", "POST", "/api/connection", Role.OPERATOR, root="")
 async def connect(call: Call) -> Response:
-    """Connects to a halted printer by starting it again; does nothing otherwise."""
+    """Connects to a halted printer by restarting it; does nothing otherwise."""
     wanted = await posted(call)
     if wanted.get("command") == "connect" and call.bridge.latest().status.halted:
         await call.bridge.restart()
@@ -142,7 +142,7 @@ async def all_files(call: Call) -> Response:
 
 @operation("octoprint.local", "GET", "/api/files/local", Role.VIEWER, root="")
 async def local_files(call: Call) -> Response:
-    """The same: there is no other place for files."""
+    """As `all_files`: there is no other storage for files."""
     return await _listing(call)
 
 
@@ -156,8 +156,8 @@ async def local_files(call: Call) -> Response:
 )
 async def upload(call: Call) -> Response:
     """Takes a file, then selects or prints it if the form says so. A printer that cannot print it
-    now keeps it all the same: `effectivePrint` is false then, as OctoPrint has it. A form with a
-    `foldername` makes a folder."""
+    now keeps it: `effectivePrint` is false then, as in OctoPrint. A form with a `foldername` makes
+    a folder."""
     request, body = call.request, Body(call.request)
     try:
         form = await receive_form(body, call.site.uploads, _target)

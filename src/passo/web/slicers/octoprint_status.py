@@ -49,7 +49,7 @@ def printer_state(bridge: Bridge) -> dict[str, Any]:
 
 
 def job_state(bridge: Bridge) -> dict[str, Any]:
-    """The print under way, or the file that is selected; times in s, `completion` in percent."""
+    """The current print, or the selected file; times in s, `completion` in percent."""
     status = bridge.latest().status
     job, path = status.job, status.files.selected
     name = path.rpartition("/")[2] or None

@@ -1,4 +1,4 @@
-"""What all interfaces of slicers do in the same way: start a print, run commands, read JSON."""
+"""The common functions of all slicer interfaces: start a print, run commands, read JSON."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from passo.web.call import Call
 
 _MAX_JSON = 1 << 16
-_ANSWER_S = 2.0  # so long a command may take until its client hears that it goes on
+_ANSWER_S = 2.0  # a command may take so long until its client is told that it is running
 
-_going_on = set[asyncio.Task[tuple[str, ...]]]()  # the event loop alone would not keep them
+_going_on = set[asyncio.Task[tuple[str, ...]]]()  # the event loop keeps only weak references
 
 
 async def started(bridge: Bridge, path: str) -> bool:
@@ -32,8 +32,8 @@ async def started(bridge: Bridge, path: str) -> bool:
 
 
 async def run_soon(call: Call, script: str) -> tuple[str, ...]:
-    """Carries out lines of G-code, and returns what they have answered within some seconds; those
-    that take longer go on. Raises PassoError for what fails within that time."""
+    """Carries out lines of G-code, and returns their answers within some seconds; lines that take
+    longer continue. Raises PassoError for a failure within that time."""
     task = asyncio.ensure_future(call.run(script))
     _going_on.add(task)
     task.add_done_callback(_ended)
@@ -48,7 +48,7 @@ def _ended(task: asyncio.Task[tuple[str, ...]]) -> None:
 
 
 async def posted(call: Call) -> dict[str, Any]:
-    """The object of JSON that a request holds, empty without a body. Raises WebError."""
+    """The JSON object of a request, empty without a body. Raises WebError."""
     data = await limited(call.request, _MAX_JSON)
     try:
         found: object = msgspec.json.decode(data) if data.strip() else {}
@@ -67,10 +67,10 @@ def heaters(bridge: Bridge, status: Status, kind: str) -> list[HeaterStatus]:
 
 
 def is_printing(status: Status) -> bool:
-    """A file is printed, or its print is paused."""
+    """Whether a file is being printed, or its print is paused."""
     return status.state in (PrinterState.PRINTING, PrinterState.PAUSED)
 
 
 def sentence(error: PassoError) -> str:
-    """What is wrong, and what to do."""
+    """The error, and the next action."""
     return str(error.problems[0])

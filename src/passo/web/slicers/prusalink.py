@@ -1,4 +1,4 @@
-"""PrusaLink's interface, as far as PrusaSlicer uploads with it. Source: PrusaLink's OpenAPI
+"""PrusaLink's interface, for the uploads of PrusaSlicer. Source: PrusaLink's OpenAPI
 description."""
 
 from __future__ import annotations

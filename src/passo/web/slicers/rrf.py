@@ -36,7 +36,7 @@ def on_card(path: str) -> str:
 
 @operation("rrf.connect", "GET", "/rr_connect", Role.PUBLIC, root="")
 async def connect(call: Call) -> Response:
-    """Begins a session: the password is an API key, where there are accounts."""
+    """Begins a session: the password is an API key, if there are accounts."""
     password = call.request.query_params.get("password", "")
     if call.caller.role is Role.PUBLIC and not call.site.access.connect(call.request, password):
         return json({"err": 1})
@@ -61,13 +61,13 @@ async def status(call: Call) -> Response:
 
 @operation("rrf.config", "GET", "/rr_config", Role.VIEWER, root="")
 async def config(_: Call) -> Response:
-    """APrinter's options, which M500 keeps there: there are none here."""
+    """APrinter's stored options: there are none here."""
     return json({"options": []})
 
 
 @operation("rrf.gcode", "GET", "/rr_gcode", Role.OPERATOR, root="")
 async def gcode(call: Call) -> Response:
-    """Carries out a line; `rr_reply` tells what it has answered."""
+    """Carries out a line; `rr_reply` returns its answer."""
     line = call.request.query_params.get("gcode", "")
     try:
         if file := _FILE_COMMAND.fullmatch(line):
@@ -83,7 +83,7 @@ async def gcode(call: Call) -> Response:
 
 @operation("rrf.reply", "GET", "/rr_reply", Role.VIEWER, root="")
 async def reply(call: Call) -> Response:
-    """What lines have answered since this was asked last."""
+    """The answers of lines since the last call."""
     text = "".join(f"{line}\n" for line in call.site.rrf_replies)
     call.site.rrf_replies.clear()
     return Response(text, media_type="text/plain")
@@ -91,8 +91,8 @@ async def reply(call: Call) -> Response:
 
 @operation("rrf.console", "POST", "/rr_gcode", Role.OPERATOR, consumes="text/plain", root="")
 async def console(call: Call) -> Response:
-    """APrinter's console: carries out the lines of the body one after the other, and answers as
-    they do, each with `ok`."""
+    """APrinter's console: carries out the lines of the body one after the other, and returns their
+    answers, each with `ok`."""
     lines = (await limited(call.request, _MAX_GCODE)).decode("utf-8", "replace").splitlines()
 
     async def answers() -> AsyncGenerator[str]:
@@ -180,7 +180,7 @@ async def names(call: Call) -> Response:
 
 @operation("rrf.info", "GET", "/rr_fileinfo", Role.VIEWER, root="")
 async def fileinfo(call: Call) -> Response:
-    """What is known of a file, or of the one that is printed."""
+    """The facts about a file, or about the one that is printed."""
     name, job = call.request.query_params.get("name"), call.bridge.latest().status.job
     if name is None and job is None:
         return json({"err": 1})
@@ -268,7 +268,7 @@ async def _remove(call: Call, path: str, *, missing: bool = False) -> None:
 
 
 def _failed(error: PassoError) -> Response:
-    """The status that fits, for clients that look at it, and `err` for the others."""
+    """The matching status, for clients that check it, and `err` for the others."""
     return json({"err": 1, "error": sentence(error)}, refusal(error).status_code)
 
 

@@ -12,7 +12,7 @@ from passo.web.slicers.printing import heaters
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
-_OFF = msgspec.Raw(b"-1e1024")  # as APrinter writes that it has no target
+_OFF = msgspec.Raw(b"-1e1024")  # how APrinter writes that there is no target
 
 
 def rrf_status(bridge: Bridge, kind: int) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def rrf_status(bridge: Bridge, kind: int) -> dict[str, Any]:
 
 
 def aprinter_status(bridge: Bridge) -> dict[str, Any]:
-    """As APrinter's own page reads it."""
+    """The status in the form of APrinter's own page."""
     status = bridge.latest().status
     found_heaters: dict[str, Any] = {}
     for letter, kind in (("T", "hotend"), ("B", "bed"), ("C", "chamber")):
