@@ -25,6 +25,9 @@ RUN = (
     "tune-a-heater",
     "calibrate-a-thermistor",
     "level-a-bed",
+    "calibrate-a-delta",
+    "level-a-gantry",
+    "turn-bed-screws",
 )
 CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry")
 

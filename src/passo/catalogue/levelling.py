@@ -94,6 +94,10 @@ LEVELLING: Mapping[str, Entry] = {
         " mm are allowed",
         "Look for play in the gantry and the probe (M48), or raise tolerance_mm",
     ),
+    "levelling.screws": _levelling(
+        "the screws of the bed differ by {value:.3f} mm: at most {limit:g} mm are allowed",
+        "Turn the screws as reported, then measure again",
+    ),
     "levelling.skew": _levelling(
         "no parallelogram has the lengths {value} of AC, BD and AD",
         "Measure both diagonals and the side AD of the printed square again",

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from passo.config.types import Model, Name, Pair, Position, Positive
+
+Thread = Literal["M3 cw", "M3 ccw", "M4 cw", "M4 ccw", "M5 cw", "M5 ccw", "M6 cw", "M6 ccw"]
 
 
 class DeltaCalibration(Model):
@@ -46,6 +48,27 @@ class ZMotors(Model):
     """The tilt between the motors at which G34 is done."""
     retries: Annotated[int, Field(ge=0, le=30)] = 5
     """How often G34 measures and adjusts again."""
+
+
+class BedScrew(Model):
+    """A screw of the bed."""
+
+    name: Annotated[str, Field(min_length=1, max_length=40)]
+    """What reports call it."""
+    x: Position
+    """X of the probe above the screw, in mm."""
+    y: Position
+    """Y of the probe above the screw, in mm."""
+
+
+class Screws(Model):
+    """The screws that level the bed by hand (G35)."""
+
+    thread: Thread = "M4 cw"
+    """The size of the screws, which gives their pitch: 0.5, 0.7, 0.8 or 1 mm. `cw`: clockwise lifts
+    the bed; `ccw`: it lowers it."""
+    places: Annotated[list[BedScrew], Field(min_length=2, max_length=20)]
+    """The screws. The first one stays as it is."""
 
 
 _Three = Annotated[list[Position], Field(min_length=3, max_length=3)]

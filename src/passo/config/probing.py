@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.calibration import DeltaCalibration, SimulatedDelta, ZMotors
+from passo.config.calibration import DeltaCalibration, Screws, SimulatedDelta, ZMotors
 from passo.config.types import Model, Name, NotNegative, Pair, Position, Positive
 from passo.probes.base import HeightOffset
 
@@ -66,6 +66,8 @@ class Levelling(Model):
     """How a delta finds its geometry."""
     motors: ZMotors | None = None
     """How the motors of Z level the gantry."""
+    screws: Screws | None = None
+    """The screws of the bed."""
 
 
 class SimulatedBed(Model):

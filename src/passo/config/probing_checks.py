@@ -34,6 +34,7 @@ def check_probe(machine: MachineConfig) -> Iterator[Finding]:
     yield from _check_points(machine)
     yield from _check_area(machine)
     yield from _check_motors(machine)
+    yield from _check_screws(machine)
 
 
 def _check_sensor(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding]:
@@ -160,3 +161,16 @@ def _check_motors(machine: MachineConfig) -> Iterator[Finding]:
         yield Finding("config.value", path, len(motors.points), limit)
     for i, point in enumerate(motors.points):
         yield from _check_place(machine, ("levelling", "motors", "points", i), point.x, point.y)
+
+
+def _check_screws(machine: MachineConfig) -> Iterator[Finding]:
+    """Checks that the probe gets to each screw, and that their names differ."""
+    screws = machine.levelling.screws
+    if screws is None:
+        return
+    names = [screw.name for screw in screws.places]
+    for i, screw in enumerate(screws.places):
+        path = ("levelling", "screws", "places", i)
+        if screw.name in names[:i]:
+            yield Finding("config.value", (*path, "name"), screw.name, "a name of its own")
+        yield from _check_place(machine, path, screw.x, screw.y)

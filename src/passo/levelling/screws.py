@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
-Thread = Literal["M3 cw", "M3 ccw", "M4 cw", "M4 ccw", "M5 cw", "M5 ccw", "M6 cw", "M6 ccw"]
+from passo.config.calibration import Thread
+
 PITCH_MM = {"M3": 0.5, "M4": 0.7, "M5": 0.8, "M6": 1.0}
 EXACT_MM = 0.001
 """A screw that is off by less stays as it is."""

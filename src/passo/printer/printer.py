@@ -17,6 +17,7 @@ from passo.motion.lone_motors import LoneMotors
 from passo.motion.offsets import Offsets
 from passo.motion.probing import Prober
 from passo.motion.triggered_moves import TriggeredMoves
+from passo.printer.commands.bed_screws import ScrewCommands
 from passo.printer.commands.beeper import Beeper
 from passo.printer.commands.delta_calibration import DeltaCommands, is_calibrated
 from passo.printer.commands.drivers import DriverCommands
@@ -143,6 +144,8 @@ class Printer:
                     self.z_endstops,
                 )
             )
+        if machine.levelling.screws is not None and machine.probe is not None:
+            self.dispatch.add(ScrewCommands(machine.levelling.screws, self.prober))
         if self.delta is not None or self.z_endstops is not None:
             self.dispatch.add(EndstopCommands(self.delta, self.z_endstops))
         self.dispatch.add(MotorMoves(rig, state, self.triggered))

@@ -1,0 +1,123 @@
+"""G35 and SCREWS_TILT_CALCULATE: how far to turn the screws of the bed."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Literal
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.levelling.screws import Screw, adjustments
+from passo.motion.probing import Measured, Place, Prober
+from passo.printer.commands.klipper_commands import number
+from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
+
+if TYPE_CHECKING:
+    from passo.config.calibration import Screws, Thread
+
+NO_SCREWS = "The machine file has no [levelling.screws], or no probe."
+_THREADS: dict[float, Thread] = {
+    30: "M3 cw",
+    31: "M3 ccw",
+    40: "M4 cw",
+    41: "M4 ccw",
+    50: "M5 cw",
+    51: "M5 ccw",
+}  # as Marlin numbers them
+Direction = Literal["CW", "CCW"]
+
+
+class ScrewCommands:
+    """Measures the bed above the screws of `config`."""
+
+    def __init__(self, config: Screws, prober: Prober) -> None:
+        self._config, self._prober = config, prober
+
+    @command(
+        "G35",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "S",
+        "Measures the bed above its screws, and reports how far to turn each so that all are as"
+        " high as the first. S30, S31, S40, S41, S50 and S51 are screws M3 to M5 in place of those"
+        " of the machine file; with 1, clockwise lowers the bed.",
+        kind=Kind.SERVED,
+        lacks=NO_SCREWS,
+    )
+    def _assist(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        thread = self._config.thread
+        if "S" in words:
+            if words["S"] not in _THREADS:
+                limit = ", ".join(f"{code:g}" for code in _THREADS)
+                raise CommandError.bad_value("S", words["S"], limit)
+            thread = _THREADS[words["S"]]
+
+        async def measure() -> None:
+            for screw in _adjusted(await self._heights(), thread, None)[1:]:
+                turn = f"{'CW' if screw.clockwise else 'CCW'} by {screw.turns} turns"
+                away = f"{screw.minutes} minutes ({-screw.mm:.3f}mm)"
+                reply.say(f"Turn {screw.name} {turn} and {away}")
+
+        return WaitForProcedure(measure)
+
+    @command(
+        "SCREWS_TILT_CALCULATE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "DIRECTION(CW|CCW) MAX_DEVIATION(mm)",
+        "As G35, as Klipper reports it: turns and minutes of a clock. With DIRECTION no screw is"
+        " turned the other way. It is an error if the screws differ by more than MAX_DEVIATION.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_SCREWS,
+    )
+    def _calculate(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        most = number(pairs, "MAX_DEVIATION") if "MAX_DEVIATION" in pairs else None
+        match pairs.get("DIRECTION", "").upper():
+            case "":
+                direction = None
+            case "CW" | "CCW" as given:
+                direction: Direction | None = given
+            case given:
+                raise CommandError.of(
+                    "command.value", axis="DIRECTION", value=given, limit="CW or CCW"
+                )
+        return WaitForProcedure(partial(self._report, direction, most, reply))
+
+    async def _report(self, direction: Direction | None, most: float | None, reply: Reply) -> None:
+        measured = await self._heights()
+        thread = self._config.thread
+        screws = {s.name: s for s in _adjusted(measured, thread, direction)}
+        base = next(iter(screws))
+        reply.say("// 01:20 means 1 full turn and 20 minutes, CW=clockwise, CCW=counter-clockwise")
+        for m in measured:
+            name = m.place.name
+            where = f"x={m.place.x:.1f}, y={m.place.y:.1f}, z={m.height_mm:.5f}"
+            if name == base:
+                reply.say(f"// {name} (base) : {where}")
+            else:
+                reply.say(f"// {name} : {where} : adjust {screws[name].adjust}")
+        heights = [m.height_mm for m in measured]
+        apart = max(heights) - min(heights)
+        if most is not None and apart > most:
+            raise CommandError.of("levelling.screws", value=apart, limit=most)
+
+    async def _heights(self) -> list[Measured]:
+        places = [Place(screw.x, screw.y, screw.name) for screw in self._config.places]
+        return await self._prober.measure(places)
+
+
+def _adjusted(measured: list[Measured], thread: Thread, direction: Direction | None) -> list[Screw]:
+    """What each screw needs, first the one that stays: that of the machine file, or where all turn
+    in one direction the highest or the lowest one."""
+    heights = [(m.place.name, m.height_mm) for m in measured]
+    if direction is not None:
+        lifts = (direction == "CW") == thread.endswith(" cw")
+        pick = max if lifts else min
+        base = pick(heights, key=lambda screw: screw[1])
+        heights.remove(base)
+        heights.insert(0, base)
+    return adjustments(heights, thread)
