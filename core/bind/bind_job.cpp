@@ -58,8 +58,7 @@ void bind_job(nb::module_& m) {
           },
           "board"_a, nb::rv_policy::reference_internal);
   bind_job_program(job);
-  bind_job_timeline(job);
-  bind_job_position(job);
+  bind_job_motion(job);
   bind_job_settings(job);
   bind_job_results(job);
 }

@@ -26,7 +26,6 @@ struct JobView {
 // Each binds one part of the class.
 using JobClass = nanobind::class_<passo::JobView>;
 void bind_job_program(JobClass& job);
-void bind_job_timeline(JobClass& job);
-void bind_job_position(JobClass& job);
+void bind_job_motion(JobClass& job);
 void bind_job_settings(JobClass& job);
 void bind_job_results(JobClass& job);
