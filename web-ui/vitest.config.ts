@@ -23,8 +23,9 @@ export default defineConfig({
           name: "browser",
           include: ["tests/*.test.ts"],
           environment: "node",
-          testTimeout: 40_000,
+          testTimeout: 120_000, // on a computer that has other work, too
           hookTimeout: 40_000,
+          expect: { poll: { timeout: 15_000 } },
           maxWorkers: 2,
         },
       },

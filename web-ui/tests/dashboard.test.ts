@@ -105,6 +105,20 @@ test("every control of the frame is reached by the keyboard", async ({ page }) =
   );
 });
 
+test("keys open pages and their list, until they are switched off", async ({ page }) => {
+  await page.keyboard.press("2");
+  await page.getByRole("heading", { name: "Files" }).waitFor({ state: "attached" });
+  await page.keyboard.press("?");
+  await page.getByRole("dialog", { name: "Keyboard shortcuts" }).waitFor();
+  await expectAccessible(page);
+  await page.getByLabel("Use the shortcuts").uncheck();
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("1");
+  await page.keyboard.press("?"); // which is taken after the key before it
+  await page.getByRole("dialog", { name: "Keyboard shortcuts" }).waitFor();
+  expect(new URL(page.url()).hash).toBe("#/files");
+});
+
 test("the theme that is chosen stays", async ({ page }) => {
   await page.getByRole("button", { name: "Dark theme" }).click();
   await page.reload();

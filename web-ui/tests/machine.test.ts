@@ -31,6 +31,21 @@ test("a key is changed, checked beside its field, reviewed, and acts at once", a
   }
 });
 
+test("the board shows what uses each socket, and conflicts", async ({ page }) => {
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByRole("link", { name: "X_MAX, free" }).waitFor();
+  await page.getByRole("link", { name: "D9 part, used, fans.part.pin" }).click();
+  const pin = page.getByRole("textbox", { name: "fans.part.pin" });
+  await pin.fill("D10");
+  await pin.press("Enter");
+  await page.getByRole("link", { name: "D10 conflict, heaters.hotend.pin, fans.part.pin" }).waitFor();
+  await expectAccessible(page);
+  await picture(page, "machine-conflict-1280-light");
+  await page.setViewportSize({ width: 360, height: 800 });
+  await expectFits(page);
+  await page.getByRole("button", { name: "Discard" }).click();
+});
+
 test("the text is edited, undone, and a machine of the library copied", async ({ page }) => {
   await page.getByRole("link", { name: "Machine" }).click();
   await page.getByText("Text", { exact: true }).click();

@@ -11,7 +11,7 @@ test("a path is shown by layer and time, coloured, and its moves are told", asyn
   await page.getByRole("link", { name: "Files" }).click();
   await page.getByRole("button", { name: "demo.gcode" }).click();
   await page.getByRole("link", { name: "Show the path" }).click();
-  await page.getByText("24,080 moves").waitFor();
+  await page.getByText("24,079 moves").waitFor();
   await expect.poll(() => triangles(page)).toBe(2 * 24_079);
   for (const width of [360, 1280]) {
     await page.setViewportSize({ width, height: 800 });

@@ -6,8 +6,8 @@ import { colouring, type Colouring, type Mode } from "../viewer/colours";
 import { query } from "./files.svelte";
 import { readToolpath, type Toolpath } from "../viewer/toolpath";
 
-const FILAMENT_DIAMETER_MM = 1.75;
-const FILAMENT_MM2 = (Math.PI * FILAMENT_DIAMETER_MM ** 2) / 4;
+const KEPT = "passo-filament-mm";
+const USUAL_MM = 1.75;
 
 /** The path of a file. Throws a Refusal, which says why a file has none. */
 async function read(file: string, signal: AbortSignal): Promise<Toolpath> {
@@ -37,11 +37,13 @@ class Viewer {
   follow = $state(false);
   /** The row that was clicked, or -1. */
   picked = $state(-1);
+  /** The diameter of the filament, from which the flow follows; no machine file has it. */
+  filament_mm = $state(Number(localStorage.getItem(KEPT)) || USUAL_MM);
   /** Indices of the palette. */
   hidden = $state.raw<ReadonlySet<number>>(new Set());
   #reading: AbortController | undefined;
 
-  colours: Colouring | undefined = $derived(this.path && colouring(this.path, this.mode, FILAMENT_MM2));
+  colours: Colouring | undefined = $derived(this.path && colouring(this.path, this.mode, (Math.PI * this.filament_mm ** 2) / 4));
   layer = $derived(this.path ? this.path.layerOf(Math.max(this.last - 1, 0)) : 0);
   first = $derived(this.only ? (this.path?.header.layers[this.layer]?.row ?? 0) : 0);
 
@@ -74,6 +76,12 @@ class Viewer {
   setMode(mode: Mode): void {
     this.mode = mode;
     this.hidden = new Set();
+  }
+
+  setFilament(diameter_mm: number): void {
+    if (!(diameter_mm > 0)) return;
+    this.filament_mm = diameter_mm;
+    localStorage.setItem(KEPT, String(diameter_mm));
   }
 
   toLayer(layer: number): void {

@@ -78,6 +78,13 @@ export class Toolpath {
     return (this.column("at")[row * 4 + 3] ?? 0) & 255;
   }
 
+  /** The moves: rows to which something moves. */
+  get moves(): number {
+    let count = 0;
+    for (let row = 0; row < this.rows; row++) if (this.kind(row) !== JUMP) count++;
+    return count;
+  }
+
   /** X, Y or Z of the end of a row, in mm. */
   mm(row: number, axis: 0 | 1 | 2): number {
     return this.header.origin_mm[axis] + this.header.unit_mm * (this.column("at")[row * 4 + axis] ?? 0);
