@@ -111,6 +111,7 @@ class Printer:
         self._observed: Observer | None = None
         self._client: Client | None = None
         self._bridged: LiveBridge | None = None
+        self._places: list[str] = []  # where hosts, browsers and Moonraker connect
         self._web: WebThread | None = None
         self._opened_accounts: Accounts | None = None
         self._kept_temperatures: TemperatureHistory | None = None
@@ -380,7 +381,8 @@ class Printer:
             socket.close()
             raise
         self._web_thread.serve(app, socket)
-        return f"http://{f'[{host}]' if ':' in host else host}:{port}"
+        self._places.append(f"http://{f'[{host}]' if ':' in host else host}:{port}")
+        return self._places[-1]
 
     @property
     def one_time_code(self) -> str:
@@ -397,7 +399,8 @@ class Printer:
 
         served = KlippySocket(self._bridge, path, log_file=log_file)
         self._web_thread.start(served.run(), endless=True)
-        return f"klippy {path}"
+        self._places.append(f"klippy {path}")
+        return self._places[-1]
 
     async def serve(self) -> bool:
         """Serves the consoles until `end` is called; True if the printer must be opened again with
@@ -441,7 +444,7 @@ class Printer:
         if self._bridged is None:
             from passo.live_bridge import LiveBridge
 
-            self._bridged = LiveBridge(self._opened, self._observer, self._source)
+            self._bridged = LiveBridge(self._opened, self._observer, self._source, self._places)
         return self._bridged
 
     @property
@@ -481,6 +484,7 @@ class Printer:
     async def _add(self, opening: Awaitable[Console]) -> str:
         console = await opening
         self._printer.closers.append(console.close)
+        self._places.append(console.place)
         return console.place
 
     def _raise_if_ended(self) -> None:

@@ -53,8 +53,15 @@ class LiveBridge:
     methods in the web's loop. `close` is for the printer's loop. The latest snapshot includes each
     call that has returned."""
 
-    def __init__(self, assembly: Assembly, observer: Observer, machine_source: str) -> None:
-        self._assembly, self._source = assembly, machine_source
+    def __init__(
+        self,
+        assembly: Assembly,
+        observer: Observer,
+        machine_source: str,
+        places: Sequence[str] = (),
+    ) -> None:
+        """`places` may grow while more are opened."""
+        self._assembly, self._source, self._places = assembly, machine_source, places
         self._printer = assembly.printer
         self._loop = asyncio.get_running_loop()
         self._scripts = Client(self._printer)
@@ -177,6 +184,11 @@ class LiveBridge:
     def machine_source(self) -> str:
         """As `Bridge.machine_source`."""
         return self._source
+
+    @property
+    def places(self) -> Sequence[str]:
+        """As `Bridge.places`."""
+        return tuple(self._places)
 
     @property
     def commands(self) -> Sequence[Declaration]:

@@ -97,6 +97,10 @@ class FakeBridge:
         return self._machine
 
     @property
+    def places(self) -> Sequence[str]:
+        return ("tcp 127.0.0.1:2000", "http://127.0.0.1:4000")
+
+    @property
     def commands(self) -> Sequence[Declaration]:
         return tuple(table().values())
 

@@ -152,3 +152,7 @@ def test_feed_runs_scripts_and_shows_console_lines(web, bridge):
         feed.send_text("{")
         assert feed.receive_json()["error"]["code"] == "web.malformed"
     assert bridge.line_listeners == []
+
+
+def test_places_are_those_where_hosts_and_browsers_connect(web):
+    assert web.get(f"{API}/places").json() == ["tcp 127.0.0.1:2000", "http://127.0.0.1:4000"]

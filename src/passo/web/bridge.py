@@ -121,6 +121,12 @@ class Bridge(Protocol):
         ...
 
     @property
+    def places(self) -> Sequence[str]:
+        """Where hosts, browsers and Moonraker connect, each with its kind: `tcp HOST:PORT`, `pty
+        PATH`, `serial DEVICE`, `http://HOST:PORT`, `klippy PATH`."""
+        ...
+
+    @property
     def commands(self) -> Sequence[Declaration]:
         """Each command that the printer knows, as the table declares it."""
         ...

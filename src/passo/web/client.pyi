@@ -40,6 +40,11 @@ class Status:
     ) -> passo.web.endpoints.status.Version:
         """The version of Passo, and the machine that it serves."""
         ...
+    def places(
+        self,
+    ) -> builtins.list[str]:
+        """Where hosts, browsers and Moonraker connect, each with its kind."""
+        ...
 
 class Faults:
     def list(
@@ -681,6 +686,11 @@ class AsyncStatus:
         self,
     ) -> passo.web.endpoints.status.Version:
         """The version of Passo, and the machine that it serves."""
+        ...
+    async def places(
+        self,
+    ) -> builtins.list[str]:
+        """Where hosts, browsers and Moonraker connect, each with its kind."""
         ...
 
 class AsyncFaults:

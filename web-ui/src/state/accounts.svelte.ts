@@ -10,6 +10,7 @@ class Administration {
   keys = $state.raw<KeyRecord[]>([]);
   logIns = $state.raw<LogInRecord[]>([]);
   logs = $state.raw<LogRecord[]>([]);
+  places = $state.raw<string[]>([]);
   settings = $state.raw<SettingValue[]>([]);
   version = $state.raw<Version>();
   /** A key that was made just now; it is shown this once. */
@@ -19,11 +20,12 @@ class Administration {
 
   async load(): Promise<void> {
     const [admin, operator] = [session.may("admin"), session.may("operator")];
-    [this.version, this.settings, this.logIns, this.logs, this.accounts, this.keys] = await Promise.all([
+    [this.version, this.settings, this.logIns, this.logs, this.places, this.accounts, this.keys] = await Promise.all([
       call<Version>("GET", "version"),
       call<SettingValue[]>("GET", "settings"),
       call<LogInRecord[]>("GET", "sessions"),
       operator ? call<LogRecord[]>("GET", "logs") : [],
+      operator ? call<string[]>("GET", "places") : [],
       admin ? call<AccountRecord[]>("GET", "accounts") : [],
       admin ? call<KeyRecord[]>("GET", "keys") : [],
     ]);

@@ -37,3 +37,9 @@ async def status(call: Call) -> StatusNow:
 async def version(call: Call) -> Version:
     """The version of Passo, and the machine that it serves."""
     return Version(__version__, call.bridge.machine.name)
+
+
+@operation("status.places", "GET", "/places", Role.OPERATOR)
+async def places(call: Call) -> list[str]:
+    """Where hosts, browsers and Moonraker connect, each with its kind."""
+    return list(call.bridge.places)
