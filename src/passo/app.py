@@ -22,12 +22,13 @@ from passo.job.durable_files import directory_held
 from passo.job.live.halt_reports import HaltReports
 from passo.job.live.journal_keeper import JournalKeeper
 from passo.job.live.library import AUTOSTART, Library
-from passo.job.live.objects import PrintObjects
+from passo.job.live.objects import PrintObjects, covered
 from passo.job.live.print_queue import PrintQueue
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import Statistics
 from passo.job.live.status_reader import StatusReader
+from passo.job.mesh_folder import MeshFolder
 from passo.job.saved_variables import SavedVariables
 from passo.job.settings_store import Store
 from passo.printer.commands.reports import Reports
@@ -134,6 +135,7 @@ def _furnish(
     settings.load_at_start()
     status.unsaved = settings.unsaved
     _keep_variables(printer, folder)
+    _keep_meshes(printer, folder, objects)
     queue = PrintQueue(printer, runner, library, folder)
     if card is not None:
         library.mount()
@@ -151,6 +153,16 @@ def _keep_variables(printer: Printer, folder: Path | None) -> None:
     try:
         macros.saved = file.load()
     except CommandError as error:
+        printer.state.announce(_log, logging.WARNING, str(error), error.problems[0])
+
+
+def _keep_meshes(printer: Printer, folder: Path | None, objects: PrintObjects) -> None:
+    """Gives the printer the stored meshes, and what of the bed the print covers."""
+    printer.levelling.job_area = lambda: covered(objects.all)
+    if folder is None:
+        return
+    printer.corrections.meshes = meshes = MeshFolder(folder / "meshes")
+    for error in meshes.refused:
         printer.state.announce(_log, logging.WARNING, str(error), error.problems[0])
 
 

@@ -15,6 +15,7 @@ from passo.gcode import ignored_commands, interpreter_commands
 from passo.job.live import statistics
 from passo.printer import delayed_gcode, macros
 from passo.printer.commands import (
+    bed_correction,
     bed_screws,
     beeper,
     delta_calibration,
@@ -25,11 +26,13 @@ from passo.printer.commands import (
     klipper_commands,
     levelling,
     limits,
+    manual_probe,
     motor_moves,
     motors,
     outputs,
     power_supply,
     probe_deployment,
+    probe_offsets,
     probing,
     program_flow,
     reports,
@@ -61,6 +64,7 @@ MODULES = (
         z_motors,
     ),
     *(power_supply, klipper_commands, levelling, probe_deployment, probing, program_flow, reports),
-    *(set_points, simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
+    *(bed_correction, manual_probe, probe_offsets, set_points),
+    *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
     *(endstops, delayed_gcode, macros),
 )

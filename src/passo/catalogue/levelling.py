@@ -127,6 +127,12 @@ LEVELLING: Mapping[str, Entry] = {
         "{value!r} cannot be the name of a mesh",
         "Use at most 40 letters, digits, dots, dashes and underscores; first a letter or digit",
     ),
+    "levelling.mesh-unreadable": _levelling(
+        "the stored mesh cannot be read", "Remove the file, and measure the bed again"
+    ),
+    "levelling.mesh-unwritable": _levelling(
+        "the mesh cannot be stored: {value}", "Free space, or repair the rights of the folder"
+    ),
     "levelling.mesh-file": _levelling(
         "holds {value!r} in a mesh: expected {limit}",
         "Probe the bed again, or restore the file",

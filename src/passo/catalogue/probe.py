@@ -17,6 +17,16 @@ PROBE: Mapping[str, Entry] = {
         "this machine's probe is a sheet of paper, which measures nothing by itself",
         "Use MANUAL_PROBE, G29 or G32, and ACCEPT at each point",
     ),
+    "probe.manual-active": _probe(
+        "a paper test is under way", "Finish it with ACCEPT or ABORT, then send the command again"
+    ),
+    "probe.manual-idle": _probe(
+        "no paper test is under way", "Start one with MANUAL_PROBE, PROBE_CALIBRATE or G29"
+    ),
+    "probe.no-correction": _probe(
+        "no correction of the bed follows the probe, which could take over the {value} mm",
+        "Measure the bed first (G29, G32), or set the offset of home (M206 Z)",
+    ),
     "probe.no-servo": _probe(
         "{value} needs a probe with a servo, and this machine's has none",
         "Give control_pin in [probe] of the machine file",

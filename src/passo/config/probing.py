@@ -55,13 +55,21 @@ class Levelling(Model):
     """The points of a mesh in X and in Y."""
     interpolation: Literal["bicubic", "bilinear"] = "bicubic"
     """The surface between the points of a mesh."""
+    margin_mm: Annotated[float, Field(ge=0, le=100)] = 5.0
+    """How much further than the objects of a print an adaptive mesh goes."""
+    reference: Pair | None = None
+    """X and Y of the place where a mesh is 0, so that Z 0 is there as the endstop has it. If not
+    given, a mesh has the heights that the probe finds."""
+    avoid: list[Area] = []
+    """Rectangles where the probe measures nothing useful: X and Y of two corners, in mm. A point
+    of a mesh in one gets the mean of what is measured around it."""
     max_correction_mm: Positive = 2.0
     """A larger correction is refused."""
     max_slope: Positive = 0.02
     """A steeper correction is refused; in mm of height for each mm of bed."""
     dialect: Literal["marlin", "rrf"] = "marlin"
     """Whose meaning the words have that differ between Marlin and RepRapFirmware: the signs of
-    M666."""
+    M666, and `G29 S`, which in RepRapFirmware is S0 measure, S1 load, S2 forget, S3 store."""
     delta: DeltaCalibration = Field(default_factory=DeltaCalibration)
     """How a delta finds its geometry."""
     motors: ZMotors | None = None

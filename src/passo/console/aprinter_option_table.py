@@ -14,6 +14,7 @@ from passo.config.sensors import Platinum, PlatinumAmplifier, Thermistor
 from passo.heat.rules import FULL_POWER
 from passo.motion.homing import SLOW_OVERRUN
 from passo.printer.commands.extruder_words import extruders
+from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -48,6 +49,7 @@ def options(printer: Printer) -> Iterator[Option]:
     for name in machine.heaters:
         yield from _heater(printer, name)
         yield from _sensor(printer, name)
+    yield from _probe(printer)
     laser = machine.laser
     if laser is not None:
         letter = laser.density_letter or laser.energy_letter or "L"
@@ -202,3 +204,42 @@ def _sensor(printer: Printer, name: str) -> Iterator[Option]:
         yield Option(f"{prefix}TempPtB", lambda: platinum.B_PER_C2)
     yield Option(f"{prefix}TempMinTemp", lambda: sensor_table(sensors[name])[0][0])
     yield Option(f"{prefix}TempMaxTemp", lambda: sensor_table(sensors[name])[-1][0])
+
+
+# -- probe ----------------------------------------------------------------------------------------
+
+
+def _probe(printer: Printer) -> Iterator[Option]:
+    """APrinter adds ProbeOffset to a point where others take it away, and ProbeGeneralZOffset to a
+    height where others take away the height of the trigger."""
+    probe, prober, levelling = printer.machine.probe, printer.prober, printer.levelling
+    if probe is None:
+        return
+    for index, letter in enumerate("XY"):
+        yield Option(
+            f"ProbeOffset{letter}",
+            lambda index=index: -prober.offset_mm[index],
+            f"M851 {letter}{{}}",
+            -1.0,
+        )
+    yield Option("ProbeGeneralZOffset", lambda: -prober.trigger_height_mm, "M851 Z{}")
+    if isinstance(probe, SensingProbe):
+        yield Option("ProbeStartHeight", lambda: probe.start_mm)
+        yield Option("ProbeLowHeight", lambda: probe.low_mm)
+        yield Option("ProbeRetractDist", lambda: probe.retract_mm)
+        yield Option("ProbeMoveSpeed", lambda: probe.travel_mm_s)
+        yield Option("ProbeFastSpeed", lambda: probe.fast_mm_s)
+        yield Option("ProbeRetractSpeed", lambda: probe.lift_mm_s)
+        yield Option("ProbeSlowSpeed", lambda: probe.slow_mm_s)
+    for n in range(1, len(levelling.points) + 1):
+        for suffix, key, word in (
+            ("X", "x", "X"),
+            ("Y", "y", "Y"),
+            ("ZOffset", "offset", "OFFSET"),
+            ("Enabled", "enabled", "ENABLED"),
+        ):
+            yield Option(
+                f"ProbeP{n}{suffix}",
+                lambda n=n, key=key: float(getattr(levelling.points[n - 1], key)),
+                f"SET_PROBE_POINT N={n} {word}={{}}",
+            )

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
+# Commands of the correction of the bed, which has one line of its own, and the answers to them.
+_OF_BED = ("G29", "M420", "SET_BED_FIT", "SET_BED_MESH")
+_ANSWERS_OF_BED = ("echo:Bed Leveling ", "echo:Fade Height ")
+
 
 class _Collected(NullReply):
     """Collects the answers to stored commands: why a value was refused, or clamped to its
@@ -166,8 +170,17 @@ class SettingsCommands:
         """Sets these values; returns lines that name them, with the values that they override."""
         said: list[str] = []
         self.restore(commands_of(override.setting for override in held), _Collected(said))
+        said = [line for line in said if not line.startswith(_ANSWERS_OF_BED)]
         now = {setting.key: setting.value for setting in settings_in(self.lines())}
+        of_bed = [o for o in held if o.setting.head.split()[0] in _OF_BED]
+        if of_bed:
+            taken = all(same(now.get(o.setting.key), o.setting.value) for o in of_bed)
+            state = "on" if self._printer.correction.on else "off"
+            found = f"is as it was, and {state}" if taken else "could not be taken as it is"
+            said.append(f"echo:Stored correction of the bed {found} ({len(of_bed)} values)")
         for override in held:
+            if override in of_bed:
+                continue
             said.append(f"echo:{self._named(override, now.get(override.setting.key))}")
         if held:
             said.append("echo:To go back to the machine file's values: M502, then M500")

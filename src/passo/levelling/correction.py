@@ -68,6 +68,13 @@ class Correction:
             return c
         return self.fade.target_mm + self.fade.factor(z) * (c - self.fade.target_mm)
 
+    def raised(self, mm: float) -> Correction:
+        """Higher everywhere by so much."""
+        if self.mesh is not None:
+            rows = tuple(tuple(round(z + mm, 9) for z in row) for row in self.mesh.heights)
+            return replace(self, mesh=replace(self.mesh, heights=rows))
+        return self.accumulated(Fit(mm))
+
     def accumulated(self, fit: Fit) -> Correction:
         """With a fit that was measured while this correction was on, as APrinter's G32 adds it."""
         return replace(self, fit=fit if self.fit is None else self.fit + fit)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, cast
 
 from passo.errors import CommandError
@@ -38,6 +39,29 @@ class StoredMesh:
     bed_c: float | None = None
     reference: str = ""
     interpolation: Interpolation = "bicubic"
+
+
+class MeshStore:
+    """The stored meshes of one printer, by their names. This one keeps them in memory."""
+
+    def __init__(self) -> None:
+        self.all: dict[str, StoredMesh] = {}
+
+    def named(self, name: str) -> StoredMesh:
+        """A stored mesh. Raises CommandError."""
+        if name not in self.all:
+            limit = ", ".join(sorted(self.all)) or "a name that SAVE has stored"
+            raise CommandError.of("command.value", axis="the mesh", value=name, limit=limit)
+        return self.all[name]
+
+    def save(self, stored: StoredMesh) -> None:
+        """Stores a mesh in place of one of the same name. Raises CommandError."""
+        self.all[stored.name] = stored
+
+    def remove(self, name: str) -> None:
+        """Forgets a stored mesh. Raises CommandError."""
+        self.named(name)
+        del self.all[name]
 
 
 def check_name(name: str) -> str:
@@ -168,7 +192,7 @@ def bed_mesh_status(active: StoredMesh | None, stored: dict[str, StoredMesh]) ->
             "profiles": profiles,
         }
     mesh = active.mesh
-    fine = mesh.refined(4) if active.interpolation == "bicubic" else mesh
+    fine = _fine(mesh) if active.interpolation == "bicubic" else mesh
     return {
         "profile_name": active.name,
         "mesh_min": [mesh.xs[0], mesh.ys[0]],
@@ -177,3 +201,9 @@ def bed_mesh_status(active: StoredMesh | None, stored: dict[str, StoredMesh]) ->
         "mesh_matrix": [[round(z, 6) for z in row] for row in fine.heights],
         "profiles": profiles,
     }
+
+
+@lru_cache(maxsize=8)
+def _fine(mesh: Mesh) -> Mesh:
+    """Clients ask for it several times a second."""
+    return mesh.refined(4)

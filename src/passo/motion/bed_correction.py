@@ -43,20 +43,28 @@ class BedCorrection:
             self.correction, self.on = before
             raise
 
+    def suspend(self) -> None:
+        """Positions are those of the machine itself until `resume`."""
+        self._suspended = True
+        self._apply()
+
+    def resume(self) -> None:
+        """The correction is in force again, if it is on."""
+        self._suspended = False
+        if not self._halted():
+            self._apply()
+
     @contextmanager
     def suspended(self) -> Generator[None]:
         """Within the block, positions are those of the machine without correction."""
         if self._suspended:
             yield
             return
-        self._suspended = True
-        self._apply()
+        self.suspend()
         try:
             yield
         finally:
-            self._suspended = False
-            if not self._halted():
-                self._apply()
+            self.resume()
 
     def expected(self, x: float, y: float) -> float:
         """The height of the bed at a place, mm, if it is known; else 0."""

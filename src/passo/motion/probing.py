@@ -32,12 +32,14 @@ _LIFT_MM = 0.5  # a triggered probe is asked again after each lift by so much
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where the probe measures, mm; `name` in sentences, `offset_mm` is added to the height."""
+    """Where the probe measures, mm, or the nozzle itself; `name` in sentences, `offset_mm` is added
+    to the height."""
 
     x: float
     y: float
     name: str
     offset_mm: float = 0.0
+    by_nozzle: bool = False
 
     def __str__(self) -> str:
         """As messages show it."""
@@ -73,6 +75,7 @@ class Prober:
         self._rig, self._interrupts = rig, interrupts
         self._triggered, self._correction = triggered, correction
         self._head = ProbeHead(rig, interrupts, triggered)
+        self.last_triggered = False
         self.reset()
         self.begin()
 
@@ -119,7 +122,7 @@ class Prober:
 
     def nozzle_at(self, place: Place) -> tuple[float, float]:
         """X and Y of the nozzle with the probe at a place."""
-        dx, dy = self.offset_mm
+        dx, dy = (0.0, 0.0) if place.by_nozzle else self.offset_mm
         return place.x - dx, place.y - dy
 
     def place_here(self) -> Place:
@@ -128,9 +131,48 @@ class Prober:
         dx, dy = self.offset_mm
         return Place(round(x + dx, 6), round(y + dy, 6), "this place")
 
+    @property
+    def nozzle_xy_mm(self) -> tuple[float, float]:
+        """Where the nozzle is, mm of the machine."""
+        x, y, *_ = self._rig.job.machine_position
+        return round(x, 6), round(y, 6)
+
+    @property
+    def z_mm(self) -> float:
+        """The height of the nozzle, mm of the machine."""
+        return round(self._head.z_mm, 6)
+
+    async def approach(self, place: Place) -> None:
+        """The nozzle over a place of the paper test, at the start height. Raises as `measure`."""
+        self.check([place])
+        self._head.heeds_stops = True
+        await self.clear_bed()
+        x, y = self.nozzle_at(place)
+        await self._head.move(self.carried.travel_mm_s, x=x, y=y)
+        await self._head.move(self.carried.lift_mm_s, z=self.carried.start_mm)
+
+    async def go_to(self, place: Place, speed_mm_s: float) -> None:
+        """The nozzle, or the probe, over a place, at its height. Raises as `measure`."""
+        self.check([place])
+        self._head.heeds_stops = True
+        x, y = self.nozzle_at(place)
+        await self._head.move(speed_mm_s, x=x, y=y)
+
+    async def to_height(self, z_mm: float, speed_mm_s: float) -> None:
+        """The nozzle to a height. Raises as `measure`."""
+        self._head.heeds_stops = True
+        await self._head.move(speed_mm_s, z=z_mm)
+
+    async def clear_bed(self) -> None:
+        """Up to the start height, unless the nozzle is as high. Raises as `measure`."""
+        self._head.heeds_stops = True
+        if self._head.z_mm < self.carried.start_mm:
+            await self._head.move(self.carried.lift_mm_s, z=self.carried.start_mm)
+
     def triggered(self) -> bool:
         """Asks the board whether the probe is triggered. Lets time pass; raises MachineError."""
-        return self._head.triggered()
+        self.last_triggered = self._head.triggered()
+        return self.last_triggered
 
     def check(self, places: Sequence[Place]) -> None:
         """Raises CommandError unless X, Y and Z are homed, and nozzle and probe get to all these
@@ -139,9 +181,10 @@ class Prober:
         if locked:
             raise CommandError.of("input.not-homed", axis="XYZ"[locked[0]])
         for place in places:
-            self._check_reach(place)
+            self.check_place(place)
 
-    def _check_reach(self, place: Place) -> None:
+    def check_place(self, place: Place) -> None:
+        """Raises CommandError unless nozzle and probe get to a place."""
         machine, start = self._machine, self.carried.start_mm
         x, y = self.nozzle_at(place)
         nozzle = f"X{x:g} Y{y:g} Z{start:g}"

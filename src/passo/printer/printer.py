@@ -17,6 +17,7 @@ from passo.motion.lone_motors import LoneMotors
 from passo.motion.offsets import Offsets
 from passo.motion.probing import Prober
 from passo.motion.triggered_moves import TriggeredMoves
+from passo.printer.commands.bed_correction import BedCorrectionCommands
 from passo.printer.commands.bed_screws import ScrewCommands
 from passo.printer.commands.beeper import Beeper
 from passo.printer.commands.delta_calibration import DeltaCommands, is_calibrated
@@ -25,10 +26,12 @@ from passo.printer.commands.endstop_offsets import EndstopCommands
 from passo.printer.commands.heater_control import ControlCommands
 from passo.printer.commands.heater_tuning import TuneCommands
 from passo.printer.commands.levelling import LevellingCommands
+from passo.printer.commands.manual_probe import ManualProbe
 from passo.printer.commands.motor_moves import MotorMoves
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
 from passo.printer.commands.probe_deployment import ProbeDeploymentCommands
+from passo.printer.commands.probe_offsets import ProbeOffsetCommands
 from passo.printer.commands.probing import ProbeCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
@@ -123,10 +126,17 @@ class Printer:
         tunes = TuneCommands(rig, state, self.targets, self.controls)
         self.dispatch.add(self, self.heat, self.motion, self.prompts, self.controls, self.endstops)
         self.dispatch.add(self.faults, self.power_supply, self.motors, tunes, self.driver_commands)
-        self.levelling = LevellingCommands(rig, self.prober, self.correction)
+        self.corrections = BedCorrectionCommands(rig, self.correction)
+        offsets = ProbeOffsetCommands(
+            rig, self.prober, self.correction, self.corrections, self.offsets
+        )
+        self.manual_probe = ManualProbe(self.prober, self.correction, offsets)
+        self.levelling = LevellingCommands(
+            *(rig, self.prober, self.correction, self.corrections, offsets, self.manual_probe)
+        )
         if machine.probe is not None:
-            self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling)
-            self.dispatch.add(ProbeDeploymentCommands(self.prober))
+            self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling, self.corrections)
+            self.dispatch.add(ProbeDeploymentCommands(self.prober), offsets, self.manual_probe)
         self.delta = None
         if is_calibrated(machine):
             self.delta = DeltaCommands(rig, self.prober, self.correction)
@@ -286,6 +296,7 @@ class Printer:
         self.triggered.begin()
         self.correction.begin()
         self.prober.begin()
+        self.manual_probe.begin()
         self.homer.begin()
         self.dispatch.begin()
         self.offsets.homed("xyz")

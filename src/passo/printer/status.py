@@ -8,6 +8,8 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from passo.config.motor_roles import axis_order
+from passo.levelling.mesh import Mesh
+from passo.levelling.mesh_files import StoredMesh
 from passo.motion.axis_slots import E, X, Y, Z
 
 if TYPE_CHECKING:
@@ -200,6 +202,67 @@ class EndedJob:
 
 
 @dataclass(frozen=True, slots=True)
+class BedPoint:
+    """A place of the bed, mm, and its height as it was measured."""
+
+    x_mm: float
+    y_mm: float
+    height_mm: float
+
+
+@dataclass(frozen=True, slots=True)
+class BedSurface:
+    """What the correction adds to Z, in mm, at even places from one corner of the bed to the
+    opposite one: rows along X, the front one first."""
+
+    from_mm: tuple[float, float]
+    to_mm: tuple[float, float]
+    rows_mm: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ManualProbeStatus:
+    """A paper test: point `number` of `count`, Z of the nozzle, and the nearest heights that were
+    tried below and above it, mm."""
+
+    number: int
+    count: int
+    z_mm: float
+    below_mm: float | None
+    above_mm: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class BedStatus:
+    """How the bed is measured and corrected. `method` and `probe` are those of the machine file;
+    `on`: the correction is in force; `profile` is the stored mesh in use, or empty, and `meshes`
+    are all that are stored; `mesh` is the one in use. `points` are those that were measured last;
+    `rms_mm` is what they deviate from their mean, `left_rms_mm` from the correction; both are None
+    without any. `surface` is the correction itself, None without one; `fade_mm` the height at which
+    it has faded out. `probe_offset_mm` and `trigger_height_mm` are as M851 has set them. `measured`
+    of `to_measure` points are done in a run; both are 0 without one. `manual` is the paper test
+    under way; `triggered` is what the probe was when it was asked last."""
+
+    method: str
+    on: bool
+    profile: str
+    points: tuple[BedPoint, ...]
+    rms_mm: float | None
+    left_rms_mm: float | None
+    surface: BedSurface | None
+    fade_mm: float | None
+    probe: str
+    probe_offset_mm: tuple[float, float]
+    trigger_height_mm: float
+    measured: int
+    to_measure: int
+    manual: ManualProbeStatus | None
+    mesh: Mesh | None
+    meshes: dict[str, StoredMesh]
+    triggered: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Status:
     """A printer at one moment. Positions are the program's coordinates of where the machine is, in
     mm, by axis and `e`; `homed` are the axes whose position is certain; fans
@@ -211,7 +274,8 @@ class Status:
     started at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c`
     the hotend of `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the
     settings that M500 would change on its medium, as commands with their values, by headings;
-    `saved_variables` are those of SAVE_VARIABLE. `moving_s` is the print time for which the
+    `saved_variables` are those of SAVE_VARIABLE. `bed` is None on a machine without a probe.
+    `moving_s` is the print time for which the
     machine has printed or moved without a rest.
     """
 
@@ -242,6 +306,7 @@ class Status:
     unsaved: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
     saved_variables: dict[str, Any] = field(default_factory=dict[str, Any])
     moving_s: float = 0.0
+    bed: BedStatus | None = None
 
 
 def planned_status(

@@ -73,6 +73,49 @@ export interface BedMap {
   heights_mm: number[][];
 }
 
+/** A place of the bed, mm, and its height as it was measured. */
+export interface BedPoint {
+  x_mm: number;
+  y_mm: number;
+  height_mm: number;
+}
+
+/** How the bed is measured and corrected. `method` and `probe` are those of the machine file;
+ * `on`: the correction is in force; `profile` is the stored mesh in use, or empty, and `meshes`
+ * are all that are stored; `mesh` is the one in use. `points` are those that were measured last;
+ * `rms_mm` is what they deviate from their mean, `left_rms_mm` from the correction; both are None
+ * without any. `surface` is the correction itself, None without one; `fade_mm` the height at
+ * which it has faded out. `probe_offset_mm` and `trigger_height_mm` are as M851 has set them.
+ * `measured` of `to_measure` points are done in a run; both are 0 without one. `manual` is the
+ * paper test under way; `triggered` is what the probe was when it was asked last. */
+export interface BedStatus {
+  method: string;
+  on: boolean;
+  profile: string;
+  points: BedPoint[];
+  rms_mm?: number | null;
+  left_rms_mm?: number | null;
+  surface?: BedSurface | null;
+  fade_mm?: number | null;
+  probe: string;
+  probe_offset_mm: [number, number];
+  trigger_height_mm: number;
+  measured: number;
+  to_measure: number;
+  manual?: ManualProbeStatus | null;
+  mesh?: Mesh | null;
+  meshes: Record<string, StoredMesh>;
+  triggered: boolean;
+}
+
+/** What the correction adds to Z, in mm, at even places from one corner of the bed to the opposite
+ * one: rows along X, the front one first. */
+export interface BedSurface {
+  from_mm: [number, number];
+  to_mm: [number, number];
+  rows_mm: number[][];
+}
+
 /** A board: what it is, the program that flashes it (`flash`, null if there is none), and what the
  * user does by hand before and after. `state` is `ready`, or says what is missing. */
 export interface BoardOfList {
@@ -503,6 +546,24 @@ export interface MadeKey {
   key: string;
 }
 
+/** A paper test: point `number` of `count`, Z of the nozzle, and the nearest heights that were
+ * tried below and above it, mm. */
+export interface ManualProbeStatus {
+  number: number;
+  count: number;
+  z_mm: number;
+  below_mm?: number | null;
+  above_mm?: number | null;
+}
+
+/** `heights[j][i]`, mm, is the bed at (xs[i], ys[j]). Both axes ascend evenly, with at least two
+ * points. Raises CommandError for anything else. */
+export interface Mesh {
+  xs: number[];
+  ys: number[];
+  heights: number[][];
+}
+
 /** Facts about a file. While `state` is `pending` there is no plan yet; `refused`: the file cannot
  * be printed as it is, and `problems` are the reasons, for example moves out of range. */
 export interface Metadata {
@@ -741,8 +802,8 @@ export interface SpeedFactor {
  * once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the hotend of
  * `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the settings that
  * M500 would change on its medium, as commands with their values, by headings; `saved_variables`
- * are those of SAVE_VARIABLE. `moving_s` is the print time for which the machine has printed or
- * moved without a rest. */
+ * are those of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is the print
+ * time for which the machine has printed or moved without a rest. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -771,6 +832,7 @@ export interface Status {
   unsaved: Record<string, Record<string, string>>;
   saved_variables: Record<string, unknown>;
   moving_s: number;
+  bed?: BedStatus | null;
 }
 
 /** The status, and a number that increases with each change of it. */
@@ -784,6 +846,17 @@ export interface StoredFile {
   path: string;
   size: number;
   complete: boolean;
+}
+
+/** A mesh with how it was measured. `date` as text; `bed_c`: the bed's temperature; `reference`:
+ * how Z 0 was found. Empty or None where a file does not say it. */
+export interface StoredMesh {
+  name: string;
+  mesh: Mesh;
+  date: string;
+  bed_c?: number | null;
+  reference: string;
+  interpolation: "bicubic" | "bilinear";
 }
 
 /** `ages_s` are the times of the samples, in seconds before the answer, oldest first. */

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from passo.errors import CommandError
@@ -105,3 +105,13 @@ def _outline(text: str) -> tuple[tuple[float, float], ...]:
         return tuple((float(x), float(y)) for x, y in found)
     except (ValueError, TypeError, RecursionError):
         return ()
+
+
+def covered(objects: Sequence[PrintObject]) -> tuple[float, float, float, float] | None:
+    """The rectangle around the outlines of all objects that are not cancelled: X and Y of its first
+    corner, then of the opposite one, mm. None if none has an outline."""
+    places = [at for o in objects if not o.cancelled for at in o.outline_mm]
+    if not places:
+        return None
+    xs, ys = [x for x, _ in places], [y for _, y in places]
+    return min(xs), min(ys), max(xs), max(ys)

@@ -90,6 +90,7 @@ class StatusReader:
             unsaved=self.unsaved(),
             saved_variables=printer.rig.macros.saved,
             moving_s=self._moving_s(state, max(printer.queue.now_s, 0.0)),
+            bed=printer.levelling.status() if printer.machine.probe else None,
         )
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:

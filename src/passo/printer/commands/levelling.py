@@ -1,54 +1,77 @@
-"""G32, G29 and the other commands that measure and correct the bed."""
+"""G32, G29 and the other commands that measure the bed to correct it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from decimal import Decimal
-from itertools import pairwise
+import re
+from collections.abc import Callable, Iterator, Sequence
+from statistics import fmean, pstdev
 from typing import TYPE_CHECKING
 
+from passo.config.probing import ProbePoint
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import ANY, Kind, Subject, When, command
-from passo.levelling.areas import Grid
-from passo.levelling.correction import Correction, Fade
-from passo.levelling.fits import Fit, check_points, fit
-from passo.levelling.mesh import Mesh
-from passo.levelling.replies import bilinear_grid, probed_rows
+from passo.levelling.areas import Area, Grid, check_avoided, places_around
+from passo.levelling.correction import Correction
+from passo.levelling.fits import check_points, fit
+from passo.levelling.replies import bilinear_grid
 from passo.motion.probing import Measured, Place, Prober
+from passo.printer.commands.bed_correction import DEFAULT, TERMS, BedCorrectionCommands, exact
 from passo.printer.commands.klipper_commands import number
+from passo.printer.commands.manual_probe import ManualProbe
+from passo.printer.commands.probe_offsets import ProbeOffsetCommands
 from passo.printer.commands.probing import NO_PROBE
+from passo.printer.status import BedPoint, BedStatus, BedSurface
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
+from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
     from passo.motion.rig import Rig
 
-_TERMS = ("C0", "CX", "CY", "CXX", "CXY", "CYY")
+_SURFACE_POINTS = 21  # of the surface that pages draw, along X and Y
+_SPAN = re.compile(r"([XY])\s*(-?[\d.]+)\s*:\s*(-?[\d.]+)", re.ASCII)
+_PAIR = re.compile(r"([SP])\s*([\d.]+)(?:\s*:\s*([\d.]+))?", re.ASCII)
 
-
-def _exact(value: float) -> str:
-    """A number without an exponent that reads back as the same double."""
-    return f"{Decimal(repr(value)):f}"
+Done = Callable[[Sequence[Measured], Reply], None]
 
 
 class LevellingCommands:
-    """Bed levelling of one printer."""
+    """Bed levelling of one printer. `points` and `mesh_grid` are those of the machine file, or as
+    commands have set them; `job_area` says what of the bed the print covers, mm, if that is
+    known."""
 
-    def __init__(self, rig: Rig, prober: Prober, correction: BedCorrection) -> None:
+    def __init__(
+        self,
+        rig: Rig,
+        prober: Prober,
+        correction: BedCorrection,
+        corrections: BedCorrectionCommands,
+        offsets: ProbeOffsetCommands,
+        manual: ManualProbe,
+    ) -> None:
         self._rig, self._prober, self._correction = rig, prober, correction
-        self._config = rig.machine.levelling
+        self._corrections, self._offsets, self._manual = corrections, offsets, manual
+        self._config = config = rig.machine.levelling
+        self.points = list(config.points)
+        self.mesh_grid: Grid | None = None
+        if config.area is not None:
+            x0, y0, x1, y1 = config.area
+            self.mesh_grid = Grid((x0, y0, x1, y1), (config.count[0], config.count[1]))
+        self.job_area: Callable[[], Area | None] = lambda: None
+        self._measured: list[tuple[Place, float]] = []  # with the height of the trigger
+        self._progress = (0, 0)  # places that were measured, of so many, in a run
+        self._drawn: tuple[Correction | None, BedSurface | None] = (None, None)
 
-    # -- measuring --------------------------------------------------------------------------------
+    # -- points -----------------------------------------------------------------------------------
 
     @command(
         "G32",
         Subject.LEVELLING,
         When.EXCLUSIVE,
         "D, P R(mm)",
-        "Measures all enabled points of the machine file, and corrects the bed by them; D only"
-        " measures. P measures one point, and leaves the nozzle R above it.",
+        "Measures all enabled points, and corrects the bed by them, or by its mesh if that is the"
+        " method; D only measures. P measures one point, and leaves the nozzle R above it.",
         kind=Kind.SERVED,
         bare="D",
         lacks=NO_PROBE,
@@ -57,434 +80,414 @@ class LevellingCommands:
         words = command.words()
         if "P" in words:
             return self._one_point(words, reply)
-        places = list(self._places())
-        if not places:
-            raise CommandError.of("levelling.no-points")
         dry = "D" in command.letters()
-        return WaitForProcedure(lambda: self._correct_by_points(places, reply, dry=dry))
-
-    def _places(self) -> Iterator[Place]:
-        for n, point in enumerate(self._config.points, 1):
-            if point.enabled:
-                yield Place(point.x, point.y, f"point {n}", point.offset)
-
-    def _one_point(self, words: dict[str, float], reply: Reply) -> Wait | None:
-        n = int(words["P"])
-        if not 1 <= n <= len(self._config.points):
-            limit = f"a point from 1 to {len(self._config.points)}"
-            raise CommandError.bad_value("P", words["P"], limit)
-        point = self._config.points[n - 1]
-        place = Place(point.x, point.y, f"point {n}", point.offset)
-        above = words.get("R")
-
-        async def measure() -> None:
-            (found,) = await self._prober.measure([place], above_mm=above)
-            reply.say(f"//ProbeHeight@P{n} {found.height_mm:.5f}")
-
-        return WaitForProcedure(measure)
-
-    async def _correct_by_points(self, places: Sequence[Place], reply: Reply, *, dry: bool) -> None:
-        """As in APrinter: the measured heights include the correction in force, and the fit to them
-        is added to it."""
+        method = self._config.method
+        if method == "mesh" and not dry:
+            return self.measure_mesh(reply)
+        places = self._places()
+        if method in ("linear", "quadratic"):
+            check_points([(p.x, p.y) for p in places], method)
         now = self._correction
         before = now.correction if now.on else None
-        method = self._config.method
-        fitted = method in ("linear", "quadratic")
-        if fitted:
-            check_points([(p.x, p.y) for p in places], method)
-        points: list[tuple[float, float, float]] = []
+        left: list[tuple[float, float, float]] = []
 
-        def report(found: Measured) -> None:
+        def report(found: Measured, reply: Reply) -> None:
             place = found.place
-            left = found.height_mm - (before.plain(place.x, place.y) if before else 0.0)
-            points.append((place.x, place.y, left))
-            reply.say(f"//ProbeHeight@P{place.name.removeprefix('point ')} {left:.5f}")
+            mm = found.height_mm - (before.plain(place.x, place.y) if before else 0.0)
+            left.append((place.x, place.y, mm))
+            reply.say(f"//ProbeHeight@P{place.name.removeprefix('point ')} {mm:.5f}")
 
-        await self._prober.measure(places, report)
-        if not fitted:
+        def done(_: Sequence[Measured], reply: Reply) -> None:
+            self._correct_by(left, before, reply, dry=dry)
+
+        return self._run(places, done, reply, report)
+
+    def _correct_by(
+        self,
+        left: Sequence[tuple[float, float, float]],
+        before: Correction | None,
+        reply: Reply,
+        *,
+        dry: bool,
+    ) -> None:
+        """As APrinter: heights are those that the correction in force leaves, and what is fitted to
+        them is added to it."""
+        method = self._config.method
+        if method not in ("linear", "quadratic"):
             return
-        found = fit(points, method)
+        found = fit(left, method)
         words = zip(("Z", "X", "Y", "XX", "XY", "YY"), found.coefficients, strict=True)
         shown = list(words)[: 3 if method == "linear" else 6]
         reply.say("RelativeCorrections " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
         reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
         if not dry:
-            self._put((before or Correction()).accumulated(found), on=True)
+            self._corrections.put((before or Correction()).accumulated(found), on=True)
+
+    def _places(self) -> list[Place]:
+        """The enabled points. Raises CommandError without one."""
+        places = [
+            Place(point.x, point.y, f"point {n}", point.offset)
+            for n, point in enumerate(self.points, 1)
+            if point.enabled
+        ]
+        if not places:
+            raise CommandError.of("levelling.no-points")
+        return places
+
+    def _one_point(self, words: dict[str, float], reply: Reply) -> Wait | None:
+        n = self._number(words["P"])
+        point = self.points[n - 1]
+        place = Place(point.x, point.y, f"point {n}", point.offset)
+        above = words.get("R")
+
+        def done(found: Sequence[Measured], reply: Reply) -> None:
+            reply.say(f"//ProbeHeight@P{n} {found[0].height_mm:.5f}")
+
+        return self._run([place], done, reply, above_mm=above)
+
+    def _number(self, given: float) -> int:
+        n = int(given)
+        if not 1 <= n <= len(self.points):
+            limit = f"a point from 1 to {len(self.points)}"
+            raise CommandError.bad_value("P", given, limit)
+        return n
+
+    def _run(
+        self,
+        places: Sequence[Place],
+        done: Done,
+        reply: Reply,
+        report: Callable[[Measured, Reply], None] = lambda _, __: None,
+        above_mm: float | None = None,
+    ) -> Wait:
+        """Measures these places, by the probe or by the paper test; `done` gets the heights. Raises
+        CommandError."""
+        found_so_far: list[Measured] = []
+
+        def reported(found: Measured, reply: Reply) -> None:
+            found_so_far.append(found)
+            self._progress = len(found_so_far), len(places)
+            report(found, reply)
+
+        def ended(found: Sequence[Measured], reply: Reply) -> None:
+            self._progress = 0, 0
+            self._measured = [(m.place, m.trigger_z_mm) for m in found]
+            done(found, reply)
+
+        if not isinstance(self._prober.carried, SensingProbe):
+            return self._manual.start(places, ended, reported, reply)
+
+        async def run() -> None:
+            self._progress = 0, len(places)
+            try:
+                found = await self._prober.measure(places, lambda m: reported(m, reply), above_mm)
+            finally:
+                self._progress = 0, 0
+            ended(found, reply)
+
+        return WaitForProcedure(run)
+
+    @command(
+        "SET_PROBE_POINT",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "N X Y OFFSET (mm) ENABLED",
+        "Sets point N of G32; what is not given stays.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _set_point(self, command: Command, _: Reply) -> Wait | None:
+        pairs = command.pairs()
+        n = self._number(number(pairs, "N"))
+        point = self.points[n - 1]
+        changed = ProbePoint(
+            x=number(pairs, "X", point.x),
+            y=number(pairs, "Y", point.y),
+            offset=number(pairs, "OFFSET", point.offset),
+            enabled=number(pairs, "ENABLED", float(point.enabled)) != 0,
+        )
+        self._prober.check_place(Place(changed.x, changed.y, f"point {n}"))
+        self.points[n - 1] = changed
+        return None
+
+    # -- all methods ------------------------------------------------------------------------------
 
     @command(
         "G29",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "D, W I J Z(mm)",
+        "D J, W I J Z(mm), S(0-5)",
         "Measures the bed by the method of the machine file; this replaces the correction before."
-        " D only measures. W sets one point of the mesh.",
+        " D only measures, J alone forgets the correction. W sets one point of the mesh. S0 to S5"
+        " are those of the paper test (start, next, set, forget), or of RepRapFirmware.",
         kind=Kind.SERVED,
         bare=ANY,
         lacks=NO_PROBE,
     )
     def _level(self, command: Command, reply: Reply) -> Wait | None:
-        if "W" in command.letters():
+        letters = command.letters()
+        if "W" in letters:
             words = command.words()
-            return WaitForMoves(lambda: self.set_point(words))
-        dry = "D" in command.letters()
-        if self._config.method in ("linear", "quadratic"):
-            places = list(self._places())
-            check_points([(p.x, p.y) for p in places], self._config.method)
-            return WaitForProcedure(lambda: self._level_anew(places, reply, dry=dry))
-        return self.measure_mesh(reply, dry=dry)
+            return WaitForMoves(lambda: self._corrections.set_point(words))
+        if letters == ["J"]:
+            return WaitForMoves(lambda: self._corrections.put(None, on=False))
+        step = command.words().get("S") if "S" in letters else None
+        paper = not isinstance(self._prober.carried, SensingProbe)
+        if step is not None and (paper or self._config.dialect == "rrf"):
+            return self._step(int(step), command, reply, paper=paper)
+        return self._measure(reply, dry="D" in letters)
 
-    async def _level_anew(self, places: Sequence[Place], reply: Reply, *, dry: bool) -> None:
+    def _step(self, step: int, command: Command, reply: Reply, *, paper: bool) -> Wait | None:
+        """G29 S of Marlin's mesh bed leveling, or of RepRapFirmware."""
+        corrections = self._corrections
+        if paper and step == 2:
+            return self._manual.accept(command, reply)
+        if (paper and step == 3) or (paper and step == 0):
+            if step == 3:
+                words = command.words()
+                return WaitForMoves(lambda: corrections.set_point(words))
+            for line in bilinear_grid(corrections.mesh()):
+                reply.say(line)
+            return None
+        if (paper and step == 5) or (not paper and step == 2):
+            return WaitForMoves(lambda: corrections.put(None, on=False))
+        if not paper and step == 1:
+            stored = corrections.meshes.named(DEFAULT)
+            return WaitForMoves(lambda: corrections.load_mesh(stored, reply))
+        if not paper and step == 3:
+            return WaitForMoves(lambda: corrections.save_mesh(DEFAULT))
+        if step == (1 if paper else 0):
+            return self._measure(reply, dry=False)
+        raise CommandError.bad_value("S", step, "0, 1, 2, 3 or 5" if paper else "0 to 3")
+
+    def _measure(self, reply: Reply, *, dry: bool) -> Wait:
+        if self._config.method not in ("linear", "quadratic"):
+            return self.measure_mesh(reply, dry=dry)
         method = self._config.method
-        assert method in ("linear", "quadratic")
-        measured = await self._prober.measure(places)
-        found = fit([(m.place.x, m.place.y, m.height_mm) for m in measured], method)
-        shown = zip(_TERMS, found.coefficients, strict=True)
-        reply.say("Bed: " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
-        reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
-        if not dry:
-            self._put(Correction(fit=found, fade=self._fade), on=True)
+        places = self._places()
+        check_points([(p.x, p.y) for p in places], method)
+
+        def done(measured: Sequence[Measured], reply: Reply) -> None:
+            found = fit([(m.place.x, m.place.y, m.height_mm) for m in measured], method)
+            shown = zip(TERMS, found.coefficients, strict=True)
+            reply.say("Bed: " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
+            reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
+            if not dry:
+                fade = self._corrections.fade
+                self._corrections.put(Correction(fit=found, fade=fade), on=True)
+
+        return self._run(places, done, reply)
+
+    # -- mesh -------------------------------------------------------------------------------------
 
     def grid(self) -> Grid:
-        """The places of a mesh. Raises CommandError if the machine file gives no area."""
-        area = self._config.area
-        if area is None:
+        """The places of a mesh. Raises CommandError if nothing gives an area."""
+        if self.mesh_grid is None:
             raise CommandError.of("levelling.no-area")
-        x0, y0, x1, y1 = area
-        columns, rows = self._config.count
-        return Grid((x0, y0, x1, y1), (columns, rows))
-
-    def measure_mesh(self, reply: Reply, *, dry: bool = False) -> Wait:
-        """Measures a mesh, which replaces the correction before, unless it is `dry`. Raises
-        CommandError."""
-        grid = self.grid()
-        return WaitForProcedure(lambda: self._measure_mesh(grid, reply, dry=dry))
-
-    async def _measure_mesh(self, grid: Grid, reply: Reply, *, dry: bool) -> None:
-        places = [Place(x, y, f"mesh point {n}") for n, (x, y) in enumerate(grid.probed(), 1)]
-        measured = await self._prober.measure(places)
-        heights = {(m.place.x, m.place.y): m.height_mm for m in measured}
-        mesh = grid.mesh(lambda x, y: heights[x, y])
-        if not dry:
-            interpolation = self._config.interpolation
-            self._put(Correction(None, mesh, interpolation, self._fade), on=True)
-        for line in bilinear_grid(mesh):
-            reply.say(line)
-
-    @property
-    def _fade(self) -> Fade | None:
-        """The fade that a new correction keeps."""
-        correction = self._correction.correction
-        return correction.fade if correction else None
-
-    def _put(self, correction: Correction | None, *, on: bool) -> None:
-        """Sets the correction, and switches it on or off. It fades to the mean of its mesh. Raises
-        CommandError if it is on and beyond the limits of the machine file."""
-        if correction is not None and correction.fade is not None:
-            mean = round(correction.mesh.mean, 2) if correction.mesh else 0.0
-            correction = replace(correction, fade=replace(correction.fade, target_mm=mean))
-        if correction is not None and on:
-            self._check_limits(correction)
-        self._correction.use(correction, on=on)
-
-    def _check_limits(self, correction: Correction) -> None:
-        x0, y0, x1, y1 = self._rig.machine.bed_area_mm
-        _, spacing, heights = correction.even_map((x0, y0, x1, y1))
-        most = max(abs(z) for row in heights for z in row)
-        limits = self._config
-        if most > limits.max_correction_mm:
-            raise CommandError.of(
-                "levelling.too-much", value=f"{most:.3f}", limit=f"{limits.max_correction_mm:g}"
-            )
-        along_x = (abs(b - a) / spacing[0] for r in heights for a, b in pairwise(r))
-        along_y = (
-            abs(b - a) / spacing[1] for r, s in pairwise(heights) for a, b in zip(r, s, strict=True)
-        )
-        steepest = max(*along_x, *along_y)
-        if steepest > limits.max_slope:
-            raise CommandError.of(
-                "levelling.too-steep", value=f"{steepest:.4f}", limit=f"{limits.max_slope:g}"
-            )
+        return self.mesh_grid
 
     @command(
         "BED_MESH_CALIBRATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
-        "Measures a mesh of the area in the machine file; this replaces the correction before.",
+        "ADAPTIVE ADAPTIVE_MARGIN(mm) PROFILE",
+        "Measures a mesh; this replaces the correction before, and is stored as PROFILE. With"
+        " ADAPTIVE=1 only where the print is, as far as the file says it.",
         kind=Kind.SERVED,
         bare=None,
         lacks=NO_PROBE,
     )
-    def _calibrate_mesh(self, _: Command, reply: Reply) -> Wait | None:
-        return self.measure_mesh(reply)
+    def _calibrate_mesh(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        grid, area = self.grid(), self.job_area()
+        profile = pairs.get("PROFILE", "")
+        if number(pairs, "ADAPTIVE", 0.0):
+            if area is None:
+                reply.say("echo:The file names no objects: the whole mesh is measured")
+            else:
+                margin = number(pairs, "ADAPTIVE_MARGIN", self._config.margin_mm)
+                grid = grid.adapted(area, margin)
+                profile = ""  # it is of this print alone
 
-    @command(
-        "BED_MESH_OUTPUT",
-        Subject.LEVELLING,
-        When.PLANNED,
-        "",
-        "Prints the measured heights of the mesh, its front row first.",
-        kind=Kind.QUIET,
-        bare=None,
-        lacks=NO_PROBE,
-    )
-    def _print_mesh(self, _: Command, reply: Reply) -> Wait | None:
-        for line in probed_rows(self._mesh()):
-            reply.say(line)
-        return None
+        def measured(reply: Reply) -> None:
+            if profile:
+                self._corrections.save_mesh(profile)
+            reply.say("// Mesh Bed Leveling Complete")
 
-    def _mesh(self) -> Mesh:
-        correction = self._correction.correction
-        if correction is None or correction.mesh is None:
-            raise CommandError.of("levelling.none")
-        return correction.mesh
+        return self.measure_mesh(reply, grid=grid, then=measured)
 
-    @command(
-        "M421",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "I J Z(mm) Q(mm)",
-        "Sets the height of a point of the mesh to Z, or adds Q to it; I counts in X, J in Y.",
-        kind=Kind.SERVED,
-        lacks=NO_PROBE,
-    )
-    def _edit_mesh(self, command: Command, _: Reply) -> Wait | None:
-        words = command.words()
-        return WaitForMoves(lambda: self.set_point(words))
+    def measure_mesh(
+        self,
+        reply: Reply,
+        *,
+        dry: bool = False,
+        grid: Grid | None = None,
+        then: Callable[[Reply], None] = lambda _: None,
+    ) -> Wait:
+        """Measures a mesh, which replaces the correction before, unless it is `dry`. Raises
+        CommandError."""
+        grid = grid or self.grid()
+        avoid = [(a[0], a[1], a[2], a[3]) for a in self._config.avoid]
+        check_avoided(avoid)
+        spots = {(x, y): places_around(x, y, grid.area, avoid) for x, y in grid.probed()}
+        wanted = [spot for around in spots.values() for spot in around]
+        reference = self._config.reference
+        if reference is not None:
+            wanted.append((reference[0], reference[1]))
+        places = [Place(x, y, f"mesh point {n}") for n, (x, y) in enumerate(wanted, 1)]
 
-    # -- on and off -------------------------------------------------------------------------------
-
-    @command(
-        "BED_MESH_CLEAR",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "",
-        "As M561.",
-        kind=Kind.SERVED,
-        bare=None,
-        lacks=NO_PROBE,
-    )
-    @command(
-        "M561",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "",
-        "Forgets the correction of the bed.",
-        kind=Kind.SERVED,
-        lacks=NO_PROBE,
-    )
-    def forget(self, _: Command, __: Reply) -> Wait | None:
-        """Deletes it at standstill."""
-        return WaitForMoves(lambda: self._put(None, on=False))
-
-    @command(
-        "M420",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "S Z(mm) V T",
-        "Switches the correction of the bed on (S1) or off (S0). Z is the height at which it has"
-        " faded out; 0: it does not fade. V prints it.",
-        kind=Kind.SERVED,
-        bare="VT",
-        lacks=NO_PROBE,
-    )
-    def _switch(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        verbose = "V" in command.letters()
-        return WaitForMoves(lambda: self._switched(words, reply, verbose=verbose))
-
-    def _switched(self, words: dict[str, float], reply: Reply, *, verbose: bool) -> None:
-        now = self._correction
-        correction = now.correction
-        if words.get("S", 0.0) and correction is None:
-            reply.say("Invalid mesh.")
-            raise CommandError.of("levelling.none")
-        if "Z" in words and correction is not None:
-            fade = Fade(0.0, words["Z"]) if words["Z"] > 0 else None
-            correction = replace(correction, fade=fade)
-        if "S" in words or "Z" in words:
-            self._put(correction, on=words.get("S", float(now.on)) != 0)
-        correction = now.correction
-        if verbose and correction is not None and correction.mesh is not None:
-            for line in bilinear_grid(correction.mesh):
+        def done(measured: Sequence[Measured], reply: Reply) -> None:
+            at = {(m.place.x, m.place.y): m.height_mm for m in measured}
+            mesh = grid.mesh(lambda x, y: round(fmean(at[s] for s in spots[x, y]), 6))
+            if reference is not None:
+                # Z 0 of the program is then the bed at the reference, as the endstop has it.
+                mesh = mesh.lowered(measured[-1].height_mm)
+            if not dry:
+                fade = self._corrections.fade
+                correction = Correction(None, mesh, self._config.interpolation, fade)
+                self._corrections.put(correction, on=True)
+            for line in bilinear_grid(mesh):
                 reply.say(line)
-        reply.say(f"echo:Bed Leveling {'ON' if now.on else 'OFF'}")
-        fade = correction.fade if correction else None
-        reply.say(f"echo:Fade Height {f'{fade.end_mm:.2f}' if fade else 'OFF'}")
+            then(reply)
+
+        return self._run(places, done, reply)
 
     @command(
-        "M937",
-        Subject.LEVELLING,
-        When.PLANNED,
-        "",
-        "Reports the correction of the bed.",
-        kind=Kind.QUIET,
-        lacks=NO_PROBE,
-    )
-    def _report(self, _: Command, reply: Reply) -> Wait | None:
-        now = self._correction
-        if not now.on:
-            reply.say("echo:No corrections of the bed are in effect")
-            return None
-        found = now.correction.fit if now.correction and now.correction.fit else Fit()
-        words = zip(("Z", "X", "Y", "XX", "XY", "YY"), found.coefficients, strict=True)
-        reply.say("EffectiveCorrections " + " ".join(f"{k}:{v:.8f}" for k, v in words))
-        return None
-
-    # -- settings ---------------------------------------------------------------------------------
-
-    @command(
-        "M851",
+        "M557",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "X Y Z (mm)",
-        "Sets the place of the probe from the nozzle. Z is below 0 if the probe triggers while the"
-        " nozzle is above the bed. Without parameters it reports them.",
+        "X(from:to) Y(from:to) P(points) S(mm)",
+        "Sets the area of the mesh, and how many points it has (P5:4) or how far they are apart"
+        " (S20). Without parameters it reports them. A restart forgets it.",
         kind=Kind.SERVED,
+        bare=None,
         lacks=NO_PROBE,
     )
-    def _probe_offset(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if not words:
-            reply.say(f"  {self._offset_line()} ; (mm)")
-            return None
-        self._set_offsets(words)
-        return None
-
-    def _set_offsets(self, words: dict[str, float]) -> None:
-        prober = self._prober
-        for letter, value in words.items():
-            most = 20.0 if letter == "Z" else 300.0
-            if abs(value) > most:
-                raise CommandError.bad_value(letter, value, f"-{most:g} to {most:g} mm")
-        dx, dy = prober.offset_mm
-        before = prober.trigger_height_mm
-        prober.offset_mm = words.get("X", dx), words.get("Y", dy)
-        prober.trigger_height_mm = -words.get("Z", -before)
-
-    @command(
-        "G31",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "X Y Z (mm)",
-        "As M851 in RepRapFirmware's words: Z is the height of the nozzle at which the probe"
-        " triggers.",
-        kind=Kind.SERVED,
-        lacks=NO_PROBE,
-    )
-    def _probe_height(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if not words:
-            reading = 1000 if self._prober.triggered() else 0
-            dx, dy = self._prober.offset_mm
+    def _set_grid(self, command: Command, reply: Reply) -> Wait | None:
+        spans = {m[1]: (float(m[2]), float(m[3])) for m in _SPAN.finditer(command.text.upper())}
+        pairs = {
+            m[1]: (float(m[2]), float(m[3] or m[2])) for m in _PAIR.finditer(command.text.upper())
+        }
+        if not spans and not pairs:
+            grid = self.grid()
+            x0, y0, x1, y1 = grid.area
             reply.say(
-                f"Z probe 0: current reading {reading}, threshold 500, trigger height"
-                f" {self._prober.trigger_height_mm:.3f}, offsets X{dx:.1f} Y{dy:.1f}"
+                f"Grid: X{x0:.1f}:{x1:.1f}, Y{y0:.1f}:{y1:.1f}, radius -1.0, X spacing"
+                f" {grid.xs[1] - grid.xs[0]:.1f}, Y spacing {grid.ys[1] - grid.ys[0]:.1f},"
+                f" {len(grid.xs) * len(grid.ys)} points"
             )
             return None
-        turned = {k: -v if k == "Z" else v for k, v in words.items() if k in "XYZ"}
-        self._set_offsets(turned)
+        before = self.mesh_grid
+        area = before.area if before else None
+        if spans.keys() == {"X", "Y"}:
+            (x0, x1), (y0, y1) = spans["X"], spans["Y"]
+            area = x0, y0, x1, y1
+        if area is None or not (area[0] < area[2] and area[1] < area[3]):
+            raise CommandError.of(
+                "command.value", axis="M557", value=command.text, limit="X10:200 Y10:180 P5"
+            )
+        counts = before.count if before else (5, 5)
+        if "S" in pairs:
+            wide, deep = pairs["S"]
+            if min(wide, deep) <= 0:
+                raise CommandError.bad_value("S", min(wide, deep), "more than 0 mm")
+            counts = int((area[2] - area[0]) / wide) + 1, int((area[3] - area[1]) / deep) + 1
+        if "P" in pairs:
+            counts = int(pairs["P"][0]), int(pairs["P"][1])
+        if not all(2 <= n <= 41 for n in counts):
+            raise CommandError.of(
+                "command.value", axis="M557", value=f"{counts[0]}:{counts[1]}", limit="2 to 41"
+            )
+        grid = Grid(area, counts)
+        for n, (x, y) in enumerate(grid.probed(), 1):
+            self._prober.check_place(Place(x, y, f"mesh point {n}"))
+        self.mesh_grid = grid
         return None
 
-    def _offset_line(self) -> str:
-        dx, dy = self._prober.offset_mm
-        return f"M851 X{_exact(dx)} Y{_exact(dy)} Z{_exact(-self._prober.trigger_height_mm + 0.0)}"
-
     @command(
-        "SET_BED_FIT",
+        "G42",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "C0(mm) CX CY CXX CXY CYY",
-        "Sets the surface that is added to Z, as M500 stores it: C0 + CX·x + CY·y + CXX·x² +"
-        " CXY·x·y + CYY·y².",
+        "I J P F(mm/min)",
+        "Moves the nozzle over a point of the mesh; P: the probe.",
         kind=Kind.SERVED,
-        bare=None,
+        bare="P",
         lacks=NO_PROBE,
     )
-    def _set_fit(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
-        now = self._correction.correction or Correction()
-        terms = list((now.fit or Fit()).coefficients)
-        for i, name in enumerate(_TERMS):
-            terms[i] = number(pairs, name, terms[i])
-        found = Fit(*terms) if any(terms) else None
-        return WaitForMoves(lambda: self._store(replace(now, fit=found)))
-
-    @command(
-        "SET_BED_MESH",
-        Subject.LEVELLING,
-        When.EXCLUSIVE,
-        "COLUMNS ROWS X0 Y0 X1 Y1 (mm)",
-        "Makes a mesh of the bed with all heights 0, as M500 stores it; G29 W sets them. COLUMNS=0"
-        " forgets the mesh.",
-        kind=Kind.SERVED,
-        bare=None,
-        lacks=NO_PROBE,
-    )
-    def _set_mesh(self, command: Command, _: Reply) -> Wait | None:
-        pairs = command.pairs()
-        columns, rows = (int(number(pairs, name, 0.0)) for name in ("COLUMNS", "ROWS"))
-        now = self._correction.correction or Correction()
-        if columns == 0:
-            return WaitForMoves(lambda: self._store(replace(now, mesh=None)))
-        if not (2 <= columns <= 41 and 2 <= rows <= 41):
-            raise CommandError.of(
-                "command.value",
-                axis="SET_BED_MESH",
-                value=f"{columns} × {rows}",
-                limit="2 to 41 COLUMNS and ROWS",
-            )
-        x0, y0, x1, y1 = (number(pairs, name) for name in ("X0", "Y0", "X1", "Y1"))
-        xs = tuple(round(x0 + (x1 - x0) * i / (columns - 1), 6) for i in range(columns))
-        ys = tuple(round(y0 + (y1 - y0) * j / (rows - 1), 6) for j in range(rows))
-        mesh = Mesh(xs, ys, ((0.0,) * columns,) * rows)
-        interpolation = self._config.interpolation
-        return WaitForMoves(
-            lambda: self._store(replace(now, mesh=mesh, interpolation=interpolation))
-        )
-
-    def set_point(self, words: dict[str, float]) -> None:
-        """Sets the height Z of the point I, J of the mesh, or adds Q to it. Raises CommandError."""
-        now = self._correction.correction
-        mesh = now.mesh if now else None
-        i, j = int(words.get("I", -1)), int(words.get("J", -1))
-        if now is None or mesh is None:
-            raise CommandError.of("levelling.none")
-        if not (0 <= i < len(mesh.xs) and 0 <= j < len(mesh.ys)) or not words.keys() & {"Z", "Q"}:
-            limit = f"I below {len(mesh.xs)}, J below {len(mesh.ys)}, and Z or Q"
+    def _go_to_point(self, command: Command, _: Reply) -> Wait | None:
+        words, mesh = command.words(), self._corrections.mesh()
+        i, j = int(words.get("I", 0)), int(words.get("J", 0))
+        if not (0 <= i < len(mesh.xs) and 0 <= j < len(mesh.ys)):
+            limit = f"I below {len(mesh.xs)}, J below {len(mesh.ys)}"
             raise CommandError.of(
                 "command.value", axis="the mesh point", value=f"I{i} J{j}", limit=limit
             )
-        rows = [list(row) for row in mesh.heights]
-        rows[j][i] = words["Z"] if "Z" in words else round(rows[j][i] + words["Q"], 6)
-        heights = tuple(tuple(row) for row in rows)
-        self._store(replace(now, mesh=replace(mesh, heights=heights)))
+        by_probe = "P" in command.letters()
+        place = Place(mesh.xs[i], mesh.ys[j], "the mesh point", by_nozzle=not by_probe)
+        speed = words.get("F", 60 * self._prober.carried.travel_mm_s) / 60
+        if not speed > 0:
+            raise CommandError.bad_value("F", words["F"], "more than 0 mm/min")
+        return WaitForProcedure(lambda: self._prober.go_to(place, speed))
 
-    def _store(self, correction: Correction) -> None:
-        empty = correction.fit is None and correction.mesh is None
-        self._put(None if empty else correction, on=self._correction.on and not empty)
+    # -- settings and status ----------------------------------------------------------------------
 
     def setting_lines(self) -> Iterator[str]:
-        """Commands that restore offsets and correction exactly."""
-        now = self._correction
-        correction = now.correction or Correction()
-        yield self._offset_line()
-        terms = (correction.fit or Fit()).coefficients
-        pairs = zip(_TERMS, terms, strict=True)
-        yield "SET_BED_FIT " + " ".join(f"{k}={_exact(v)}" for k, v in pairs)
-        mesh = correction.mesh
-        if mesh is None:
-            yield "SET_BED_MESH COLUMNS=0 ROWS=0 X0=0 Y0=0 X1=0 Y1=0"
-        else:
-            corners = zip(
-                ("X0", "Y0", "X1", "Y1"),
-                (mesh.xs[0], mesh.ys[0], mesh.xs[-1], mesh.ys[-1]),
-                strict=True,
+        """Commands that bring offsets, points, grid and correction back, to the last bit."""
+        yield self._offsets.line()
+        for n, point in enumerate(self.points, 1):
+            yield (
+                f"SET_PROBE_POINT N={n} X={exact(point.x)} Y={exact(point.y)}"
+                f" OFFSET={exact(point.offset)} ENABLED={int(point.enabled)}"
             )
-            area = " ".join(f"{k}={_exact(v)}" for k, v in corners)
-            yield f"SET_BED_MESH COLUMNS={len(mesh.xs)} ROWS={len(mesh.ys)} {area}"
-            for j, row in enumerate(mesh.heights):
-                for i, z in enumerate(row):
-                    yield f"G29 W I{i} J{j} Z{_exact(z)}"
-        fade = correction.fade.end_mm if correction.fade else 0.0
-        yield f"M420 S{int(now.on)} Z{_exact(fade)}"
+        yield from self._corrections.setting_lines()
+
+    def status(self) -> BedStatus:
+        """The bed as pages show it."""
+        now = self._correction
+        correction = now.correction
+        below = self._prober.trigger_height_mm
+        points = tuple(
+            BedPoint(place.x, place.y, round(z - below + place.offset_mm, 6))
+            for place, z in self._measured
+        )
+        heights = [point.height_mm for point in points]
+        left = [
+            point.height_mm - (correction.plain(point.x_mm, point.y_mm) if correction else 0.0)
+            for point in points
+        ]
+        fade = correction.fade if correction else None
+        dx, dy = self._prober.offset_mm
+        return BedStatus(
+            method=self._config.method,
+            on=now.on,
+            profile=self._corrections.profile,
+            points=points,
+            rms_mm=round(pstdev(heights), 6) if heights else None,
+            left_rms_mm=round(fmean(x * x for x in left) ** 0.5, 6) if left else None,
+            surface=self._surface(),
+            fade_mm=fade.end_mm if fade else None,
+            probe=self._rig.machine.probe.kind if self._rig.machine.probe else "",
+            probe_offset_mm=(dx, dy),
+            trigger_height_mm=self._prober.trigger_height_mm,
+            measured=self._progress[0],
+            to_measure=self._progress[1],
+            manual=self._manual.status,
+            mesh=correction.mesh if correction else None,
+            meshes=self._corrections.meshes.all,
+            triggered=self._prober.last_triggered,
+        )
+
+    def _surface(self) -> BedSurface | None:
+        """What the correction adds to Z, sampled over the bed; made anew only after a change."""
+        correction = self._correction.correction
+        if correction is None:
+            return None
+        if self._drawn[0] is not correction:
+            x0, y0, x1, y1 = self._rig.machine.bed_area_mm
+            parts = range(_SURFACE_POINTS)
+            xs = [x0 + (x1 - x0) * i / (_SURFACE_POINTS - 1) for i in parts]
+            ys = [y0 + (y1 - y0) * j / (_SURFACE_POINTS - 1) for j in parts]
+            rows = tuple(tuple(round(correction.plain(x, y), 4) for x in xs) for y in ys)
+            self._drawn = correction, BedSurface((x0, y0), (x1, y1), rows)
+        return self._drawn[1]

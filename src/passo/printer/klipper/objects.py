@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from passo.printer.klipper.bed import bed_mesh, manual_probe, probe
 from passo.printer.klipper.configfile import configfile
 from passo.printer.klipper.heat import extruder, fan, heater, heaters
 from passo.printer.klipper.job import (
@@ -47,6 +48,11 @@ def objects(machine: MachineConfig, status: Status, variables: Variables) -> Obj
         "exclude_object": lambda: exclude_object(status),
         "save_variables": lambda: {"variables": dict(status.saved_variables)},
     }
+    bed = status.bed
+    if bed is not None:
+        found["bed_mesh"] = lambda: bed_mesh(bed)
+        found["probe"] = lambda: probe(bed)
+        found["manual_probe"] = lambda: manual_probe(bed)
     for name, part in machine.heaters.items():
         make = extruder if part.kind == "hotend" else heater
         found[heater_object(machine, name)] = lambda name=name, make=make: make(status, name)

@@ -1,0 +1,355 @@
+"""M420, M561 and the other commands of the correction of the bed: on and off, edited, stored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from decimal import Decimal
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.levelling.correction import Correction, Fade
+from passo.levelling.fits import Fit
+from passo.levelling.mesh import Mesh
+from passo.levelling.mesh_files import MeshStore, StoredMesh, check_name
+from passo.levelling.replies import bilinear_grid, probed_rows
+from passo.printer.commands.klipper_commands import number
+from passo.printer.commands.probing import NO_PROBE
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves
+
+if TYPE_CHECKING:
+    from passo.motion.bed_correction import BedCorrection
+    from passo.motion.rig import Rig
+
+TERMS = ("C0", "CX", "CY", "CXX", "CXY", "CYY")
+DEFAULT = "default"
+"""The name of a mesh that was just measured."""
+
+
+def exact(value: float) -> str:
+    """A number that is read as the same double, without an exponent."""
+    return f"{Decimal(repr(value)):f}"
+
+
+class BedCorrectionCommands:
+    """The correction of the bed of one printer. `profile` is the name of the stored mesh in use, or
+    empty; `meshes` are those that are stored."""
+
+    def __init__(self, rig: Rig, correction: BedCorrection) -> None:
+        self._rig, self._correction = rig, correction
+        self._config = rig.machine.levelling
+        self.profile = ""
+        self.meshes = MeshStore()
+
+    @property
+    def fade(self) -> Fade | None:
+        """The fade that a new correction keeps."""
+        correction = self._correction.correction
+        return correction.fade if correction else None
+
+    def put(self, correction: Correction | None, *, on: bool, profile: str = "") -> None:
+        """Sets the correction, and switches it on or off. It fades to the mean of its mesh, which
+        is the stored one of the name `profile`, if that is given. Raises CommandError if it is on
+        and beyond the limits of the machine file."""
+        if correction is not None and correction.fade is not None:
+            mean = round(correction.mesh.mean, 2) if correction.mesh else 0.0
+            correction = replace(correction, fade=replace(correction.fade, target_mm=mean))
+        if correction is not None and on:
+            self._check_limits(correction)
+        self._correction.use(correction, on=on)
+        self.profile = profile if correction is not None else ""
+
+    def _check_limits(self, correction: Correction) -> None:
+        x0, y0, x1, y1 = self._rig.machine.bed_area_mm
+        _, spacing, heights = correction.even_map((x0, y0, x1, y1))
+        most = max(abs(z) for row in heights for z in row)
+        limits = self._config
+        if most > limits.max_correction_mm:
+            raise CommandError.of(
+                "levelling.too-much", value=f"{most:.3f}", limit=f"{limits.max_correction_mm:g}"
+            )
+        along_x = (abs(b - a) / spacing[0] for r in heights for a, b in pairwise(r))
+        along_y = (
+            abs(b - a) / spacing[1] for r, s in pairwise(heights) for a, b in zip(r, s, strict=True)
+        )
+        steepest = max(*along_x, *along_y)
+        if steepest > limits.max_slope:
+            raise CommandError.of(
+                "levelling.too-steep", value=f"{steepest:.4f}", limit=f"{limits.max_slope:g}"
+            )
+
+    @command(
+        "BED_MESH_OUTPUT",
+        Subject.LEVELLING,
+        When.PLANNED,
+        "",
+        "Prints the measured heights of the mesh, its front row first.",
+        kind=Kind.QUIET,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _print_mesh(self, _: Command, reply: Reply) -> Wait | None:
+        for line in probed_rows(self.mesh()):
+            reply.say(line)
+        return None
+
+    def mesh(self) -> Mesh:
+        """The mesh in use. Raises CommandError without one."""
+        correction = self._correction.correction
+        if correction is None or correction.mesh is None:
+            raise CommandError.of("levelling.none")
+        return correction.mesh
+
+    @command(
+        "M421",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "I J Z(mm) Q(mm)",
+        "Sets the height of a point of the mesh to Z, or adds Q to it; I counts in X, J in Y.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    def _edit_mesh(self, command: Command, _: Reply) -> Wait | None:
+        words = command.words()
+        return WaitForMoves(lambda: self.set_point(words))
+
+    # -- on and off -------------------------------------------------------------------------------
+
+    @command(
+        "BED_MESH_CLEAR",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "As M561.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    @command(
+        "M561",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Forgets the correction of the bed.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    def forget(self, _: Command, __: Reply) -> Wait | None:
+        """Forgets it at standstill."""
+        return WaitForMoves(lambda: self.put(None, on=False))
+
+    @command(
+        "M420",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "S Z(mm) V T",
+        "Switches the correction of the bed on (S1) or off (S0). Z is the height at which it has"
+        " faded out; 0: it does not fade. V prints it.",
+        kind=Kind.SERVED,
+        bare="VT",
+        lacks=NO_PROBE,
+    )
+    def _switch(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        verbose = "V" in command.letters()
+        return WaitForMoves(lambda: self._switched(words, reply, verbose=verbose))
+
+    def _switched(self, words: dict[str, float], reply: Reply, *, verbose: bool) -> None:
+        now = self._correction
+        correction = now.correction
+        if words.get("S", 0.0) and correction is None:
+            reply.say("Invalid mesh.")
+            raise CommandError.of("levelling.none")
+        if "Z" in words and correction is not None:
+            fade = Fade(0.0, words["Z"]) if words["Z"] > 0 else None
+            correction = replace(correction, fade=fade)
+        if "S" in words or "Z" in words:
+            on = words.get("S", float(now.on)) != 0
+            self.put(correction, on=on, profile=self.profile)
+        correction = now.correction
+        if verbose and correction is not None and correction.mesh is not None:
+            for line in bilinear_grid(correction.mesh):
+                reply.say(line)
+        reply.say(f"echo:Bed Leveling {'ON' if now.on else 'OFF'}")
+        fade = correction.fade if correction else None
+        reply.say(f"echo:Fade Height {f'{fade.end_mm:.2f}' if fade else 'OFF'}")
+
+    @command(
+        "M937",
+        Subject.LEVELLING,
+        When.PLANNED,
+        "",
+        "Reports the correction of the bed.",
+        kind=Kind.QUIET,
+        lacks=NO_PROBE,
+    )
+    def _report(self, _: Command, reply: Reply) -> Wait | None:
+        now = self._correction
+        if not now.on:
+            reply.say("echo:No corrections of the bed are in effect")
+            return None
+        found = now.correction.fit if now.correction and now.correction.fit else Fit()
+        words = zip(("Z", "X", "Y", "XX", "XY", "YY"), found.coefficients, strict=True)
+        reply.say("EffectiveCorrections " + " ".join(f"{k}:{v:.8f}" for k, v in words))
+        return None
+
+    # -- as settings -------------------------------------------------------------------------------
+
+    @command(
+        "SET_BED_FIT",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "C0(mm) CX CY CXX CXY CYY",
+        "Sets the surface that is added to Z, as M500 stores it: C0 + CX·x + CY·y + CXX·x² +"
+        " CXY·x·y + CYY·y².",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _set_fit(self, command: Command, _: Reply) -> Wait | None:
+        pairs = command.pairs()
+        now = self._correction.correction or Correction()
+        terms = list((now.fit or Fit()).coefficients)
+        for i, name in enumerate(TERMS):
+            terms[i] = number(pairs, name, terms[i])
+        found = Fit(*terms) if any(terms) else None
+        return WaitForMoves(lambda: self._store(replace(now, fit=found)))
+
+    @command(
+        "SET_BED_MESH",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "COLUMNS ROWS X0 Y0 X1 Y1 (mm)",
+        "Makes a mesh of the bed with all heights 0, as M500 stores it; G29 W sets them. COLUMNS=0"
+        " forgets the mesh.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _set_mesh(self, command: Command, _: Reply) -> Wait | None:
+        pairs = command.pairs()
+        columns, rows = (int(number(pairs, name, 0.0)) for name in ("COLUMNS", "ROWS"))
+        now = self._correction.correction or Correction()
+        if columns == 0:
+            return WaitForMoves(lambda: self._store(replace(now, mesh=None)))
+        if not (2 <= columns <= 41 and 2 <= rows <= 41):
+            raise CommandError.of(
+                "command.value",
+                axis="SET_BED_MESH",
+                value=f"{columns} × {rows}",
+                limit="2 to 41 COLUMNS and ROWS",
+            )
+        x0, y0, x1, y1 = (number(pairs, name) for name in ("X0", "Y0", "X1", "Y1"))
+        xs = tuple(round(x0 + (x1 - x0) * i / (columns - 1), 6) for i in range(columns))
+        ys = tuple(round(y0 + (y1 - y0) * j / (rows - 1), 6) for j in range(rows))
+        mesh = Mesh(xs, ys, ((0.0,) * columns,) * rows)
+        interpolation = self._config.interpolation
+        return WaitForMoves(
+            lambda: self._store(replace(now, mesh=mesh, interpolation=interpolation))
+        )
+
+    def set_point(self, words: dict[str, float]) -> None:
+        """Sets the height Z of the point I, J of the mesh, or adds Q to it. Raises CommandError."""
+        now = self._correction.correction
+        mesh = now.mesh if now else None
+        i, j = int(words.get("I", -1)), int(words.get("J", -1))
+        if now is None or mesh is None:
+            raise CommandError.of("levelling.none")
+        if not (0 <= i < len(mesh.xs) and 0 <= j < len(mesh.ys)) or not words.keys() & {"Z", "Q"}:
+            limit = f"I below {len(mesh.xs)}, J below {len(mesh.ys)}, and Z or Q"
+            raise CommandError.of(
+                "command.value", axis="the mesh point", value=f"I{i} J{j}", limit=limit
+            )
+        rows = [list(row) for row in mesh.heights]
+        rows[j][i] = words["Z"] if "Z" in words else round(rows[j][i] + words["Q"], 6)
+        heights = tuple(tuple(row) for row in rows)
+        self._store(replace(now, mesh=replace(mesh, heights=heights)))
+
+    def _store(self, correction: Correction) -> None:
+        empty = correction.fit is None and correction.mesh is None
+        self.put(None if empty else correction, on=self._correction.on and not empty)
+
+    # -- stored meshes ----------------------------------------------------------------------------
+
+    @command(
+        "BED_MESH_PROFILE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "LOAD SAVE REMOVE",
+        "Stores the mesh under a name, loads it, or removes it. It stays on the disk, with its date"
+        " and the temperature of the bed. Without parameters it lists them.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _profile(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        if not pairs:
+            for name, stored in sorted(self.meshes.all.items()):
+                reply.say(f"// {name}: {describe(stored)}")
+        if "SAVE" in pairs:
+            self.save_mesh(check_name(pairs["SAVE"]))
+            reply.say(f"// Bed Mesh state has been saved to profile [{pairs['SAVE']}]")
+        if "REMOVE" in pairs:
+            self.meshes.remove(pairs["REMOVE"])
+            if self.profile == pairs["REMOVE"]:
+                self.profile = ""
+        if "LOAD" not in pairs:
+            return None
+        stored = self.meshes.named(pairs["LOAD"])
+        return WaitForMoves(lambda: self.load_mesh(stored, reply))
+
+    def save_mesh(self, name: str) -> None:
+        """Stores the mesh in use. Raises CommandError."""
+        mesh, bed_c = self.mesh(), None
+        for heater, config in self._rig.machine.heaters.items():
+            if config.kind == "bed":
+                bed_c = round(self._rig.connection.reading(heater), 1)
+        correction = self._correction.correction
+        assert correction is not None
+        reference = self._config.reference
+        text = f"X{reference[0]:g} Y{reference[1]:g}" if reference else "home"
+        stored = StoredMesh(name, mesh, "", bed_c, text, correction.interpolation)
+        self.meshes.save(stored)
+        self.profile = name
+
+    def load_mesh(self, stored: StoredMesh, reply: Reply) -> None:
+        """Corrects by a stored mesh. Raises CommandError."""
+        fade = self.fade
+        correction = Correction(None, stored.mesh, stored.interpolation, fade)
+        self.put(correction, on=True, profile=stored.name)
+        reply.say(f"// Mesh {stored.name} is in use: {describe(stored)}")
+
+    def setting_lines(self) -> Iterator[str]:
+        """Commands that bring the correction back, to the last bit."""
+        now = self._correction
+        correction = now.correction or Correction()
+        terms = (correction.fit or Fit()).coefficients
+        pairs = zip(TERMS, terms, strict=True)
+        yield "SET_BED_FIT " + " ".join(f"{k}={exact(v)}" for k, v in pairs)
+        mesh = correction.mesh
+        if mesh is None:
+            yield "SET_BED_MESH COLUMNS=0 ROWS=0 X0=0 Y0=0 X1=0 Y1=0"
+        else:
+            corners = zip(
+                ("X0", "Y0", "X1", "Y1"),
+                (mesh.xs[0], mesh.ys[0], mesh.xs[-1], mesh.ys[-1]),
+                strict=True,
+            )
+            area = " ".join(f"{k}={exact(v)}" for k, v in corners)
+            yield f"SET_BED_MESH COLUMNS={len(mesh.xs)} ROWS={len(mesh.ys)} {area}"
+            for j, row in enumerate(mesh.heights):
+                for i, z in enumerate(row):
+                    yield f"G29 W I{i} J{j} Z{exact(z)}"
+        fade = correction.fade.end_mm if correction.fade else 0.0
+        yield f"M420 S{int(now.on)} Z{exact(fade)}"
+
+
+def describe(stored: StoredMesh) -> str:
+    """A stored mesh in a line."""
+    size = f"{len(stored.mesh.xs)} × {len(stored.mesh.ys)} points"
+    warmth = "" if stored.bed_c is None else f", bed at {stored.bed_c:g} °C"
+    return f"{size}, {stored.date or 'no date'}{warmth}"

@@ -1,0 +1,132 @@
+"""M851, G31 and Z_OFFSET_APPLY_PROBE: where the probe is from the nozzle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.motion.axis_slots import Z
+from passo.motion.probing import Prober
+from passo.printer.commands.bed_correction import BedCorrectionCommands, exact
+from passo.printer.commands.probing import NO_PROBE
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves
+
+if TYPE_CHECKING:
+    from passo.motion.bed_correction import BedCorrection
+    from passo.motion.offsets import Offsets
+    from passo.motion.rig import Rig
+
+
+class ProbeOffsetCommands:
+    """The offsets of the probe of one printer. They have one owner: what changes the trigger height
+    changes the correction in force, and the first layer with it, once."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        prober: Prober,
+        correction: BedCorrection,
+        corrections: BedCorrectionCommands,
+        offsets: Offsets,
+    ) -> None:
+        self._rig, self._prober, self._correction = rig, prober, correction
+        self._corrections, self._offsets = corrections, offsets
+        self._reference = rig.machine.levelling.reference
+
+    @command(
+        "M851",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "X Y Z (mm)",
+        "Sets the place of the probe from the nozzle. Z is below 0 if the probe triggers while the"
+        " nozzle is above the bed. Without parameters it reports them.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    def _probe_offset(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(f"  {self.line()} ; (mm)")
+            return None
+        return WaitForMoves(lambda: self.set_offsets(words))
+
+    def set_offsets(self, words: dict[str, float]) -> None:
+        """X and Y of the probe, and Z of the nozzle's height below it, mm, as M851 has them. The
+        correction in force, which was measured with the height before, follows. Raises
+        CommandError."""
+        prober = self._prober
+        for letter, value in words.items():
+            most = 20.0 if letter == "Z" else 300.0
+            if abs(value) > most:
+                raise CommandError.bad_value(letter, value, f"-{most:g} to {most:g} mm")
+        dx, dy = prober.offset_mm
+        before = prober.trigger_height_mm
+        prober.offset_mm = words.get("X", dx), words.get("Y", dy)
+        prober.trigger_height_mm = after = -words.get("Z", -before)
+        now = self._correction
+        if now.correction is None or after == before or self._reference is not None:
+            return
+        # A lower trigger height means that the bed is higher.
+        self._corrections.put(now.correction.raised(before - after), on=now.on)
+
+    @command(
+        "G31",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "X Y Z (mm)",
+        "As M851 in RepRapFirmware's words: Z is the height of the nozzle at which the probe"
+        " triggers.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    def _probe_height(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reading = 1000 if self._prober.triggered() else 0
+            dx, dy = self._prober.offset_mm
+            reply.say(
+                f"Z probe 0: current reading {reading}, threshold 500, trigger height"
+                f" {self._prober.trigger_height_mm:.3f}, offsets X{dx:.1f} Y{dy:.1f}"
+            )
+            return None
+        turned = {k: -v if k == "Z" else v for k, v in words.items() if k in "XYZ"}
+        return WaitForMoves(lambda: self.set_offsets(turned))
+
+    @command(
+        "Z_OFFSET_APPLY_PROBE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Makes the babysteps of Z (M290, SET_GCODE_OFFSET) part of the trigger height of the probe,"
+        " and of the correction in force. M500 stores both.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _apply(self, _: Command, reply: Reply) -> Wait | None:
+        return WaitForMoves(lambda: self._apply_babysteps(reply))
+
+    def _apply_babysteps(self, reply: Reply) -> None:
+        by = self._offsets.babysteps_mm["z"]
+        if by == 0:
+            reply.say("// Nothing to do: Z Offset is 0")
+            return
+        if not self._correction.on or self._reference is not None:
+            raise CommandError.of("probe.no-correction", value=f"{by:.3f}")
+        before = self._prober.trigger_height_mm
+        self.set_offsets({"Z": -round(before - by, 6)})
+        # The correction has the shift now, so the plan must not have it once more.
+        if not self._rig.queue.shift(Z, -by):
+            raise CommandError.of("probe.no-correction", value=f"{by:.3f}")
+        self._offsets.babysteps_mm["z"] = 0.0
+        after = self._prober.trigger_height_mm
+        reply.say(f"// z_offset: {before:.3f} -> {after:.3f}")
+        lower = "lower" if by < 0 else "higher"
+        reply.say(f"// The nozzle stays {abs(by):.3f} mm {lower}, now by the correction of the bed")
+
+    def line(self) -> str:
+        """M851 with what holds now."""
+        dx, dy = self._prober.offset_mm
+        return f"M851 X{exact(dx)} Y{exact(dy)} Z{exact(-self._prober.trigger_height_mm + 0.0)}"

@@ -1,0 +1,56 @@
+"""Klipper's objects of the bed: its mesh, its probe, and the paper test."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from passo.levelling.mesh import Mesh
+from passo.levelling.mesh_files import StoredMesh, bed_mesh_status
+
+if TYPE_CHECKING:
+    from passo.printer.status import BedStatus, BedSurface
+
+Object = dict[str, Any]
+_NAME_OF_NEW = "default"
+
+
+def bed_mesh(bed: BedStatus) -> Object:
+    """The mesh in use and all that are stored. A fitted surface is shown as a mesh of its method's
+    name."""
+    active: StoredMesh | None = None
+    if bed.on and bed.mesh is not None:
+        active = StoredMesh(bed.profile or _NAME_OF_NEW, bed.mesh)
+    elif bed.on and bed.surface is not None:
+        active = StoredMesh(bed.method, _mesh_of(bed.surface), interpolation="bilinear")
+    return bed_mesh_status(active, dict(bed.meshes))
+
+
+def _mesh_of(surface: BedSurface) -> Mesh:
+    columns, rows = len(surface.rows_mm[0]), len(surface.rows_mm)
+    (x0, y0), (x1, y1) = surface.from_mm, surface.to_mm
+    xs = tuple(x0 + (x1 - x0) * i / (columns - 1) for i in range(columns))
+    ys = tuple(y0 + (y1 - y0) * j / (rows - 1) for j in range(rows))
+    return Mesh(xs, ys, surface.rows_mm)
+
+
+def probe(bed: BedStatus) -> Object:
+    """The probe, as it was asked last, and what it measured last."""
+    last = bed.points[-1] if bed.points else None
+    place = [last.x_mm, last.y_mm, last.height_mm] if last else [0.0, 0.0, 0.0]
+    return {
+        "name": "bltouch" if bed.probe == "bltouch" else "probe",
+        "last_query": bed.triggered,
+        "last_probe_position": place,
+        "last_z_result": place[2],
+    }
+
+
+def manual_probe(bed: BedStatus) -> Object:
+    """The paper test; the dialogs of Mainsail and Fluidd show it."""
+    test = bed.manual
+    return {
+        "is_active": test is not None,
+        "z_position": test.z_mm if test else None,
+        "z_position_lower": test.below_mm if test else None,
+        "z_position_upper": test.above_mm if test else None,
+    }
