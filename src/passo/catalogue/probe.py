@@ -55,6 +55,10 @@ PROBE: Mapping[str, Entry] = {
         "Look at the cable of the probe, at what M119 reports while you trigger it, and at the"
         " height of the bed",
     ),
+    "probe.home-missed": _probe(
+        "Z is not homed: the probe was not triggered at {value} in a descent of {limit}",
+        "Look at the cable of the probe, and at what M119 reports while you trigger it",
+    ),
     "probe.early": _probe(
         "{axis} was not measured: the probe was triggered at {value} with the nozzle at {position},"
         " less than {limit} below the start of the descent",

@@ -83,6 +83,13 @@ def put_pullups(data: dict[str, Any]) -> None:
             heater["sensor"] = {"pullup_ohm": board["pullup_ohm"], **sensor}
 
 
+def put_probe_home(data: dict[str, Any]) -> None:
+    """Gives Z of a raw machine file, if the probe homes it, the probe's trigger height."""
+    homing, probe = table(data, "homing", "z"), table(data, "probe")
+    if homing.get("probe") is True and "position" not in homing and isinstance(homing, dict):
+        homing["position"] = probe.get("trigger_height_mm", 0.0)
+
+
 def _selects(heater: Mapping[str, Any]) -> bool:
     """Whether its sensor's pin selects a converter: the default pin is that of a thermistor."""
     return table(heater, "sensor").get("kind") in CONVERTERS

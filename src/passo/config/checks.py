@@ -176,10 +176,14 @@ def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -
         if name not in names:
             limit = f"one of {', '.join(dict.fromkeys(names))}"
             yield Finding("config.unknown-key", path, name, limit, did_you_mean(name, names))
-        pins = table(homing, "stepper_pins")
-        if ("pin" in homing) == bool(pins):
+        pins, by_probe = table(homing, "stepper_pins"), homing.get("probe") is True
+        if ("pin" in homing) + bool(pins) + by_probe != 1:
             limit = "either pin, or stepper_pins with a pin for each motor"
+            limit += ", or probe = true" if name == "z" else ""
             yield Finding("config.conflict", (*path, "pin"), homing.get("pin"), limit)
+        if by_probe and (name != "z" or arms):
+            limit = "false: the probe homes only the axis Z, of a machine without arms or towers"
+            yield Finding("config.conflict", (*path, "probe"), True, limit)
         for stepper in pins:
             drives = table(data, "steppers", stepper).get("drives")
             if stepper not in table(data, "steppers") or drivable.of(stepper, drives) is None:

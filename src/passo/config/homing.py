@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.types import Model, Name, Pin, Position, Positive, Speed
+from passo.config.types import Model, Name, Pair, Pin, Position, Positive, Speed
 
 
 class Homing(Model):
@@ -20,6 +20,11 @@ class Homing(Model):
     """The position at which the endstop triggers, in mm or degrees."""
     pin: Pin | None = None
     """The endstop, which stops all motors of the axis. `!` inverts it, `^` asks for the pull-up."""
+    probe: bool = False
+    """Whether the probe is the endstop, in place of a `pin`. X and Y are homed before that, and the
+    nozzle goes to where the probe is above `probe_at_mm`. The position is the trigger height."""
+    probe_at_mm: Pair | None = None
+    """X and Y of the probe while it homes the axis. If not given, the middle of the bed."""
     stepper_pins: dict[Name, Pin] = {}
     """An endstop for each motor of the axis, by the name of the motor."""
     offsets_mm: dict[Name, Position] = {}

@@ -134,6 +134,15 @@ class MachineConfig(Model):
         return cx - width / 2, cy - depth / 2, cx + width / 2, cy + depth / 2
 
     @property
+    def probe_home_mm(self) -> tuple[float, float]:
+        """X and Y of the probe while it homes Z."""
+        homing, (x0, y0, x1, y1) = self.homing.get("z"), self.bed_area_mm
+        if homing is not None and homing.probe_at_mm is not None:
+            x, y = homing.probe_at_mm
+            return x, y
+        return (x0 + x1) / 2, (y0 + y1) / 2
+
+    @property
     def size_mm(self) -> tuple[float, float, float]:
         """Travel in X, Y, Z between the soft limits."""
         x, y, z = (self.axes[name].max_mm - self.axes[name].min_mm for name in "xyz")

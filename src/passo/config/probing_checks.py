@@ -23,6 +23,10 @@ def check_probe(machine: MachineConfig) -> Iterator[Finding]:
         limit = 'a geometry of the kind "delta"'
         yield Finding("config.conflict", ("simulated", "delta"), machine.geometry.kind, limit)
     probe = machine.probe
+    homes = any(homing.probe for homing in machine.homing.values())
+    if homes and not isinstance(probe, SensingProbe):
+        limit = "false, or a table probe with a pin"
+        yield Finding("config.conflict", ("homing", "z", "probe"), True, limit)
     if probe is None:
         if machine.levelling.method != "none":
             path = ("levelling", "method")
@@ -39,6 +43,7 @@ def check_probe(machine: MachineConfig) -> Iterator[Finding]:
 
 def _check_sensor(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding]:
     yield from _check_descent(probe)
+    yield from _check_home(machine, probe)
     if probe.servo_pin and placed(probe.servo_pin)[0] != placed(probe.pin)[0]:
         limit = f"a pin on the board of pin, which is {probe.pin}"
         yield Finding("config.value", ("probe", "control_pin"), probe.servo_pin, limit)
@@ -79,6 +84,21 @@ def _check_descent(probe: SensingProbe) -> Iterator[Finding]:
     if seconds > _MAX_DESCENT_S:
         limit = f"a descent of at most {_MAX_DESCENT_S:g} s, and this takes {seconds:.0f} s"
         yield Finding("config.value", ("probe", "fast_mm_s"), probe.fast_mm_s, limit)
+
+
+def _check_home(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding]:
+    """Where the probe homes Z is within reach, and its height is the probe's."""
+    homing = machine.homing.get("z")
+    if homing is None or not homing.probe:
+        return
+    if homing.direction != "min":
+        limit = '"min": the probe is above the bed'
+        yield Finding("config.conflict", ("homing", "z", "direction"), homing.direction, limit)
+    if homing.position != probe.trigger_height_mm:
+        limit = f"no such key: it is probe.trigger_height_mm, which is {probe.trigger_height_mm:g}"
+        yield Finding("config.conflict", ("homing", "z", "position"), homing.position, limit)
+    x, y = machine.probe_home_mm
+    yield from _check_place(machine, ("homing", "z", "probe_at_mm"), x, y)
 
 
 def _check_points(machine: MachineConfig) -> Iterator[Finding]:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
     from passo.motion.lone_motors import LoneMotors
     from passo.motion.offsets import Offsets
+    from passo.motion.probing import Prober
     from passo.motion.rig import Rig
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
 
@@ -76,10 +77,11 @@ class Homer:
         triggered: TriggeredMoves,
         correction: BedCorrection,
         motors: LoneMotors,
+        prober: Prober,
     ) -> None:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
         self._triggered, self._correction = triggered, correction
-        self._lone_motors = motors
+        self._lone_motors, self._prober = motors, prober
         self._problem_of_job = problem  # the error at which the job stopped
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
@@ -179,9 +181,41 @@ class Homer:
             names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
         self._set({name: self._machine.home_mm[name] for name in fixed})
+        z, everything = self._machine.homing.get("z"), not letters.strip("O")
+        by_probe = z is not None and z.probe and "z" in names and (z.by_default or not everything)
+        if z is not None and z.probe:
+            await self._rise()
+            names = [name for name in names if name != "z"]
+        await self._by_switches(names, everything=everything)
+        if by_probe:
+            await self._by_probe()
+
+    async def _rise(self) -> None:
+        """Before a head with a probe moves in X and Y, it is at least as high as the start of a
+        descent; where its height is not known it rises by so much."""
+        start, z = self._prober.probe.start_mm, self._at(Z)
+        by = start if Z in self._rig.job.locked_axes else max(0.0, start - z)
+        if by > 0:
+            self._rig.queue.move({Z: z + by}, self._prober.probe.lift_mm_s, Within.ANYTHING)
+            self._rig.queue.flush()
+            await self._triggered.standstill()
+            self._interrupts.raise_if_interrupted()
+
+    async def _by_probe(self) -> None:
+        """Z alone, over the bed."""
+        try:
+            await self._prober.home(self.travel("z"))
+        except BaseException:
+            self._rig.lock(["z"])
+            raise
+        self.offset_mm["z"] = self._offsets.home_mm["z"]
+        self._set({"z": self._at(Z) + self.offset_mm["z"]})
+
+    async def _by_switches(self, names: Sequence[str], *, everything: bool) -> None:
+        """Axes and arms at the same time, as far as they do not share a motor."""
         batch: list[_HomingAxis] = []
         with self._triggered.prepared():
-            for way in self._ways(names, everything=not letters.strip("O")):
+            for way in self._ways(names, everything=everything):
                 if any(way.steppers & other.steppers for other in batch):
                     await self._together(batch)
                     batch = []

@@ -296,6 +296,36 @@ class Prober:
                 await self._lift(end)
         return found
 
+    async def home(self, farthest_mm: float) -> None:
+        """Homes Z by the probe: rises, goes over `homing.z.probe_at_mm`, descends by at most
+        `farthest_mm` until the probe triggers, and measures that place as any other. X and Y are
+        homed. The nozzle ends at the start height. After an error Z is not where the plan has it.
+        Raises as `measure`."""
+        job, probe = self._rig.job, self.probe
+        if locked := [axis for axis in job.locked_axes if axis < Z]:
+            raise CommandError.of("input.not-homed", axis="XY"[locked[0]])
+        place = Place(*self._machine.probe_home_mm, "the homing place")
+        self._check_reach(place)
+        x, y = self.nozzle_at(place)
+        async with self._session():
+            job.set_axes([(Z, farthest_mm)])  # wherever it is: so high that it may go so far down
+            if not self._deployed and probe.travels_to_deploy:
+                await probe.deploy(self._head)
+            await self._head.move(probe.travel_mm_s, x=x, y=y)
+            if not self._deployed and not probe.travels_to_deploy:
+                await probe.deploy(self._head)
+            await probe.arm(self._head)
+            self._shift(await self._down(place, probe.fast_mm_s, near=False))
+            await probe.disarm(self._head)
+            await self._lift(probe.start_mm)
+            self._shift((await self._point(place)).trigger_z_mm)
+            await self._lift(probe.start_mm)
+
+    def _shift(self, trigger_z_mm: float) -> None:
+        """Z is counted such that the probe has triggered at its trigger height."""
+        by = self.trigger_height_mm - trigger_z_mm
+        self._rig.job.set_axes([(Z, self._head.z_mm + by)])
+
     async def samples(self, place: Place, count: int) -> list[float]:
         """The heights of so many measured descents to one place. Raises as `measure`."""
         self.check([place])
@@ -353,7 +383,8 @@ class Prober:
         await self.probe.disarm(self._head)
         return z
 
-    async def _down(self, place: Place, speed_mm_s: float) -> float:
+    async def _down(self, place: Place, speed_mm_s: float, *, near: bool = True) -> float:
+        """`near`: the descent begins at the start height, where a trigger is an error."""
         rig, probe = self._rig, self.probe
         if probe.settle_s > 0:
             await self._head.sleep(probe.settle_s)
@@ -361,7 +392,7 @@ class Prober:
         switch = self._switch
         finest = max(self._machine.steppers[s].steps_per_unit for s in switch.steppers)
 
-        low = self._low_mm(place)
+        low, start = self._low_mm(place), self._head.z_mm
 
         def move() -> None:
             rig.queue.move({Z: low}, speed_mm_s, Within.ANYTHING)
@@ -377,9 +408,12 @@ class Prober:
         self._interrupts.raise_if_interrupted()
         if lost:
             raise self._failure("probe.lost", place, "", "")
+        if not hit and not near:
+            far = f"{start - self._head.z_mm:.1f} mm"
+            raise self._failure("probe.home-missed", place, "", far)
         if not hit:
             raise self._failure("probe.missed", place, self._nozzle(), f"Z {low:g} mm")
-        if z > probe.start_mm - EARLY_MM:
+        if near and z > probe.start_mm - EARLY_MM:
             raise self._failure("probe.early", place, self._nozzle(), f"{EARLY_MM:g} mm")
         return z
 

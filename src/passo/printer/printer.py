@@ -103,6 +103,7 @@ class Printer:
         self._begin(connection, first=True)
         self.triggered = TriggeredMoves(rig, state)
         self.correction = BedCorrection(rig, lambda: bool(state.halted))
+        self.prober = Prober(rig, state, self.triggered, self.correction)
         self.homer = Homer(
             rig,
             state,
@@ -111,8 +112,8 @@ class Printer:
             self.triggered,
             self.correction,
             motors := LoneMotors(rig, state, self.triggered),
+            self.prober,
         )
-        self.prober = Prober(rig, state, self.triggered, self.correction)
         self.endstops = EndstopWatch(rig, state, self.triggered, self.stop_by_endstop)
         self.triggered.starts.append(self.endstops.pause)
         self.prompts = UserPrompts(state, self.beeper)

@@ -10,7 +10,7 @@ from pydantic import Field
 from passo.config.types import Model, Name, Pair, Pin, Positive, Speed
 from passo.errors import CommandError
 
-HeightOffset = Annotated[float, Field(ge=-20, le=20)]
+HeightOffset = Annotated[float, Field(ge=-30, le=30)]
 
 
 class Head(Protocol):
@@ -107,7 +107,7 @@ class SensingProbe(Probe):
     """The input of the probe, on any board. `!` inverts it, `^` asks for the pull-up."""
     trigger_height_mm: HeightOffset
     """The height of the nozzle above the bed at which the probe triggers."""
-    low_mm: Annotated[float, Field(ge=-10, le=10)] = -2.0
+    low_mm: Annotated[float, Field(ge=-40, le=10)] = -2.0
     """The lowest Z of the nozzle during a descent, whatever the probe does."""
     fast_mm_s: Speed = 5.0
     """The speed of the first descent to a point."""
