@@ -4,6 +4,7 @@
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make soak   memory over a day, in scaled time
 # make corpus DIR=...                print a folder of real files
+# make import DIR=...                import a folder of configurations of Klipper
 # make web    builds the page             make wheel  a wheel with the page, in dist/
 # make sizes  docs/reference/firmware.md: how large the firmware is
 # make reference  writes the generated pages of docs/reference/
@@ -28,7 +29,7 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo serve web wheel test check bench soak fuzz corpus sizes reference stub format clean
+.PHONY: demo serve web wheel test check bench soak fuzz corpus import sizes reference stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -89,6 +90,10 @@ soak: .venv/.built
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }
 	$(BIN)/python bench/corpus.py "$(DIR)"
+
+import: .venv/.built
+	@test -d "$(DIR)" || { echo "Say where the files are: make import DIR=..." >&2; exit 2; }
+	$(BIN)/python tools/import_folder.py "$(DIR)"
 
 sizes: .venv/.built
 	tools/debian.sh gcc-avr avr-libc gcc-arm-none-eabi

@@ -16,6 +16,7 @@ from passo.catalogue.driver import DRIVER
 from passo.catalogue.entry import Entry, ExitStatus
 from passo.catalogue.firmware import FIRMWARE
 from passo.catalogue.heat import HEAT
+from passo.catalogue.importing import IMPORT
 from passo.catalogue.input import INPUT
 from passo.catalogue.job import JOB
 from passo.catalogue.levelling import LEVELLING
@@ -30,6 +31,7 @@ __all__ = ["CATALOGUE", "Entry", "ExitStatus", "codes_of"]
 
 CATALOGUE: Mapping[str, Entry] = {
     **CONFIG,
+    **IMPORT,
     **INPUT,
     **CARD,
     **WEB,

@@ -61,7 +61,10 @@ def _paragraph(fact: KeyFacts) -> str:
     plain = [line.replace("`", "").replace("*", "").replace("\\|", "|") for line in lines]
     head, *rest = plain
     wrapped = [
-        textwrap.fill(line, _WIDTH, initial_indent="  ", subsequent_indent="  ") for line in rest
+        f"  {line}"
+        if line == _source(fact)  # a path stays on its line
+        else textwrap.fill(line, _WIDTH, initial_indent="  ", subsequent_indent="  ")
+        for line in rest
     ]
     return "\n".join([head, *wrapped])
 

@@ -14,7 +14,9 @@ import os
 import signal
 import sys
 from collections.abc import Sequence
+from keyword import iskeyword
 from pathlib import Path
+from typing import Any
 
 import passo
 from passo.errors import ExitStatus, PassoError, Problem
@@ -33,6 +35,7 @@ COMMANDS: dict[str, str] = {
     "machines": "list the machines that come with Passo",
     "firmware": "list boards, build and flash their firmware",
     "init": "make a machine file: ask about the printer, and write what was answered",
+    "import": "make a machine file from Klipper's printer.cfg, and report what became of each part",
     "check": "check a machine file and report everything that is wrong with it",
     "config": "explain a key of the machine file: meaning, value, and where it is set",
     "schema": "print the JSON Schema of the machine file, for editors",
@@ -52,8 +55,13 @@ def _parser(name: str | None) -> argparse.ArgumentParser:
             command, help=summary, description=sentence, allow_abbrev=False
         )
         if command == name:
-            importlib.import_module(f"passo.cli.{command}").add_arguments(subparser)
+            _module(command).add_arguments(subparser)
     return parser
+
+
+def _module(command: str) -> Any:
+    """The module of a subcommand. `import` is a keyword of Python, so its module has a `_`."""
+    return importlib.import_module(f"passo.cli.{command}{'_' if iskeyword(command) else ''}")
 
 
 def endings() -> list[signal.Signals]:
@@ -106,7 +114,7 @@ def _run(words: list[str]) -> int:
     name = next((word for word in words if not word.startswith("-")), None)
     try:
         arguments = _parser(name).parse_args(words)
-        status: int = importlib.import_module(f"passo.cli.{arguments.command}").run(arguments)
+        status: int = _module(arguments.command).run(arguments)
     except PassoError as error:
         for problem in error.problems:
             print(problem, file=sys.stderr)

@@ -12,14 +12,16 @@ from passo.gcode.registry import row_of
 # Commands that a macro may not replace: moves, which are planned without Python; commands that act
 # before their line's turn, or belong to the line protocol; commands that end a program or call its
 # parts; labels of objects, which are read ahead.
-_KEPT = (
-    "G0 G1 G2 G3 M2 M30 M98 M99 EOF M28 M29 M108 M110 M112 M410 M486 M876 M922 M932 M933 M999"
-    " RESTART FIRMWARE_RESTART SAVE_VARIABLE"
-    " EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE EXCLUDE_OBJECT_START EXCLUDE_OBJECT_END"
-    " SET_GCODE_VARIABLE UPDATE_DELAYED_GCODE"
-)
+# fmt: off
+KEPT = frozenset({
+    "G0", "G1", "G2", "G3", "M2", "M30", "M98", "M99", "EOF", "M28", "M29", "M108", "M110",
+    "M112", "M410", "M486", "M876", "M922", "M932", "M933", "M999", "RESTART",
+    "FIRMWARE_RESTART", "SAVE_VARIABLE", "EXCLUDE_OBJECT", "EXCLUDE_OBJECT_DEFINE",
+    "EXCLUDE_OBJECT_START", "EXCLUDE_OBJECT_END", "SET_GCODE_VARIABLE", "UPDATE_DELAYED_GCODE",
+})
+# fmt: on
 _LONGEST = 65_536  # characters of a template
-_LETTERED = re.compile(r"[GMT]\d")
+LETTERED = re.compile(r"[GMT]\d")
 
 
 def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
@@ -28,13 +30,13 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
     taken = dict.fromkeys(macros, "")
     for name, macro in macros.items():
         path = ("macros", name)
-        if name in _KEPT.split():
+        if name in KEPT:
             limit = "another name: moves, stops and the control of programs stay as they are"
             yield Finding("config.conflict", path, name, limit)
             continue
         yield from _check_template(path, macro)
         other = macro.get("rename_existing")
-        built_in = _built_in(name)
+        built_in = is_built_in(name)
         if other is None:
             if built_in:
                 limit = f"a name for the built-in {name}, by which the macro reaches it"
@@ -45,17 +47,18 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
             continue
         if not built_in:
             yield Finding("config.conflict", path, other, f"no such key: {name} is not built in")
-        elif other in taken or _built_in(other):
+        elif other in taken or is_built_in(other):
             yield Finding("config.conflict", path, other, "a name that no other command has")
-        elif bool(_LETTERED.match(other)) != bool(_LETTERED.match(name)):
-            shape = "a letter and a number" if _LETTERED.match(name) else "a word"
+        elif bool(LETTERED.match(other)) != bool(LETTERED.match(name)):
+            shape = "a letter and a number" if LETTERED.match(name) else "a word"
             yield Finding("config.value", path, other, f"{shape}, as {name} is")
         taken[other] = name
     for name, delayed in tables(data, "delayed_gcode"):
         yield from _check_template(("delayed_gcode", name), delayed)
 
 
-def _built_in(code: str) -> bool:
+def is_built_in(code: str) -> bool:
+    """Whether the code is a command of Passo."""
     return row_of("T" if re.fullmatch(r"T\d+", code) else code) is not None
 
 

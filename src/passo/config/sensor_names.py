@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
-from math import exp, log
 from typing import Any, NamedTuple, get_args
 
 from passo.config.findings import Finding, table, tables
 from passo.config.sensors import AnySensor
-from passo.config.thermistor import ZERO_C
+from passo.config.thermistor import Ntc
 
 _Values = Mapping[str, str | float]
 KINDS: tuple[str, ...] = tuple(
@@ -32,18 +31,11 @@ class NamedSensor(NamedTuple):
 
 
 def _points(name: str, *points: tuple[float, float]) -> NamedSensor:
-    """A thermistor by three points, °C and ohm: the coefficients of 1/T = A + B·x + C·x³ with x =
-    ln R, by Newton's divided differences."""
-    (y1, x1), (y2, x2), (y3, x3) = ((1 / (celsius + ZERO_C), log(ohm)) for celsius, ohm in points)
-    slope2, slope3 = (y2 - y1) / (x2 - x1), (y3 - y1) / (x3 - x1)
-    c = (slope3 - slope2) / ((x3 - x2) * (x1 + x2 + x3))
-    b = slope2 - c * (x1 * x1 + x1 * x2 + x2 * x2)
-    a = y1 - b * x1 - c * x1**3
-    x25 = x1
-    for _ in range(20):
-        x25 -= (a + b * x25 + c * x25**3 - 1 / (25 + ZERO_C)) / (b + 3 * c * x25 * x25)
+    """A thermistor by three points, °C and ohm."""
+    first, second, third = points
+    ntc = Ntc.through(first, second, third)
     data = ", ".join(f"{celsius:g} °C {ohm:g} Ω" for celsius, ohm in points)
-    values = _thermistor(_digits(exp(x25), 6), _digits(1 / b, 6), _digits(c, 6))
+    values = _thermistor(_digits(ntc.r25_ohm, 6), _digits(ntc.beta_k, 6), _digits(ntc.c_per_k, 6))
     return NamedSensor(name, values, data, "Klipper")
 
 
@@ -152,6 +144,11 @@ _BY_NAME: dict[str, _Values] = {
     **{_folded(sensor.name): sensor.values for sensor in NAMED},
     **{_folded(kind): {"kind": kind} for kind in KINDS},
 }
+
+
+def values_of(name: str) -> _Values | None:
+    """The values of a sensor by its name, as a machine file writes them; None if it has none."""
+    return _BY_NAME.get(_folded(name))
 
 
 def put_sensor_names(data: dict[str, Any]) -> Iterator[Finding]:

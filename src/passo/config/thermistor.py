@@ -19,6 +19,24 @@ class Ntc:
     beta_k: float
     c_per_k: float = 0.0
 
+    @classmethod
+    def through(
+        cls, first: tuple[float, float], second: tuple[float, float], third: tuple[float, float]
+    ) -> Ntc:
+        """The equation through three points, °C and ohm, with x = ln R, by Newton's divided
+        differences. Raises ZeroDivisionError of equal points."""
+        (y1, x1), (y2, x2), (y3, x3) = (
+            (1 / (celsius + ZERO_C), log(ohm)) for celsius, ohm in (first, second, third)
+        )
+        slope2, slope3 = (y2 - y1) / (x2 - x1), (y3 - y1) / (x3 - x1)
+        c = (slope3 - slope2) / ((x3 - x2) * (x1 + x2 + x3))
+        b = slope2 - c * (x1 * x1 + x1 * x2 + x2 * x2)
+        a = y1 - b * x1 - c * x1**3
+        x25 = x1
+        for _ in range(20):
+            x25 -= (a + b * x25 + c * x25**3 - 1 / _T25_K) / (b + 3 * c * x25 * x25)
+        return cls(exp(x25), 1 / b, c)
+
     def celsius(self, ohm: float) -> float:
         """Temperature at a resistance above 0. Raises ValueError if the equation has no
         solution."""

@@ -104,6 +104,7 @@ class Printer:
         self.triggered = TriggeredMoves(rig, state)
         self.correction = BedCorrection(rig, lambda: bool(state.halted))
         self.prober = Prober(rig, state, self.triggered, self.correction)
+        lone_motors = LoneMotors(rig, state, self.triggered)
         self.homer = Homer(
             rig,
             state,
@@ -111,7 +112,7 @@ class Printer:
             lambda: rig.commands.problem(),
             self.triggered,
             self.correction,
-            motors := LoneMotors(rig, state, self.triggered),
+            lone_motors,
             self.prober,
         )
         self.endstops = EndstopWatch(rig, state, self.triggered, self.stop_by_endstop)
@@ -151,7 +152,7 @@ class Printer:
                     self.prober,
                     self.correction,
                     self.triggered,
-                    motors,
+                    lone_motors,
                     self.z_endstops,
                 )
             )

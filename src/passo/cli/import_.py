@@ -1,0 +1,79 @@
+"""`passo import FILE`: a configuration of another firmware as a machine file."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.errors import ConfigError, ExitStatus, InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from passo.config.importing.draft import Remark
+    from passo.errors import Problem
+
+_HEADINGS = {"decide": "To decide", "changed": "Changed", "dropped": "Not taken over"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the arguments of `passo import`."""
+    parser.add_argument("file", metavar="FILE", help="Klipper's printer.cfg")
+    parser.add_argument(
+        "--output",
+        metavar="MACHINE.toml",
+        help="the file to make; default: the name of FILE, .toml",
+    )
+    parser.add_argument(
+        "--report", metavar="FILE", help="write the report there, not on the terminal"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Writes the machine file and prints the report. The status is 3 if the machine file still has
+    problems. Raises ConfigError if FILE cannot be imported, and InputError of outputs."""
+    from passo import config
+    from passo.config.importing.klipper import imported
+
+    source = Path(arguments.file)
+    output = Path(arguments.output or f"{source.stem}.toml")
+    if output.exists():
+        raise InputError.of("output.exists", str(output))
+    draft = imported(source)
+    text = draft.text(f"Made by `passo import` from {source.name}. Each value names its line.")
+    problems: Sequence[Problem] = ()
+    try:
+        config.load_text(text, str(output))
+    except ConfigError as error:
+        problems = error.problems
+    report = _report(draft.remarks, [str(problem) for problem in problems])
+    _write(output, text)
+    if arguments.report:
+        _write(Path(arguments.report), report)
+    else:
+        print(report, end="")
+    print(f"{output}: written, {len(draft.keys)} values.", end=" ")
+    following = "passo check" if problems else "passo serve --machine"
+    print(f"Next: {following} {output}")
+    return ExitStatus.BAD_CONFIG if problems else ExitStatus.DONE
+
+
+def _report(remarks: list[Remark], problems: list[str]) -> str:
+    lines: list[str] = []
+    for fate, heading in _HEADINGS.items():
+        found = [remark for remark in remarks if remark.fate == fate]
+        if found:
+            lines += [f"{heading}:", *(f"  {r.place}: {r.what}: {r.text}." for r in found), ""]
+    if problems:
+        lines += ["To correct in the machine file:", *(f"  {problem}" for problem in problems), ""]
+    return "\n".join(lines) + ("\n" if lines else "")
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        value = error.strerror or os.strerror(error.errno or 0)
+        raise InputError.of("output.unwritable", str(path), value=value) from None

@@ -1,0 +1,92 @@
+"""A machine file that is being made from another firmware's configuration, and the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from passo.config.machine_text import toml_value
+
+Value = str | float | int | bool | list["Value"] | dict[str, "Value"]
+KeyPath = tuple[str, ...]
+Fate = Literal["changed", "dropped", "decide"]
+
+
+class Place(NamedTuple):
+    """A line of the file that was read. A `default` is not in the file: the other firmware has that
+    value if the file does not give one, and the line is that of the section."""
+
+    file: str
+    line: int
+    default: bool = False
+
+    def __str__(self) -> str:
+        """`printer.cfg:12`, as comments and reports name it."""
+        return f"{self.file}:{self.line}{', default' if self.default else ''}"
+
+
+class Remark(NamedTuple):
+    """What became of a value that was not simply taken over: it was changed, it was dropped, or a
+    person has to decide. `what` names the section or the value, `text` says why and what it
+    means."""
+
+    fate: Fate
+    place: Place
+    what: str
+    text: str
+
+
+@dataclass
+class Draft:
+    """The keys of the machine file in the order in which they are written, each with its value and
+    the place that it came from (None if from nowhere), and the remarks of the report."""
+
+    keys: dict[KeyPath, tuple[Value, Place | None]] = field(
+        default_factory=dict[KeyPath, tuple[Value, Place | None]]
+    )
+    remarks: list[Remark] = field(default_factory=list[Remark])
+
+    def put(self, path: KeyPath, value: Value | None, place: Place | None) -> None:
+        """Sets a key; None leaves it to the default."""
+        if value is not None:
+            self.keys[path] = (value, place)
+
+    def changed(self, place: Place, what: str, text: str) -> None:
+        """Reports a value that the machine file has in another form."""
+        self.remarks.append(Remark("changed", place, what, text))
+
+    def dropped(self, place: Place, what: str, text: str) -> None:
+        """Reports a section or a value that the machine file does not have."""
+        self.remarks.append(Remark("dropped", place, what, text))
+
+    def decide(self, place: Place, what: str, text: str) -> None:
+        """Reports what only the owner of the printer can know."""
+        self.remarks.append(Remark("decide", place, what, text))
+
+    def text(self, head: str) -> str:
+        """The machine file: `head` as comments, then the keys by table. The end of each line names
+        the place that the value came from."""
+        lines = [f"# {line}".rstrip() for line in head.splitlines()]
+        tables: dict[KeyPath, list[str]] = {(): []}
+        for path, (value, place) in self.keys.items():
+            origin = f"  # {place}" if place else ""
+            written = _multiline(value) if isinstance(value, str) and "\n" in value else None
+            line = f"{_name(path[-1])} = {written or toml_value(value)}{origin}"
+            tables.setdefault(path[:-1], []).append(line)
+        for path, keys in tables.items():
+            lines += ["", f"[{'.'.join(map(_name, path))}]"] if path else [""]
+            lines += keys
+        return "\n".join(lines) + "\n"
+
+
+def _name(part: str) -> str:
+    """A part of a key: bare, or in quotes."""
+    bare = part.replace("_", "").replace("-", "")
+    return part if bare.isascii() and bare.isalnum() else toml_value(part)
+
+
+def _multiline(text: str) -> str:
+    """A text over several lines as TOML."""
+    if "'''" in text or any(ord(c) < 32 and c not in "\n\t" for c in text):
+        return toml_value(text)
+    return f"'''\n{text}'''"

@@ -1,0 +1,145 @@
+"""The probe and the mesh."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.importing.klipper.cfg import Section, bad
+
+if TYPE_CHECKING:
+    from passo.config.importing.klipper.conversion import Import
+
+_START_MM, _LOW_MM = 10.0, -2.0  # of a descent, if nothing asks for others
+_ABOVE_MM, _BELOW_MM = 5.0, 2.0  # of the height at which the probe triggers
+_DESCENT_S = 19.0  # a longer one is refused
+_SAMPLES = {"average": "mean", "median": "median"}
+
+
+def put_probe(job: Import) -> None:
+    """[probe] or [bltouch]. Sets `job.probe_pin`, by which Z may be homed. Raises ConfigError."""
+    for name in ("probe", "bltouch"):
+        section = job.config.get(name)
+        if section is not None:
+            _put_probe(job, section)
+
+
+def _put_probe(job: Import, section: Section) -> None:
+    touch = section.name == "bltouch"
+    option = "sensor_pin" if touch else "pin"
+    pin = job.pins.of(section, option)
+    if pin is None:
+        return
+    job.used.add(section.name)
+    put, path = job.draft.put, ("probe",)
+    height = section.number("z_offset", 0.0) or 0.0
+    job.probe_pin = pin
+    put((*path, "kind"), section.name if touch else "fixed", section.place)
+    put((*path, "pin"), pin, section.at(option))
+    if touch:
+        _put_touch(job, section)
+    offset = [section.number(f"{axis}_offset", 0.0) or 0.0 for axis in "xy"]
+    job.probe_offset = offset[0], offset[1]
+    put((*path, "offset_mm"), [*offset], section.at("x_offset"))
+    put((*path, "trigger_height_mm"), height, section.at("z_offset"))
+    speed = section.number("speed", 5.0) or 5.0
+    low = round(min(_LOW_MM, height - _BELOW_MM), 3)
+    start = round(max(height + _ABOVE_MM, min(_START_MM, low + _DESCENT_S * speed)), 3)
+    put((*path, "low_mm"), low if low != _LOW_MM else None, None)
+    put((*path, "start_mm"), start if start != _START_MM else None, None)
+    put((*path, "fast_mm_s"), speed, section.at("speed"))
+    put((*path, "slow_mm_s"), speed, section.at("speed"))
+    put((*path, "lift_mm_s"), section.number("lift_speed", speed), section.at("lift_speed"))
+    put(
+        (*path, "retract_mm"),
+        section.number("sample_retract_dist", 2.0),
+        section.at("sample_retract_dist"),
+    )
+    samples = section.number("samples", 1)
+    put((*path, "samples"), int(samples or 1), section.at("samples"))
+    result = section.text("samples_result", "average").lower()
+    if result not in _SAMPLES:
+        key = "samples_result in [probe]"
+        raise bad(section.at("samples_result"), key, result, "median or average")
+    put((*path, "result"), _SAMPLES[result], section.at("samples_result"))
+    tolerance = section.number("samples_tolerance", 0.1)
+    put((*path, "tolerance_mm"), tolerance, section.at("samples_tolerance"))
+    retries = section.number("samples_tolerance_retries", 0)
+    put((*path, "retries"), int(retries or 0), section.at("samples_tolerance_retries"))
+    for name in ("activate_gcode", "deactivate_gcode"):
+        if name in section.options:
+            section.used.add(name)
+            text = "a probe that is fetched or turned: set [probe] kind by hand"
+            job.draft.decide(section.at(name), f"[probe] {name}", text)
+
+
+def _put_touch(job: Import, section: Section) -> None:
+    """What a BLTouch has beyond other probes."""
+    put, path = job.draft.put, ("probe",)
+    control = section.option("control_pin")
+    if control is None:
+        raise bad(section.place, "control_pin in [bltouch]", "missing", "a pin of a board")
+    put((*path, "control_pin"), job.pins.pin(section, "control_pin", control), control.place)
+    for option, key, usual in (
+        ("probe_with_touch_mode", "touch_mode", False),
+        ("pin_up_touch_mode_reports_triggered", "verify", True),
+    ):
+        value = section.flag(option, usual)
+        put((*path, key), value if value != usual else None, section.at(option))
+    output = section.text("set_output_mode").lower()
+    put((*path, "output"), output or None, section.at("set_output_mode"))
+    section.used |= {"stow_on_each_sample", "pin_move_time"}
+
+
+def put_mesh(job: Import) -> None:
+    """[bed_mesh], after the axes, within what the probe reaches. Raises ConfigError."""
+    section = job.config.get("bed_mesh")
+    if section is None or job.probe_pin is None:
+        return
+    put, path = job.draft.put, ("levelling",)
+    corners = [pair(section, name) for name in ("mesh_min", "mesh_max")]
+    if None in corners:
+        job.draft.decide(section.place, "[bed_mesh]", "a round mesh: choose [levelling] by hand")
+        job.used.add(section.name)
+        section.used.update(section.options)
+        return
+    job.used.add(section.name)
+    put((*path, "method"), "mesh", section.place)
+    written = [value for corner in corners if corner is not None for value in corner]
+    area = [*_reached(job, written[:2]), *_reached(job, written[2:])]
+    put((*path, "area"), [*area], section.at("mesh_min"))
+    if area != written:
+        text = "the probe does not get so far: the area is smaller"
+        job.draft.changed(section.at("mesh_max"), "[bed_mesh] mesh_min, mesh_max", text)
+    count = pair(section, "probe_count") or (3.0, 3.0)
+    put((*path, "count"), [int(value) for value in count], section.at("probe_count"))
+    algorithm = section.text("algorithm", "lagrange").lower()
+    smooth = "bicubic" if algorithm == "bicubic" else "bilinear"
+    put((*path, "interpolation"), smooth, section.at("algorithm"))
+    if algorithm == "lagrange" and max(count) > 3:
+        text = "Passo has no Lagrange surface: the mesh is bicubic"
+        put((*path, "interpolation"), "bicubic", section.at("algorithm"))
+        job.draft.changed(section.at("algorithm"), "[bed_mesh] algorithm", text)
+
+
+def _reached(job: Import, corner: list[float]) -> list[float]:
+    """The nearest place to a corner where the probe is over the bed."""
+    place: list[float] = []
+    for axis, offset, at in zip("xy", job.probe_offset, corner, strict=True):
+        low, high = (
+            float(str(job.draft.keys["axes", axis, key][0])) for key in ("min_mm", "max_mm")
+        )
+        place.append(min(max(at, low, low + offset), high, high + offset))
+    return place
+
+
+def pair(section: Section, name: str) -> tuple[float, float] | None:
+    """Two numbers with a comma, or one that counts twice. Raises ConfigError."""
+    found = section.option(name)
+    if found is None:
+        return None
+    parts = [part.strip() for part in found.text.split(",")]
+    try:
+        values = [float(part) for part in parts]
+    except ValueError:
+        raise bad(found.place, f"{name} in [{section.name}]", found.text, "two numbers") from None
+    return (values[0], values[-1])

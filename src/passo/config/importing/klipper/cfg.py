@@ -1,0 +1,172 @@
+"""The text of a printer.cfg: sections of options, with included files and the block that
+SAVE_CONFIG writes. The syntax is that of Klipper's documentation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from passo.config.importing.draft import Place
+from passo.errors import ConfigError
+
+_HEADER = re.compile(r"\[([^\]]*)\]")
+_OPTION = re.compile(r"([^\s:=][^:=]*?)\s*[:=]\s?(.*)")
+_INLINE = re.compile(r"\s;.*")
+_SAVED = "#*#"
+_MAX_BYTES = 4 << 20  # of all files together
+_MAX_DEPTH = 20
+
+
+@dataclass
+class Option:
+    """A value as it is written, without comments, and its place."""
+
+    text: str
+    place: Place
+
+
+@dataclass
+class Section:
+    """A section: its name, its place, its options by name in lower case, and the names of the
+    options that were read."""
+
+    name: str
+    place: Place
+    options: dict[str, Option] = field(default_factory=dict[str, Option])
+    used: set[str] = field(default_factory=set[str])
+
+    @property
+    def kind(self) -> str:
+        """The first word of the name: `heater_fan`."""
+        return self.name.split(maxsplit=1)[0]
+
+    @property
+    def rest(self) -> str:
+        """What follows the first word of the name; empty if nothing does."""
+        return self.name.partition(" ")[2].strip()
+
+    def option(self, name: str) -> Option | None:
+        """An option, which counts as read."""
+        self.used.add(name)
+        return self.options.get(name)
+
+    def text(self, name: str, default: str = "") -> str:
+        """The text of an option."""
+        found = self.option(name)
+        return default if found is None else found.text
+
+    def number(self, name: str, default: float | None = None) -> float | None:
+        """The number of an option; `default` if there is none. Raises ConfigError."""
+        found = self.option(name)
+        if found is None or not found.text:
+            return default
+        try:
+            return float(found.text)
+        except ValueError:
+            raise bad(found.place, f"{name} in [{self.name}]", found.text, "a number") from None
+
+    def flag(self, name: str, default: bool) -> bool:
+        """Whether an option is true."""
+        return self.text(name, str(default)).lower() in ("true", "yes", "on", "1")
+
+    def at(self, name: str) -> Place:
+        """The place of an option, or of its default if the section does not have it."""
+        found = self.options.get(name)
+        return self.place._replace(default=True) if found is None else found.place
+
+
+def bad(place: Place, key: str, value: str, limit: str) -> ConfigError:
+    """The error of a value that the file cannot mean."""
+    return ConfigError.of("config.value", place.file, place.line, key=key, value=value, limit=limit)
+
+
+class Config:
+    """All sections of a printer.cfg, in the order of the files. Options of a section that comes
+    twice are merged; the last one wins. Raises ConfigError with file and line."""
+
+    def __init__(self, path: Path) -> None:
+        self.sections: dict[str, Section] = {}
+        self.comments: list[str] = []
+        self._bytes = 0
+        self._read(path, ())
+
+    def of(self, kind: str) -> list[Section]:
+        """The sections whose names start with this word."""
+        return [section for section in self.sections.values() if section.kind == kind]
+
+    def get(self, name: str) -> Section | None:
+        """The section of this name."""
+        return self.sections.get(name)
+
+    def _read(self, path: Path, within: tuple[Path, ...]) -> None:
+        real = path.resolve()
+        if real in within or len(within) == _MAX_DEPTH:
+            chain = " → ".join(one.name for one in (*within, real))
+            raise ConfigError.of("import.include", str(path), value=chain)
+        try:
+            if not path.is_file():
+                raise IsADirectoryError(21, "not a file")
+            raw = path.read_bytes()
+        except OSError as error:
+            raise ConfigError.of(
+                "config.unreadable", str(path), value=error.strerror or str(error)
+            ) from None
+        self._bytes += len(raw)
+        if self._bytes > _MAX_BYTES:
+            raise ConfigError.of("import.size", str(path), limit=_MAX_BYTES)
+        text = raw.decode("utf-8-sig", errors="replace")
+        plain, _, saved = text.partition(f"\n{_SAVED}")
+        self._take(plain, path, within, 1)
+        lines = [line.removeprefix(_SAVED).removeprefix(" ") for line in saved.splitlines()]
+        body = [line if re.match(r"\[|\s|[^\s:=]+\s*[:=]", line) else "" for line in lines]
+        self._take("\n".join(body), path, within, plain.count("\n") + 2)
+
+    def _take(self, text: str, path: Path, within: tuple[Path, ...], first: int) -> None:
+        section: Section | None = None
+        option: Option | None = None
+        for number, line in enumerate(text.splitlines(), first):
+            place = Place(path.name, number)
+            content, _, comment = line.partition("#")
+            self.comments += [comment] if comment else []
+            content = _INLINE.sub("", content).rstrip()
+            if not content or content.startswith(";"):
+                continue
+            if content[0].isspace():
+                if option is not None:
+                    option.text = f"{option.text}\n{content.strip()}".lstrip("\n")
+                continue
+            option = None
+            if header := _HEADER.match(content):
+                section = self._section(header[1], place, path, within)
+            elif section is None or (found := _OPTION.fullmatch(content)) is None:
+                raise ConfigError.of("import.line", str(path), number, value=content[:60])
+            else:
+                option = Option(found[2].strip(), place)
+                section.options[found[1].strip().lower()] = option
+
+    def _section(
+        self, written: str, place: Place, path: Path, within: tuple[Path, ...]
+    ) -> Section | None:
+        name = " ".join(written.split())
+        if name.startswith("include "):
+            for file in _included(path, name.partition(" ")[2], place):
+                self._read(file, (*within, path.resolve()))
+            return None
+        return self.sections.setdefault(name, Section(name, place))
+
+
+def _included(path: Path, pattern: str, place: Place) -> Iterator[Path]:
+    """The files of an include. A pattern may match none; a plain name must exist."""
+    wild = any(mark in pattern for mark in "*?[")
+    try:
+        files = sorted(path.parent.glob(pattern)) if wild else [path.parent / pattern]
+    except (ValueError, NotImplementedError):  # an absolute path
+        files = [Path(pattern)]
+    for file in files:
+        if not file.is_file() and not wild:
+            raise ConfigError.of(
+                "import.missing", place.file, place.line, value=pattern, limit=str(path.parent)
+            )
+        yield file

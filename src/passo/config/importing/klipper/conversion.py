@@ -1,0 +1,60 @@
+"""A conversion in progress, which the parts of a configuration share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from passo.config.importing.draft import Draft
+from passo.config.importing.klipper.cfg import Config, Section
+from passo.config.importing.klipper.pins import Pins
+from passo.errors import ConfigError
+
+
+@dataclass
+class Import:
+    """What is read, what is made, and what parts have found out for each other."""
+
+    config: Config
+    draft: Draft
+    pins: Pins
+    used: set[str] = field(default_factory=set[str])
+    heaters: dict[str, str] = field(default_factory=dict[str, str])
+    probe_pin: str | None = None
+    probe_offset: tuple[float, float] = (0.0, 0.0)
+    fan_numbers: int = 0
+
+    @property
+    def motors(self) -> list[str]:
+        """The motors of the draft, in order."""
+        return [
+            path[1] for path in self.draft.keys if path[0] == "steppers" and path[2] == "step_pin"
+        ]
+
+    def required(self, name: str) -> Section:
+        """A section that Klipper needs, which counts as read. Raises ConfigError."""
+        section = self.config.get(name)
+        if section is None:
+            raise ConfigError.of("import.section", value=name)
+        self.used.add(name)
+        return section
+
+    def heater(self, section: Section, option: str, name: str) -> str:
+        """The heater of the machine file by its name in the configuration. Raises ConfigError."""
+        if name not in self.heaters:
+            place, key = section.at(option), f"{option} in [{section.name}]"
+            raise ConfigError.of(
+                "config.value", place.file, place.line, key=key, value=name, limit="a heater"
+            )
+        return self.heaters[name]
+
+    def motor(self, section: Section, name: str) -> str:
+        """The motor of the machine file by its name in the configuration. Raises ConfigError."""
+        motors, found = self.motors, self.config.get(name)
+        step = self.pins.of(found, "step_pin") if found else None
+        for motor in motors:
+            if step is not None and self.draft.keys["steppers", motor, "step_pin"][0] == step:
+                return motor
+        place, key = section.at("stepper"), f"stepper in [{section.name}]"
+        raise ConfigError.of(
+            "config.value", place.file, place.line, key=key, value=name, limit="a motor"
+        )

@@ -1,0 +1,271 @@
+"""Heaters, their sensors and protections, and fans."""
+
+from __future__ import annotations
+
+from math import exp, log
+from typing import TYPE_CHECKING, Any
+
+from passo.config.importing.klipper.cfg import Section, bad
+from passo.config.importing.klipper.pins import plain_name
+from passo.config.sensor_names import values_of
+from passo.config.thermistor import ZERO_C, Ntc
+from passo.errors import ConfigError
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.klipper.conversion import Import
+
+_PLATINUM = {"pt1000": "pt1000", "pt100": "pt100"}
+_AMPLIFIERS = {"AD595": "ad595", "AD8494": None, "AD8495": "ad8495", "AD8496": None, "AD8497": None}
+_CONVERTERS = {
+    "MAX6675": "max6675",
+    "MAX31855": "max31855",
+    "MAX31856": "max31856",
+    "MAX31865": "max31865",
+}
+_FASTEST_HZ = 200.0  # what boards of 16 MHz and more do
+_SPI = {
+    "spi_software_sclk_pin": "clock_pin",
+    "spi_software_miso_pin": "miso_pin",
+    "spi_software_mosi_pin": "mosi_pin",
+}
+_BY_HAND = "Passo switches it by no rule of its own: use M106 P with the fan's number, or a macro"
+
+
+def put_heat(job: Import) -> None:
+    """All heaters, then all fans. Raises ConfigError of a heater without a sensor or a maximum."""
+    for section in job.config.sections.values():
+        kind = section.kind
+        if kind.removeprefix("extruder").isdigit() or section.name == "extruder":
+            if "heater_pin" in section.options:
+                job.heaters[section.name] = f"hotend{kind.removeprefix('extruder')}"
+        elif section.name == "heater_bed":
+            job.heaters[section.name] = "bed"
+        elif kind == "heater_generic":
+            job.heaters[section.name] = job.heaters[section.rest] = plain_name(section.rest)
+    for name, heater in job.heaters.items():
+        section = job.config.get(name)
+        if section is not None:
+            _put_heater(job, section, heater)
+    _put_fans(job)
+    _put_tools(job)
+
+
+def _put_heater(job: Import, section: Section, name: str) -> None:
+    job.used.add(section.name)
+    path, put = ("heaters", name), job.draft.put
+    chamber = section.kind == "heater_generic"
+    kind = "chamber" if chamber else "bed" if name == "bed" else "hotend"
+    put((*path, "kind"), kind, section.place)
+    if chamber:
+        job.draft.changed(
+            section.place, f"[{section.name}]", "it obeys M141 and M191, as a chamber"
+        )
+    for option, key in (("heater_pin", "pin"), ("sensor_pin", "sensor_pin")):
+        pin, found = job.pins.of(section, option), section.options.get(option)
+        if found is None:
+            raise _needed(section, option)
+        if pin is None:
+            raise bad(found.place, f"{option} in [{section.name}]", found.text, "a pin of a board")
+        put((*path, key), pin, found.place)
+    _put_sensor(job, section, path)
+    for option, key in (("min_temp", "min_c"), ("max_temp", "max_c")):
+        value = section.number(option)
+        if value is None:
+            raise _needed(section, option)
+        put((*path, key), value, section.at(option))
+    power = section.number("max_power")
+    put((*path, "max_power"), power, section.at("max_power"))
+    cycle = section.number("pwm_cycle_time")
+    if cycle:
+        put((*path, "pwm_hz"), max(4.0, 1 / cycle), section.at("pwm_cycle_time"))
+    _put_control(job, section, path)
+    _put_protection(job, section, path)
+
+
+def _put_control(job: Import, section: Section, path: KeyPath) -> None:
+    put, control = job.draft.put, section.text("control")
+    place = section.at("control")
+    if control == "watermark":
+        put((*path, "control", "kind"), "bang-bang", place)
+        put(
+            (*path, "control", "hysteresis_c"),
+            section.number("max_delta", 2.0),
+            section.at("max_delta"),
+        )
+        return
+    put((*path, "control", "kind"), "pid", place)
+    if control == "pid":
+        for gain in ("kp", "ki", "kd"):
+            put((*path, "control", gain), section.number(f"pid_{gain}"), section.at(f"pid_{gain}"))
+        return
+    text = "run an autotune of the heater (M303), and store it with M500"
+    job.draft.decide(place, f"[{section.name}] control {control}", text)
+
+
+def _put_protection(job: Import, heater: Section, path: KeyPath) -> None:
+    section = job.config.get(f"verify_heater {heater.name}")
+    if section is None:
+        return
+    job.used.add(section.name)
+    put, keys = job.draft.put, (*path, "protection")
+    put((*keys, "watch_s"), section.number("check_gain_time"), section.at("check_gain_time"))
+    put((*keys, "watch_rise_c"), section.number("heating_gain"), section.at("heating_gain"))
+    put((*keys, "runaway_c"), section.number("hysteresis"), section.at("hysteresis"))
+    if "max_error" in section.options:
+        text = "Passo has a time in its place: a heater below its target for 40 s is a fault"
+        job.draft.changed(section.at("max_error"), f"[{section.name}] max_error", text)
+        section.used.add("max_error")
+
+
+def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
+    written, place = section.text("sensor_type"), section.at("sensor_type")
+    pullup = section.number("pullup_resistor", 4700.0)
+    own = job.config.get(f"thermistor {written}")
+    keys: dict[str, Any]
+    if own is not None:
+        job.used.add(own.name)
+        ntc = _own_thermistor(own)
+        keys = {"kind": "thermistor", "r25_ohm": ntc.r25_ohm, "beta_k": ntc.beta_k}
+        keys |= {"c_per_k": ntc.c_per_k, "pullup_ohm": pullup}
+    elif written.lower() in _PLATINUM:
+        keys = {"kind": _PLATINUM[written.lower()], "pullup_ohm": pullup}
+    elif _AMPLIFIERS.get(written):
+        keys = {"kind": _AMPLIFIERS[written]}
+    elif written in _CONVERTERS:
+        keys = {"kind": _CONVERTERS[written]}
+        for option, pin_key in _SPI.items():
+            pin = job.pins.of(section, option)
+            if pin is None:
+                limit = "three pins for the converter's bus: Passo does not use the chip's SPI unit"
+                key = f"{option} in [{section.name}]"
+                raise ConfigError.of(
+                    "config.missing-key", place.file, place.line, key=key, limit=limit
+                )
+            keys[pin_key] = pin
+        if "spi_bus" in section.options or "spi_speed" in section.options:
+            section.used |= {"spi_bus", "spi_speed"}
+    elif values_of(written) is not None:
+        keys = {"kind": written} | ({"pullup_ohm": pullup} if pullup != 4700.0 else {})
+    else:
+        key = f"sensor_type in [{section.name}]"
+        limit = "a sensor that Passo knows; docs/reference/sensors.md lists them"
+        raise bad(place, key, written, limit)
+    if keys.keys() == {"kind"} and values_of(written) is not None:
+        job.draft.put((*path, "sensor"), written, place)
+        return
+    for key, value in keys.items():
+        job.draft.put((*path, "sensor", key), value, place)
+
+
+def _own_thermistor(section: Section) -> Ntc:
+    """A [thermistor] by three points, or by one and β."""
+    beta = section.number("beta")
+    if beta is not None:
+        celsius, ohm = section.number("temperature1", 25.0), section.number("resistance1")
+        if celsius is None or ohm is None:
+            raise _needed(section, "resistance1")
+        return Ntc(ohm * exp(beta * (1 / (25.0 + ZERO_C) - 1 / (celsius + ZERO_C))), beta)
+    points: list[tuple[float, float]] = []
+    for index in "123":
+        celsius, ohm = (section.number(f"{what}{index}") for what in ("temperature", "resistance"))
+        if celsius is None or ohm is None or ohm <= 0:
+            raise _needed(section, f"resistance{index}")
+        points.append((celsius, ohm))
+    try:
+        ntc = Ntc.through(points[0], points[1], points[2])
+        if ntc.c_per_k >= 0:
+            return ntc
+        # Points that are rounded may bend the other way, by next to nothing: the outer two count.
+        (low_c, low_ohm), _, (high_c, high_ohm) = sorted(points)
+        inverse = 1 / (low_c + ZERO_C) - 1 / (high_c + ZERO_C)
+        beta = log(low_ohm / high_ohm) / inverse
+        r25 = low_ohm * exp(beta * (1 / (25.0 + ZERO_C) - 1 / (low_c + ZERO_C)))
+        return Ntc(r25, beta)
+    except (ValueError, ZeroDivisionError, OverflowError):
+        key = f"[{section.name}]"
+        raise bad(section.place, key, str(points), "points of one falling curve") from None
+
+
+def _put_fans(job: Import) -> None:
+    used = set[str]()
+    for section in job.config.sections.values():
+        kind, name = section.kind, plain_name(section.rest or section.kind)
+        if kind not in ("fan", "heater_fan", "controller_fan", "fan_generic", "temperature_fan"):
+            continue
+        job.used.add(section.name)
+        pin = job.pins.of(section, "pin")
+        if pin is None:
+            job.draft.dropped(section.place, f"[{section.name}]", "it has no pin that Passo drives")
+            continue
+        name = "part" if section.name == "fan" else name
+        while name in used:
+            name += "_2"
+        used.add(name)
+        _put_fan(job, section, ("fans", name), pin)
+
+
+def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
+    put, kind = job.draft.put, section.kind
+    put((*path, "pin"), pin, section.at("pin"))
+    power = section.number("max_power", 1.0) or 1.0
+    if kind in ("heater_fan", "controller_fan"):
+        power *= section.number("fan_speed", 1.0) or 1.0
+    put((*path, "max_power"), power if power < 1.0 else None, section.at("max_power"))
+    off = section.number("off_below", 0.0)
+    put((*path, "off_below"), off or None, section.at("off_below"))
+    kick = section.number("kick_start_time", 0.1)
+    if kind not in ("heater_fan", "controller_fan"):  # they start with their full power anyway
+        put((*path, "kick_start_s"), kick, section.at("kick_start_time"))
+    cycle = section.number("cycle_time")
+    if cycle:
+        wanted, place = 1 / cycle, section.at("cycle_time")
+        put((*path, "pwm_hz"), min(_FASTEST_HZ, max(1.0, wanted)), place)
+        if wanted > _FASTEST_HZ:
+            text = f"boards pulse a fan in software, {_FASTEST_HZ:g} times a second at most"
+            job.draft.changed(place, f"[{section.name}] cycle_time", text)
+    if kind == "heater_fan":
+        heaters = [h.strip() for h in section.text("heater", "extruder").split(",")]
+        put((*path, "follows"), job.heater(section, "heater", heaters[0]), section.at("heater"))
+        put((*path, "above_c"), section.number("heater_temp", 50.0), section.at("heater_temp"))
+        if heaters[1:]:
+            text = f"a fan follows one heater: it follows {heaters[0]} alone"
+            job.draft.changed(section.at("heater"), f"[{section.name}] heater", text)
+    elif kind == "controller_fan":
+        given = [s.strip() for s in section.text("stepper").split(",") if s.strip()]
+        motors = [job.motor(section, one) for one in given] or job.motors
+        put((*path, "follows_motors"), [*motors], section.at("stepper"))
+        stays = section.number("idle_timeout", 30.0)
+        put((*path, "stays_on_s"), stays, section.at("idle_timeout"))
+        if "heater" in section.options:
+            section.used.add("heater")
+            text = "the fan runs with the motors alone, not with heaters"
+            job.draft.changed(section.at("heater"), f"[{section.name}] heater", text)
+    elif kind == "temperature_fan":
+        job.draft.decide(section.place, f"[{section.name}]", _BY_HAND)
+        section.used.update(section.options)
+    if kind in ("fan_generic", "temperature_fan"):
+        job.fan_numbers += 1
+        put((*path, "number"), job.fan_numbers, section.place)
+        text = f"M106 P{job.fan_numbers} sets it"
+        job.draft.changed(section.place, f"[{section.name}]", text)
+
+
+def _put_tools(job: Import) -> None:
+    """A tool for each extruder, when there are several."""
+    extruders = [name for name in job.motors if name.startswith("e")]
+    if len(extruders) < 2:
+        return
+    tools: list[Any] = []
+    for name in extruders:
+        heater = f"hotend{name[1:]}"
+        tools.append(
+            {"extruder": name} | ({"heater": heater} if heater in job.heaters.values() else {})
+        )
+    job.draft.put(("tools",), tools, None)
+
+
+def _needed(section: Section, name: str) -> ConfigError:
+    place, key = section.place, f"{name} in [{section.name}]"
+    limit = "a value, without which the heater is not safe"
+    return ConfigError.of("config.missing-key", place.file, place.line, key=key, limit=limit)

@@ -1,0 +1,95 @@
+"""A printer.cfg as a draft of a machine file."""
+
+from __future__ import annotations
+
+import uuid
+from pathlib import Path
+
+from passo.config.importing.draft import Draft
+from passo.config.importing.klipper.bed import put_mesh, put_probe
+from passo.config.importing.klipper.cfg import Config
+from passo.config.importing.klipper.conversion import Import
+from passo.config.importing.klipper.heat import put_heat
+from passo.config.importing.klipper.macros import put_macros
+from passo.config.importing.klipper.motion import put_motion
+from passo.config.importing.klipper.others import OPTIONS, OTHERS
+from passo.config.importing.klipper.pins import MAIN, Pins, clock_hz, plain_name
+
+_NAMES = uuid.UUID("6d6a3f0e-5a0c-5a5d-8f3e-3a4d1f6c2b11")
+_BAUD = 250_000
+# Options that say what Passo finds out by itself, or that have no meaning here.
+_SILENT = {
+    "printer": {"max_accel_to_decel"},
+    MAIN: {"restart_method", "max_stepper_error"},
+}
+
+
+def imported(path: Path) -> Draft:
+    """The machine file of a printer.cfg, with remarks. Raises ConfigError of a file that cannot be
+    read, of a kind of machine that Passo does not have, and of values that would be dangerous."""
+    config, draft = Config(path), Draft()
+    job = Import(config, draft, Pins(config, draft))
+    name = plain_name(path.stem)
+    draft.put(("name",), name, None)
+    draft.put(("uuid",), str(uuid.uuid5(_NAMES, str(path.resolve()))), None)
+    draft.put(("author",), "passo import", None)
+    draft.put(("description",), f"From {path.name}", None)
+    put_probe(job)
+    probe = [key for key in draft.keys if key[0] == "probe"]
+    put_motion(job)
+    put_heat(job)
+    for key in probe:  # after what moves and heats, as in other machine files
+        draft.keys[key] = draft.keys.pop(key)
+    put_mesh(job)
+    _put_boards(job)
+    put_macros(job)
+    _remark_on_the_rest(job)
+    return draft
+
+
+def _put_boards(job: Import) -> None:
+    draft = job.draft
+    hz = clock_hz(job.config.comments)
+    for section in job.config.of(MAIN):
+        job.used.add(section.name)
+        board = job.pins.further.get(section.rest, "")
+        path = ("boards", board) if board else ("board",)
+        draft.put((*path, "base"), "klipper", section.place)
+        port = section.option("serial")
+        if port is not None:
+            draft.put((*path, "link"), "serial", port.place)
+            draft.put((*path, "port"), port.text, port.place)
+            baud = section.number("baud", _BAUD)
+            draft.put((*path, "baud"), int(baud or _BAUD), section.at("baud"))
+        else:
+            text = "Passo reaches a board over a serial port or TCP: set link and port by hand"
+            draft.decide(section.place, f"[{section.name}]", text)
+            section.used.update(section.options)
+        if hz is None:
+            hz = 16_000_000
+            text = "the chip is not named: set clock_hz of the board, or its dictionary"
+            draft.decide(section.place, f"[{section.name}]", text)
+        draft.put((*path, "clock_hz"), hz, None)
+
+
+def _remark_on_the_rest(job: Import) -> None:
+    """Reports the sections and the options that nothing has read."""
+    for name, section in job.config.sections.items():
+        if name in job.used or section.kind == "board_pins":
+            for option, found in section.options.items():
+                known = _SILENT.get(section.kind, set[str]())
+                if (
+                    option not in section.used
+                    and option not in known
+                    and section.kind != "board_pins"
+                ):
+                    text = OPTIONS.get(option, "Passo has no such setting")
+                    job.draft.dropped(found.place, f"[{name}] {option}", text)
+            continue
+        other = OTHERS.get(section.kind)
+        if other is None:
+            job.draft.dropped(section.place, f"[{name}]", "Passo does not have this part")
+        elif other.lost:
+            job.draft.dropped(section.place, f"[{name}]", other.text)
+        else:
+            job.draft.changed(section.place, f"[{name}]", other.text)

@@ -1,0 +1,105 @@
+"""[gcode_macro] and [delayed_gcode]: their templates are in the language that Passo reads, too."""
+
+from __future__ import annotations
+
+import ast
+import re
+from typing import TYPE_CHECKING, cast
+
+from passo.config.importing.klipper.pins import plain_name
+from passo.config.macro_checks import KEPT, LETTERED, is_built_in
+from passo.config.types import COMMAND, VARIABLE
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import Value
+    from passo.config.importing.klipper.cfg import Section
+    from passo.config.importing.klipper.conversion import Import
+
+_FREE = 9000  # numbers of codes that no firmware has
+
+
+def put_macros(job: Import) -> None:
+    """All macros."""
+    for section in job.config.of("gcode_macro"):
+        _put_macro(job, section)
+    for section in job.config.of("delayed_gcode"):
+        job.used.add(section.name)
+        path, put = ("delayed_gcode", plain_name(section.rest)), job.draft.put
+        put((*path, "gcode"), section.text("gcode"), section.at("gcode"))
+        after = section.number("initial_duration", 0.0)
+        put((*path, "initial_duration_s"), after, section.at("initial_duration"))
+
+
+def _put_macro(job: Import, section: Section) -> None:
+    job.used.add(section.name)
+    name, put = section.rest.upper(), job.draft.put
+    if not re.fullmatch(COMMAND, name) or name in KEPT:
+        text = f"a macro of Passo cannot have the name {name}"
+        job.draft.dropped(section.place, f"[{section.name}]", text)
+        section.used.update(section.options)
+        return
+    path = ("macros", name)
+    put((*path, "gcode"), section.text("gcode"), section.at("gcode"))
+    put((*path, "description"), section.text("description") or None, section.at("description"))
+    put((*path, "rename_existing"), _renamed(job, section, name), section.at("rename_existing"))
+    for option, found in section.options.items():
+        if not option.startswith("variable_"):
+            continue
+        section.used.add(option)
+        variable = option.removeprefix("variable_")
+        value = _literal(found.text)
+        if value is None or not re.fullmatch(VARIABLE, variable):
+            text = f"{found.text} is not a value that a variable can have"
+            job.draft.dropped(found.place, f"[{section.name}] {option}", text)
+            continue
+        put((*path, "variables", variable), value, found.place)
+
+
+def _renamed(job: Import, section: Section, name: str) -> str | None:
+    """The name that a built-in command has for a macro in its place; None where there is none."""
+    written = section.text("rename_existing").upper()
+    place, what = section.at("rename_existing"), f"[{section.name}] rename_existing {written}"
+    if not is_built_in(name):
+        if written:
+            job.draft.changed(place, what, f"Passo has no {name} that could be renamed")
+        return None
+    lettered = LETTERED.match(name)
+    fits = re.fullmatch(COMMAND, written) and bool(LETTERED.match(written)) == bool(lettered)
+    if fits and not is_built_in(written):
+        return written
+    number = name[1:].partition(".")[0]
+    letter = "M" if name[0] == "T" else name[0]  # each T and number is a tool
+    other = f"{letter}{_FREE + int(number)}" if lettered else f"BASE_{name}"
+    if written:
+        text = f"Passo cannot name a command so: it is {other}, also in the text of the macro"
+        job.draft.changed(place, what, text)
+        key = ("macros", name, "gcode")
+        gcode, origin = job.draft.keys[key]
+        pattern = rf"\b{re.escape(written)}\b"
+        gcode = re.sub(pattern, other, str(gcode), flags=re.IGNORECASE)
+        job.draft.keys[key] = gcode, origin
+    else:
+        text = f"it replaces a command of Passo, which the macro can reach as {other}"
+        job.draft.changed(section.place, f"[{section.name}]", text)
+    return other
+
+
+def _literal(text: str) -> Value | None:
+    """A Python literal as a value of TOML; None if it is not one."""
+    try:
+        value = ast.literal_eval(text)
+    except (ValueError, SyntaxError, MemoryError, RecursionError, TypeError):
+        return None
+    return _toml(value)
+
+
+def _toml(value: object) -> Value | None:
+    if isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, list | tuple):
+        items = [_toml(one) for one in cast("list[object]", value)]
+        return None if None in items else cast("list[Value]", items)
+    if isinstance(value, dict):
+        pairs = {str(k): _toml(v) for k, v in cast("dict[object, object]", value).items()}
+        return None if None in pairs.values() else cast("dict[str, Value]", pairs)
+    return None

@@ -1,0 +1,126 @@
+"""Pins of a printer.cfg as pins of a machine file, and its boards."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from passo.config.importing.klipper.cfg import Config, Option, Section, bad
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import Draft
+
+MAIN = "mcu"
+_ALIAS = re.compile(r"\s*([^\s=,]+)\s*=\s*([^\s,]+)\s*")
+_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_./-]*")
+# The clock that Klipper's firmware counts, in Hz, by the chip that the comments of a file name; the
+# first that is found. An RP2040 counts its oscillator.
+CLOCKS = (
+    ("rp2040", 12_000_000),
+    ("rp2350", 12_000_000),
+    ("stm32f0", 48_000_000),
+    ("stm32g0", 64_000_000),
+    ("stm32f103", 72_000_000),
+    ("stm32f2", 120_000_000),
+    ("stm32f401", 84_000_000),
+    ("stm32f405", 168_000_000),
+    ("stm32f407", 168_000_000),
+    ("stm32f429", 168_000_000),
+    ("stm32f446", 180_000_000),
+    ("stm32f765", 216_000_000),
+    ("stm32g4", 170_000_000),
+    ("stm32h723", 400_000_000),
+    ("stm32h743", 400_000_000),
+    ("stm32h7", 400_000_000),
+    ("lpc1768", 100_000_000),
+    ("lpc1769", 120_000_000),
+    ("lpc176", 100_000_000),
+    ("samd21", 48_000_000),
+    ("samd51", 120_000_000),
+    ("same54", 120_000_000),
+    ("sam3x", 84_000_000),
+    ("arduino due", 84_000_000),
+    ("sam4e", 120_000_000),
+    ("same70", 300_000_000),
+    ("beaglebone", 200_000_000),
+    ("at90usb1286", 16_000_000),
+    ("atmega644", 20_000_000),
+    ("atmega", 16_000_000),
+    ("avr", 16_000_000),
+)
+
+
+class Pins:
+    """The boards and pins of a configuration."""
+
+    def __init__(self, config: Config, draft: Draft) -> None:
+        self._draft = draft
+        self._boards = {MAIN: ""}
+        self._aliases: dict[tuple[str, str], str] = {}
+        for section in config.of(MAIN):
+            if section.rest:
+                self._boards[section.rest] = board_name(section.rest)
+        for section in config.of("board_pins"):
+            boards = [name.strip() for name in section.text("mcu", MAIN).split(",")]
+            names = [name for name in section.options if name.startswith("aliases")]
+            for name in names:
+                for alias, pin in _ALIAS.findall(section.text(name)):
+                    for board in boards:
+                        self._aliases[board, alias] = pin
+
+    @property
+    def further(self) -> dict[str, str]:
+        """The names of further boards in the machine file, by those of the configuration."""
+        return {name: board for name, board in self._boards.items() if name != MAIN}
+
+    def of(self, section: Section, name: str) -> str | None:
+        """The pin of an option as a machine file writes it; None if the section does not have the
+        option, or if it names no pin of a board: that is reported. Raises ConfigError."""
+        found = section.option(name)
+        return None if found is None else self.pin(section, name, found)
+
+    def pin(self, section: Section, name: str, found: Option) -> str | None:
+        """As `of`, of an option that was found."""
+        written = re.sub(r"\s+", "", found.text)
+        marks, body = re.fullmatch(r"([!^~]*)(.*)", written, re.DOTALL).groups()  # type: ignore[union-attr]
+        board, colon, rest = body.partition(":")
+        if not colon:
+            board, rest = MAIN, body
+        if board not in self._boards:
+            self._draft.dropped(
+                found.place,
+                f"[{section.name}] {name}",
+                f"{found.text} is a pin of {board}, which is not a board that Passo drives",
+            )
+            return None
+        pin = self._aliases.get((board, rest), rest)
+        if inner := re.match(r"[!^~]+", pin):
+            marks, pin = marks + inner[0], pin[inner.end() :]
+        if not _WORD.fullmatch(pin):
+            raise bad(found.place, f"{name} in [{section.name}]", found.text, "a pin of a board")
+        where = self._boards[board]
+        return f"{_marks(marks)}{where}:{pin}" if where else f"{_marks(marks)}{pin}"
+
+
+def board_name(name: str) -> str:
+    """The name of a further board in the machine file."""
+    return plain_name(name) if name[:1].isalpha() else f"board-{plain_name(name)}"
+
+
+def plain_name(name: str) -> str:
+    """A name of lower-case letters, digits, - and _."""
+    plain = re.sub(r"[^a-z0-9_-]+", "_", name.lower()).strip("_") or "part"
+    return plain if plain[0].isalpha() else f"n{plain}"
+
+
+def clock_hz(comments: list[str]) -> int | None:
+    """The clock of the chip that the comments name first in order of `CLOCKS`."""
+    text = "\n".join(comments).lower()
+    return next((hz for chip, hz in CLOCKS if chip in text), None)
+
+
+def _marks(marks: str) -> str:
+    """Each mark once; two `!` cancel each other."""
+    inverted = "!" if marks.count("!") % 2 else ""
+    pull = "^" if "^" in marks else "~" if "~" in marks else ""
+    return inverted + pull

@@ -1,0 +1,50 @@
+"""The reference page of what becomes of the sections of a printer.cfg."""
+
+from __future__ import annotations
+
+from passo.config.importing.klipper.others import OPTIONS, OTHERS
+
+_HEAD = """# What becomes of a printer.cfg
+
+Made from `src/passo/config/importing/klipper/`: [how to import a file](../how-to/move-from-klipper.md).
+A section that is in none of these tables is reported as *Passo does not have this part*.
+
+## Sections that become keys of the machine file
+
+| section | tables |
+|---|---|
+"""
+_TAKEN = (
+    ("printer", "`geometry`, `axes`, `limits`"),
+    ("stepper_x …, stepper_a …, stepper_z1 …", "`steppers`, `axes`, `homing`"),
+    ("extruder, extruder1 …", "`steppers`, `extruders`, `heaters`, `tools`"),
+    ("tmc2208, tmc2209, tmc2130, tmc5160", "`steppers.NAME.tmc`"),
+    ("heater_bed, heater_generic", "`heaters`; a heater_generic obeys M141, as a chamber"),
+    ("thermistor", "`heaters.NAME.sensor`"),
+    ("verify_heater", "`heaters.NAME.protection`"),
+    ("fan, heater_fan, controller_fan, fan_generic, temperature_fan", "`fans`"),
+    ("probe, bltouch, safe_z_home", "`probe`, `homing.z`"),
+    ("bed_mesh", "`levelling`"),
+    ("gcode_macro, delayed_gcode", "`macros`, `delayed_gcode`"),
+    ("mcu, board_pins", "`board`, `boards`; other names of pins become the pins"),
+)
+
+
+def reference() -> str:
+    """The page, in Markdown."""
+    lost = {name: other.text for name, other in OTHERS.items() if other.lost}
+    kept = {name: other.text for name, other in OTHERS.items() if not other.lost}
+    return (
+        _HEAD
+        + "".join(f"| {name} | {tables} |\n" for name, tables in _TAKEN)
+        + "\n## Sections that Passo needs no key for\n\n| section | in Passo |\n|---|---|\n"
+        + _rows(kept)
+        + "\n## Sections that are not taken over\n\n| section | what that means |\n|---|---|\n"
+        + _rows(lost)
+        + "\n## Options that are not taken over\n\n| option | what that means |\n|---|---|\n"
+        + _rows(OPTIONS)
+    )
+
+
+def _rows(texts: dict[str, str]) -> str:
+    return "".join(f"| {name} | {texts[name]} |\n" for name in sorted(texts))

@@ -1,0 +1,495 @@
+"""Klipper's printer.cfg becomes a machine file. The configurations here are our own."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.cli.main import main
+from passo.config.importing.klipper import imported
+from passo.errors import ConfigError
+
+BASE = """\
+# The board has an STM32F103.
+[stepper_x]
+step_pin: PC2
+dir_pin: !PB9
+enable_pin: !PC3
+microsteps: 16
+rotation_distance: 40
+endstop_pin: ^PA5
+position_endstop: 0
+position_max: 235
+homing_speed: 50
+[stepper_y]
+step_pin: PB8
+dir_pin: PB7
+enable_pin: !PC3
+microsteps: 32
+full_steps_per_rotation: 400
+gear_ratio: 80:20, 2:1
+rotation_distance: 40
+endstop_pin: ^!EXP1_3
+position_min: -5
+position_endstop: 230
+position_max: 230
+second_homing_speed: 3
+homing_retract_dist: 4
+[stepper_z]
+step_pin: PB6
+dir_pin: PB5
+enable_pin: !PC3
+microsteps: 16
+rotation_distance: 8
+endstop_pin: PA7
+position_endstop: 0.5
+position_max: 250
+step_pulse_duration: 0.000004
+[stepper_z1]
+step_pin: PD6
+dir_pin: PD5
+enable_pin: !PD3
+microsteps: 16
+rotation_distance: 8
+endstop_pin: PD7
+[extruder]
+step_pin: PB4
+dir_pin: PB3
+enable_pin: !PC3
+microsteps: 16
+rotation_distance: 34.4
+nozzle_diameter: 0.4
+filament_diameter: 1.75
+heater_pin: PA1
+sensor_type: mine
+sensor_pin: PC5
+control: pid
+pid_Kp: 21.5
+pid_Ki: 1.06
+pid_Kd: 109.0
+min_temp: 0
+max_temp: 250
+max_power: 0.8
+[thermistor mine]
+temperature1: 25
+resistance1: 100000
+temperature2: 150
+resistance2: 1641.9
+temperature3: 250
+resistance3: 226.15
+[verify_heater extruder]
+check_gain_time: 30
+heating_gain: 1.5
+hysteresis: 6
+max_error: 100
+[heater_bed]
+heater_pin: PA2
+sensor_type: NTC 100K MGB18-104F39050L32
+sensor_pin: PC4
+control: watermark
+max_delta: 1.5
+min_temp: 0
+max_temp: 130 ; as the plate allows
+[fan]
+pin: PA0
+kick_start_time: 0.3
+off_below: 0.1
+cycle_time: 0.02
+[heater_fan Hotend Fan]
+pin: PA8
+heater: extruder
+heater_temp: 45
+[controller_fan board]
+pin: PA9
+idle_timeout: 20
+stepper: stepper_x, stepper_z1
+[board_pins]
+aliases: EXP1_1=PB5, EXP1_3=PA6,
+  EXP1_9=<GND>
+[mcu]
+serial: /dev/ttyACM0
+[printer]
+kinematics: cartesian
+max_velocity: 300
+max_accel: 3000
+max_z_velocity: 5
+max_z_accel: 100
+square_corner_velocity: 8
+"""
+
+
+@pytest.fixture
+def load(tmp_path: Path):
+    """A function from a printer.cfg, which changes make of BASE, to its draft and its machine."""
+
+    def convert(*changes: tuple[str, str], text: str = BASE, more: str = ""):
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        path = tmp_path / "printer.cfg"
+        path.write_text(text + more, encoding="utf-8")
+        draft = imported(path)
+        return draft, config.load_text(draft.text("From a test."), "printer.toml")
+
+    return convert
+
+
+def remarks(draft, fate):
+    return [f"{r.place}: {r.what}: {r.text}" for r in draft.remarks if r.fate == fate]
+
+
+def test_axes_and_motors_have_the_values_of_the_file(load) -> None:
+    _, machine = load()
+    x, y, z = (machine.axes[name] for name in "xyz")
+    assert (x.min_mm, x.max_mm, x.speed_mm_s, x.accel_mm_s2) == (0.0, 235.0, 300.0, 3000.0)
+    assert (y.min_mm, y.max_mm) == (-5.0, 230.0)
+    assert (z.speed_mm_s, z.accel_mm_s2) == (5.0, 100.0)
+    motors = machine.steppers
+    assert motors["x"].steps_per_unit == 80.0
+    assert motors["y"].steps_per_unit == 400 * 32 * 8 / 40
+    assert (motors["x"].step_pin, motors["x"].direction_pin, motors["x"].invert) == (
+        "PC2",
+        "PB9",
+        True,
+    )
+    assert motors["z"].pulse_us == pytest.approx(4.0)
+    assert motors["z1"].enable_pin == "!PD3"
+
+
+def test_corner_speed_is_the_junction_deviation_of_klipper(load) -> None:
+    """Klipper's own formula: deviation = v² (√2 - 1) / a."""
+    draft, machine = load()
+    assert machine.limits.junction_deviation_mm == pytest.approx(
+        64 * (math.sqrt(2) - 1) / 3000, 1e-5
+    )
+    assert machine.limits.minimum_cruise_ratio == 0.5
+    assert any("square_corner_velocity" in text for text in remarks(draft, "changed"))
+
+
+def test_homing_has_side_speeds_and_a_switch_for_each_motor(load) -> None:
+    _, machine = load()
+    x, y, z = (machine.homing[name] for name in "xyz")
+    assert (x.direction, x.position, x.pin, x.fast, x.slow, x.retract) == (
+        "min",
+        0,
+        "^PA5",
+        50,
+        25,
+        5,
+    )
+    assert (y.direction, y.position, y.pin, y.fast, y.slow, y.retract) == (
+        "max",
+        230,
+        "!^PA6",
+        5,
+        3,
+        4,
+    )
+    assert z.stepper_pins == {"z": "PA7", "z1": "PD7"}
+
+
+def test_heaters_have_sensors_gains_limits_and_protections(load) -> None:
+    draft, machine = load()
+    hotend, bed = machine.heaters["hotend"], machine.heaters["bed"]
+    assert (hotend.pin, hotend.sensor_pin, hotend.max_c, hotend.max_power) == (
+        "PA1",
+        "PC5",
+        250,
+        0.8,
+    )
+    assert hotend.control.model_dump(include={"kp", "ki", "kd"}) == {
+        "kp": 21.5,
+        "ki": 1.06,
+        "kd": 109,
+    }
+    epcos = load((("sensor_type: mine"), "sensor_type: EPCOS 100K B57560G104F"))[1].heaters[
+        "hotend"
+    ]
+    assert hotend.sensor.r25_ohm == pytest.approx(epcos.sensor.r25_ohm, rel=1e-4)
+    assert hotend.sensor.beta_k == pytest.approx(epcos.sensor.beta_k, rel=1e-4)
+    protection = hotend.protection
+    assert (protection.watch_s, protection.watch_rise_c, protection.runaway_c) == (30, 1.5, 6)
+    assert any("max_error" in text for text in remarks(draft, "changed"))
+    assert (bed.control.kind, bed.control.hysteresis_c) == ("bang-bang", 1.5)
+    assert bed.max_c == 130
+
+
+def test_fans_of_each_kind(load) -> None:
+    more = "[fan_generic Chamber]\npin: PA10\n[temperature_fan rpi]\npin: PA11\nsensor_type: rpi\n"
+    draft, machine = load(more=more)
+    part, hot, board = (machine.fans[name] for name in ("part", "hotend_fan", "board"))
+    assert (part.pin, part.kick_start_s, part.off_below, part.pwm_hz) == ("PA0", 0.3, 0.1, 50)
+    assert (hot.follows, hot.above_c) == ("hotend", 45)
+    assert (board.follows_motors, board.stays_on_s) == (["x", "z1"], 20)
+    assert machine.fans["chamber"].number == 1
+    assert any("[temperature_fan rpi]" in text for text in remarks(draft, "decide"))
+
+
+def test_extruder_limits_follow_from_nozzle_and_filament(load) -> None:
+    """Klipper's default: four nozzles squared of plastic at the speed and acceleration of moves."""
+    _, machine = load()
+    ratio = 4 * 0.4**2 / (math.pi * 0.875**2)
+    assert machine.extruders["e"].speed_mm_s == pytest.approx(300 * ratio, rel=1e-5)
+    assert machine.extruders["e"].accel_mm_s2 == pytest.approx(3000 * ratio, rel=1e-5)
+
+
+def test_comments_name_line_file_and_default(load, tmp_path: Path) -> None:
+    draft, _ = load()
+    text = draft.text("From a test.")
+    assert "max_mm = 235.0  # printer.cfg:10\n" in text
+    assert "min_mm = 0.0  # printer.cfg:2, default\n" in text
+
+
+def test_board_has_port_baud_and_the_clock_of_its_chip(load) -> None:
+    _, machine = load()
+    board = machine.board
+    assert (board.base, board.link, board.port) == ("klipper", "serial", "/dev/ttyACM0")
+    assert (board.baud, board.clock_hz) == (250_000, 72_000_000)
+    draft, _ = load(("STM32F103", "secret chip"))
+    assert any("the chip is not named" in text for text in remarks(draft, "decide"))
+
+
+def test_pins_on_a_second_board(load) -> None:
+    more = "[mcu EBBCan]\nserial: /dev/ttyACM1\n"
+    _, machine = load(("pin: PA8", "pin: !EBBCan: PB3"), more=more)
+    assert machine.fans["hotend_fan"].pin == "!ebbcan:PB3"
+    assert machine.boards["ebbcan"].port == "/dev/ttyACM1"
+
+
+def test_drivers_have_currents_and_wires(load) -> None:
+    tmc = "uart_pin: PC11\nrun_current: 0.58\nstealthchop_threshold: 999999\nuart_address: 2\n"
+    spi = "cs_pin: PD1\nrun_current: 0.6\nhold_current: 0.4\n"
+    wires = "spi_software_sclk_pin: PD2\nspi_software_mosi_pin: PD4\nspi_software_miso_pin: PE1\n"
+    more = f"[tmc2209 stepper_x]\n{tmc}[tmc2130 stepper_y]\n{spi}{wires}[tmc5160 extruder]\n{spi}"
+    draft, machine = load(more=more + "[tmc2660 stepper_z]\nrun_current: 1\n")
+    x, y = machine.steppers["x"], machine.steppers["y"]
+    assert x.tmc is not None
+    assert y.tmc is not None
+    assert (x.driver, x.tmc.run_current_a, x.tmc.address) == ("TMC2209", 0.58, 2)
+    assert x.tmc.stealthchop_below_mm_s == 999_999
+    assert (y.driver, y.tmc.cs_pin, y.tmc.clock_pin, y.tmc.hold_current_a) == (
+        "TMC2130",
+        "PD1",
+        "PD2",
+        0.4,
+    )
+    assert machine.steppers["e"].tmc is None
+    assert any("[tmc5160 extruder]" in text for text in remarks(draft, "decide"))
+    assert any("[tmc2660 stepper_z]" in text for text in remarks(draft, "dropped"))
+
+
+def test_probe_homes_z_and_measures_a_mesh_within_reach(load) -> None:
+    more = """\
+[probe]
+pin: ^PA12
+x_offset: -30
+y_offset: 10
+z_offset: 1.5
+speed: 4
+samples: 3
+samples_result: median
+samples_tolerance: 0.02
+[safe_z_home]
+home_xy_position: 100, 110
+[bed_mesh]
+mesh_min: 10, 20
+mesh_max: 230, 200
+probe_count: 6, 5
+algorithm: bicubic
+"""
+    virtual = ("endstop_pin: PA7\nposition_endstop: 0.5", "endstop_pin: probe:z_virtual_endstop")
+    draft, machine = load(virtual, ("endstop_pin: PD7\n", ""), more=more)
+    assert machine.homing["z"].probe
+    assert machine.homing["z"].position == 1.5
+    assert machine.probe_home_mm == (70.0, 120.0)
+    probe, mesh = machine.probe, machine.levelling
+    assert (probe.offset_mm, probe.samples, probe.result, probe.fast_mm_s) == (
+        [-30, 10],
+        3,
+        "median",
+        4,
+    )
+    assert mesh.area == [10, 20, 205, 200]
+    assert mesh.count == [6, 5]
+    assert any("the probe does not get so far" in text for text in remarks(draft, "changed"))
+
+
+def test_bltouch_with_its_own_kind(load) -> None:
+    more = "[bltouch]\nsensor_pin: ^PA12\ncontrol_pin: PA13\nz_offset: 2\n"
+    more += "probe_with_touch_mode: True\n"
+    _, machine = load(more=more)
+    dump = machine.probe.model_dump()
+    assert (dump["kind"], dump["control_pin"], dump["touch_mode"]) == ("bltouch", "PA13", True)
+
+
+def test_delta_has_towers_and_carriage_heights(load) -> None:
+    head, rest = BASE.split("[stepper_x]")[0], BASE[BASE.index("[extruder]") :]
+    tower = "enable_pin: !PC3\nmicrosteps: 16\nrotation_distance: 40\n"
+    towers = "".join(
+        f"[stepper_{n}]\nstep_pin: PE{i}\ndir_pin: PG{i}\nendstop_pin: ^PF{i}\n{tower}"
+        for i, n in enumerate("abc", 1)
+    )
+    towers = towers.replace(
+        "[stepper_b]", "position_endstop: 298\narm_length: 218\nhoming_speed: 60\n[stepper_b]"
+    )
+    text = head + towers + rest
+    changes = [
+        ("kinematics: cartesian", "kinematics: delta\ndelta_radius: 100\nprint_radius: 90"),
+        ("stepper: stepper_x, stepper_z1", "stepper: stepper_a"),
+    ]
+    _, machine = load(*changes, text=text)
+    rise = math.sqrt(218**2 - 100**2)
+    for name in "abc":
+        homing = machine.homing[name]
+        assert homing.position == pytest.approx(298 + rise, abs=1e-6)
+        assert (homing.direction, homing.fast, homing.slow) == ("max", 60, 30)
+    assert machine.home_mm["z"] == pytest.approx(298, abs=1e-5)
+    assert machine.geometry.model_dump()["rods"] == [218, 218, 218]
+
+
+def test_corexy_motors(load) -> None:
+    _, machine = load(("cartesian", "corexy"), ("stepper: stepper_x", "stepper: stepper_y"))
+    assert machine.steppers["a"].step_pin == "PC2"
+    assert machine.fans["board"].follows_motors == ["b", "z1"]
+
+
+def test_macros_keep_templates_variables_and_names(load) -> None:
+    more = """\
+[gcode_macro start_print]
+description: Heats
+variable_bed: 60
+variable_names: ["a", 'b']
+variable_odd: open(
+gcode:
+  {% set t = params.T|default(200)|int %}
+  M104 S{t} # heat
+  {% if t > 250 %}
+    M117 hot
+  {% endif %}
+[gcode_macro M600]
+rename_existing: M600.1
+gcode:
+  M600.1
+[gcode_macro G28]
+rename_existing: HOME_ALL
+gcode: home_all
+[gcode_macro M117]
+gcode: M118 none
+[delayed_gcode later]
+initial_duration: 5
+gcode: M117 later
+[gcode_macro G1]
+gcode: G0 X1
+"""
+    draft, machine = load(more=more)
+    start = machine.macros["START_PRINT"]
+    assert start.gcode.splitlines()[1:] == [
+        "M104 S{t}",
+        "{% if t > 250 %}",
+        "M117 hot",
+        "{% endif %}",
+    ]
+    assert (start.description, start.variables) == ("Heats", {"bed": 60, "names": ["a", "b"]})
+    assert machine.macros["M600"].rename_existing == "M600.1"
+    assert (machine.macros["G28"].rename_existing, machine.macros["G28"].gcode) == (
+        "G9028",
+        "G9028",
+    )
+    assert machine.macros["M117"].rename_existing == "M9117"
+    assert machine.delayed_gcode["later"].initial_duration_s == 5
+    assert "G1" not in machine.macros
+    lost = remarks(draft, "dropped")
+    assert any("variable_odd" in text for text in lost)
+    assert any("[gcode_macro G1]" in text for text in lost)
+
+
+def test_each_part_that_is_left_out_is_named_with_what_it_means(load) -> None:
+    more = "[neopixel sign]\npin: PC1\n[brand_new thing]\n[pause_resume]\n"
+    draft, _ = load(("max_temp: 250", "max_temp: 250\ninline_resistor: 220"), more=more)
+    lost = "\n".join(remarks(draft, "dropped"))
+    assert "[neopixel sign]: the light stays off" in lost
+    assert "[brand_new thing]: Passo does not have this part" in lost
+    assert "[extruder] inline_resistor: readings are a little off" in lost
+    assert any("PAUSE, RESUME" in text for text in remarks(draft, "changed"))
+
+
+def test_includes_and_saved_values_count(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts/bed.cfg").write_text("[heater_bed]\nmax_temp: 111\n")
+    saved = (
+        "\n#*# <---------------------- SAVE_CONFIG ---------------------->\n#*# DO NOT EDIT\n#*#\n"
+    )
+    saved += "#*# [extruder]\n#*# pid_kp = 33.5\n#*# [heater_bed]\n#*# max_temp = 112\n"
+    path = tmp_path / "printer.cfg"
+    path.write_text(BASE.replace("pid_Kp: 21.5\n", "") + "[include parts/*.cfg]\n" + saved)
+    machine = config.load_text(imported(path).text(""), "x.toml")
+    assert machine.heaters["hotend"].control.model_dump()["kp"] == 33.5
+    assert machine.heaters["bed"].max_c == 112
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("max_temp: 250\n", "", "printer.cfg:43: max_temp in [extruder] is missing"),
+        ("sensor_pin: PC5\n", "", "sensor_pin in [extruder] is missing"),
+        ("sensor_type: mine", "sensor_type: yours", "sensor_type in [extruder] is 'yours'"),
+        ("max_temp: 250", "max_temp: hot", "max_temp in [extruder] is 'hot': expected a number"),
+        ("resistance2: 1641.9", "resistance2: 100000", "points of one falling curve"),
+        ("rotation_distance: 8", "rotation_distance: 0", "expected a number greater than 0"),
+        ("gear_ratio: 80:20", "gear_ratio: 80:0", "expected pairs of teeth"),
+        ("step_pin: PC2", "step_pin: <GND>", "expected a pin of a board"),
+        ("kinematics: cartesian", "kinematics: winch", "kinematics is 'winch'"),
+        ("max_accel: 3000", "max_accel: -1", "expected more than 0"),
+        ("[printer]", "[include printer.cfg]\n[printer]", "include each other"),
+        ("[printer]", "[include none.cfg]\n[printer]", "the included file 'none.cfg' is not in"),
+        ("[printer]", "what is this\n[printer]", "'what is this' is not an option"),
+        ("[printer]", "[other]", "the section [printer] is missing"),
+        (
+            "stepper: stepper_x",
+            "stepper: stepper_q",
+            "stepper in [controller_fan board] is 'stepper_q'",
+        ),
+    ],
+)
+def test_wrong_and_dangerous_values_have_a_sentence(load, old: str, new: str, message: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load((old, new))
+    assert message in "\n".join(str(problem) for problem in caught.value.problems)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[printer]\nkinematics: " + "x" * 5_000_000, "[" * 100_000, "\0" * 1000, "[a]\n b\n c: d", ""],
+)
+def test_hostile_text_has_a_sentence(load, text: str) -> None:
+    with pytest.raises(ConfigError):
+        load(text=text)
+
+
+def test_command_writes_the_file_and_the_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("printer.cfg").write_text(BASE + "[neopixel sign]\npin: PC1\n")
+    assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 0
+    out = capsys.readouterr().out
+    assert "Not taken over:\n  printer.cfg:106: [neopixel sign]: the light stays off.\n" in out
+    assert out.endswith("Next: passo serve --machine mine.toml\n")
+    assert main(["check", "mine.toml"]) == 0
+    assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 4
+    assert main(["import", "printer.cfg", "--output", "b.toml", "--report", "r.txt"]) == 0
+    assert "[neopixel sign]" in Path("r.txt").read_text()
+    assert main(["import", "none.cfg"]) == 3
+    capsys.readouterr()
+
+
+def test_command_names_what_the_machine_file_still_lacks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("printer.cfg").write_text(BASE.replace("position_max: 235", "position_max: -1"))
+    assert main(["import", "printer.cfg"]) == 3
+    out = capsys.readouterr().out
+    assert "To correct in the machine file:" in out
+    assert "axes.x.max_mm is -1.0: expected more than min_mm" in out
