@@ -305,7 +305,7 @@ class Prober:
         if locked := [axis for axis in job.locked_axes if axis < Z]:
             raise CommandError.of("input.not-homed", axis="XY"[locked[0]])
         place = Place(*self._machine.probe_home_mm, "the homing place")
-        self._check_reach(place)
+        self.check_place(place)
         x, y = self.nozzle_at(place)
         async with self._session():
             job.set_axes([(Z, farthest_mm)])  # wherever it is: so high that it may go so far down
