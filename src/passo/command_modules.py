@@ -32,6 +32,7 @@ from passo.printer.commands import (
     outputs,
     power_supply,
     probe_deployment,
+    probe_moves,
     probe_offsets,
     probing,
     program_flow,
@@ -64,7 +65,7 @@ MODULES = (
         z_motors,
     ),
     *(power_supply, klipper_commands, levelling, probe_deployment, probing, program_flow, reports),
-    *(bed_correction, manual_probe, probe_offsets, set_points),
+    *(bed_correction, manual_probe, probe_moves, probe_offsets, set_points),
     *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
     *(endstops, delayed_gcode, macros),
 )

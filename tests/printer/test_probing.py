@@ -260,3 +260,44 @@ def test_klippers_spellings_of_one_probe():
         s.board.force_switch("probe", True)
         assert s.host.ok("QUERY_PROBE")[0] == "// probe: TRIGGERED"
         assert s.host.ok("M119")[-2] == "z_probe: TRIGGERED"
+
+
+def test_probe_ends_straight_moves():
+    with homed() as s:
+        bed = simulated_bed(s.machine).shape
+        s.host.ok("G1 X135 Y105 Z5 F6000", 60)
+        (said,) = [x for x in s.host.ok("G38.2 Z0 F120", 60) if x.startswith("[PRB:")]
+        x, y, z = (float(mm) for mm in said[5:].split(":")[0].split(","))
+        assert (x, y, said[-3:]) == (135.0, 105.0, ":1]")
+        assert z == pytest.approx(bed.height(110, 110) + 1.2, abs=STEP)
+        assert s.positions()["z"] == pytest.approx(z, abs=STEP)
+        assert "the probe is triggered before the move" in refusal(s, "G38.2 Z0")
+        # Away, until it opens, along all axes at once.
+        (said,) = [x for x in s.host.ok("G38.4 X140 Z4 F120", 60) if x.startswith("[PRB:")]
+        assert s.positions()["z"] == pytest.approx(z, abs=3 * STEP)
+        assert s.positions()["x"] == pytest.approx(135, abs=0.05)
+        s.host.ok("G91", 60)
+        s.host.ok("G1 Z3 F600", 60)
+        said = [x for x in s.host.ok("G38.3 Z-1", 60) if x.startswith("[PRB:")]
+        assert said[0].endswith(":0]")
+        (said, text) = [x for x in s.host.ok("G38.2 Z-0.5", 60) if "busy" not in x][:2]
+        assert said.endswith(":0]")
+        assert "the probe did not change" in text
+        s.host.ok("G90", 60)
+        assert "Z is 300: expected 0 to 250" in refusal(s, "G38.2 Z300")
+        s.host.ok("G1 X50 Y50 Z5 F6000", 60)
+        s.host.ok("M400", 60)
+        assert s.positions() | {"e": 0} == {"x": 50.0, "y": 50.0, "z": 5.0, "e": 0}
+
+
+def test_measuring_is_set_as_by_reprapfirmware():
+    with homed() as s:
+        s.host.ok("M558 F300:60 H8 A3 S0.02 R0.1 T3000")
+        assert s.host.ok("M558")[0] == (
+            "Z probe 0: type fixed, dive height 8.0mm, probe speed 300:60mm/min, travel speed"
+            " 3000mm/min, max taps 3, tolerance 0.020mm, recovery time 0.10 sec"
+        )
+        assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
+        assert s.positions()["z"] == 8.0
+        assert "samples is 99" in refusal(s, "M558 A99")
+        assert "H is 2: expected more than 2.2" in refusal(s, "M558 H2")

@@ -52,10 +52,17 @@ class Endstops:
         oid = connection.oids.endstops[name]
         return connection.ask(f"endstop_query_state oid={oid}", "endstop_state")
 
-    def arm(self, steppers: Mapping[str, Sequence[str]], clock: int, rest_s: float) -> None:
-        """Makes each of these endstops stop its steppers when it triggers, from a clock on. The
-        board samples every `rest_s` seconds. Do not set the motors' clocks after that: a stopped
-        motor would continue."""
+    def arm(
+        self,
+        steppers: Mapping[str, Sequence[str]],
+        clock: int,
+        rest_s: float,
+        *,
+        opening: bool = False,
+    ) -> None:
+        """Makes each of these endstops stop its steppers when it triggers, or when it opens, from a
+        clock on. The board samples every `rest_s` seconds. Do not set the motors' clocks after
+        that: a stopped motor would continue."""
         self._rest_s = rest_s
         self._armed, self.hit, self.expired = {}, {}, set()
         self._reason = self._reason % _REASONS + 1
@@ -80,7 +87,7 @@ class Endstops:
                     float(clock),
                     _SHARED_TIMEOUT_S * self._boards.board.clock_hz,
                 )
-            self._home(own, name, clock)
+            self._home(own, name, clock, opening=opening)
 
     def _group(
         self, board: Connection, name: str, stopped: Sequence[str], clock: int, *, shared: bool
@@ -102,12 +109,13 @@ class Endstops:
                 oid = board.oids.steppers[stepper]
                 board.command(f"stepper_stop_on_trigger oid={oid} trsync_oid={group}")
 
-    def _home(self, board: Connection, name: str, clock: int) -> None:
+    def _home(self, board: Connection, name: str, clock: int, *, opening: bool) -> None:
+        level = int(self._is_low(name) == opening)
         hz, begin = board.board.clock_hz, board.link.own_clock(clock)
         board.command(
             f"endstop_home oid={board.oids.endstops[name]} clock={begin & 0xFFFFFFFF}"
             f" sample_ticks={int(_SAMPLE_S * hz)} sample_count={_SAMPLES}"
-            f" rest_ticks={int(self._rest_s * hz)} pin_value={int(not self._is_low(name))}"
+            f" rest_ticks={int(self._rest_s * hz)} pin_value={level}"
             f" trsync_oid={board.oids.trsyncs[name]} trigger_reason={self._reason}"
         )
 

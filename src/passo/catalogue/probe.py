@@ -27,6 +27,14 @@ PROBE: Mapping[str, Entry] = {
         "no correction of the bed follows the probe, which could take over the {value} mm",
         "Measure the bed first (G29, G32), or set the offset of home (M206 Z)",
     ),
+    "probe.wrong-state": _probe(
+        "the probe is {value} before the move that should change that",
+        "Move the probe away from the part, or onto it for G38.4 and G38.5",
+    ),
+    "probe.no-contact": _probe(
+        "the probe did not change down the whole move, to {position}",
+        "Move it nearer first; G38.3 and G38.5 take this for no error",
+    ),
     "probe.no-servo": _probe(
         "{value} needs a probe with a servo, and this machine's has none",
         "Give control_pin in [probe] of the machine file",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from itertools import takewhile
 from typing import TYPE_CHECKING
@@ -40,16 +40,18 @@ def switches(machine: MachineConfig) -> tuple[Switch, ...]:
     return tuple(found)
 
 
-def probe_switch(machine: MachineConfig) -> Switch | None:
-    """The probe as an endstop that stops every motor that lifts the nozzle."""
+def probe_switch(machine: MachineConfig, axes: Iterable[str] = "z") -> Switch | None:
+    """The probe as an endstop that stops every motor of these axes, by default of those that lift
+    the nozzle."""
     if not isinstance(machine.probe, SensingProbe):
         return None
-    return Switch(PROBE, "z", machine.probe.pin, steppers_of(machine, "z"))
+    steppers = dict.fromkeys(s for axis in axes for s in steppers_of(machine, axis))
+    return Switch(PROBE, "z", machine.probe.pin, tuple(steppers))
 
 
 def inputs(machine: MachineConfig) -> tuple[Switch, ...]:
-    """All endstops, and the probe."""
-    probe = probe_switch(machine)
+    """All endstops, and the probe, which may stop any motor of X, Y and Z."""
+    probe = probe_switch(machine, "xyz")
     return (*switches(machine), probe) if probe else switches(machine)
 
 

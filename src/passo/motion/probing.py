@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Callable, Generator, Sequence
+from collections.abc import AsyncGenerator, Callable, Generator, Mapping, Sequence
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from statistics import fmean, median
 from typing import TYPE_CHECKING
+
+from pydantic import ValidationError
 
 from passo._core import Within
 from passo.config.probing import PROBE
@@ -88,7 +90,10 @@ class Prober:
         probe = self._machine.probe
         dx, dy = probe.offset_mm if probe else (0.0, 0.0)
         self.offset_mm = dx, dy
-        self.trigger_height_mm = probe.trigger_height_mm if isinstance(probe, SensingProbe) else 0.0
+        self.trigger_height_mm = 0.0
+        self._sensing = probe if isinstance(probe, SensingProbe) else None
+        if self._sensing is not None:
+            self.trigger_height_mm = self._sensing.trigger_height_mm
 
     def begin(self) -> None:
         """The boards have been replaced, or have just started: a servo stows its probe."""
@@ -99,13 +104,30 @@ class Prober:
 
     @property
     def probe(self) -> SensingProbe:
-        """The probe of the machine. Raises CommandError if it has none, or a sheet of paper."""
-        probe = self._machine.probe
-        if probe is None:
-            raise CommandError.of("probe.none")
-        if not isinstance(probe, SensingProbe):
-            raise CommandError.of("probe.paper")
-        return probe
+        """The probe of the machine, as M558 has set it. Raises CommandError without one, or with a
+        sheet of paper."""
+        if self._sensing is None:
+            raise CommandError.of("probe.none" if self._machine.probe is None else "probe.paper")
+        return self._sensing
+
+    def change(self, values: Mapping[str, float]) -> None:
+        """M558: other values of keys of the machine file, until a restart. Raises CommandError for
+        one that is out of range."""
+        probe = self.probe
+        try:
+            changed = type(probe).model_validate(probe.model_dump() | values)
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(map(str, first["loc"][-1:]))
+            raise CommandError.of(
+                "command.value", axis=key, value=first["input"], limit=first["msg"]
+            ) from None
+        if changed.start_mm <= changed.trigger_height_mm + EARLY_MM:
+            limit = f"more than {changed.trigger_height_mm + EARLY_MM:g}"
+            raise CommandError.of(
+                "command.value", axis="H", value=f"{changed.start_mm:g}", limit=limit
+            )
+        self._sensing = changed
 
     @property
     def carried(self) -> Probe:
@@ -404,7 +426,7 @@ class Prober:
         endstops = self._triggered.endstops
         hit, lost = PROBE in endstops.hit, PROBE in endstops.expired
         z = self._machine.geometry.forward(overshoot.triggered(switch))[Z] if hit else 0.0
-        self._place(overshoot)
+        self._place(overshoot, switch)
         self._interrupts.raise_if_interrupted()
         if lost:
             raise self._failure("probe.lost", place, "", "")
@@ -417,16 +439,52 @@ class Prober:
             raise self._failure("probe.early", place, self._nozzle(), f"{EARLY_MM:g} mm")
         return z
 
+    async def seek(
+        self, target: Mapping[int, float], speed_mm_s: float, *, opening: bool
+    ) -> tuple[tuple[float, float, float], bool]:
+        """G38: straight to a place, mm of the machine by slot, until the probe triggers, or opens.
+        Returns where the nozzle was then, or is at the end, and whether the probe did. Raises as
+        `measure`."""
+        self.check([])
+        rig, machine = self._rig, self._machine
+        self._head.heeds_stops = True
+        if self.triggered() != opening:
+            raise CommandError.of("probe.wrong-state", value="open" if opening else "triggered")
+        switch = probe_switch(machine, ["xyz"[slot] for slot in target])
+        assert switch is not None
+        finest = max(machine.steppers[s].steps_per_unit for s in switch.steppers)
+
+        def move() -> None:
+            rig.queue.move(target, speed_mm_s, Within.ANYTHING)
+
+        self._triggered.active = True
+        try:
+            with self._correction.suspended(), self._triggered.prepared(), self._cold():
+                overshoot = await self._triggered.run(
+                    [switch], speed_mm_s * finest, move, opening=opening
+                )
+                if self._interrupts.halted:
+                    self._interrupts.raise_if_interrupted()
+                hit = PROBE in self._triggered.endstops.hit
+                found = machine.geometry.forward(
+                    overshoot.triggered(switch) if hit else overshoot.stopped()
+                )
+                self._place(overshoot, switch)
+        finally:
+            self._triggered.active = False
+        self._interrupts.raise_if_interrupted()
+        return found, hit
+
     def _low_mm(self, place: Place) -> float:
         """The lowest Z of the nozzle at a place: `low_mm` of the bed as far as that is known."""
         return round(self.probe.low_mm + self._correction.expected(place.x, place.y), 4)
 
-    def _place(self, overshoot: TriggerOvershoot) -> None:
+    def _place(self, overshoot: TriggerOvershoot, switch: Switch) -> None:
         """The axes are where the counts of the boards say. Axes whose motors were not stopped keep
         the position of the plan, which may be between two steps."""
         point = self._machine.geometry.forward(overshoot.stopped())
-        moved = {d.index for s in self._switch.steppers if (d := self._machine.driven_by(s))}
-        axes = (Z,) if len(moved) == 1 else (X, Y, Z)
+        moved = {d.index for s in switch.steppers if (d := self._machine.driven_by(s))}
+        axes = (Z,) if switch == self._switch and len(moved) == 1 else (X, Y, Z)
         self._rig.job.set_axes([(axis, point[axis]) for axis in axes])
 
     async def _open(self, place: Place) -> None:

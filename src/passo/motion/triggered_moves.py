@@ -70,10 +70,12 @@ class TriggeredMoves:
         move: Callable[[], None],
         *,
         joints: bool = False,
+        opening: bool = False,
     ) -> TriggerOvershoot:
         """Adds moves to the plan by `move`, and carries them out until each endstop has stopped its
         motors. `steps_s` is the maximum step rate; the boards sample the endstops as often, between
-        1 and 20 kHz. With `joints`, positions of the plan are those of the actuators.
+        1 and 20 kHz. With `joints`, positions of the plan are those of the actuators;
+        with `opening`, endstops stop motors when they open.
 
         After that the machine is idle, also after M108, M410 or a halt, which end the moves early;
         `endstops` says which endstops were triggered, and `positions.lost` the steps that the
@@ -86,7 +88,7 @@ class TriggeredMoves:
         overshoot = TriggerOvershoot(rig, self.endstops, joints=joints)
         start = queue.base + int(rig.job.clock - _ARMED_S * queue.hz)
         rest_s = min(_REST_S, max(1.0 / steps_s, _FASTEST_REST_S))
-        self.endstops.arm({s.name: s.steppers for s in switches}, start, rest_s)
+        self.endstops.arm({s.name: s.steppers for s in switches}, start, rest_s, opening=opening)
         move()
         queue.flush()
         try:

@@ -31,6 +31,7 @@ from passo.printer.commands.motor_moves import MotorMoves
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
 from passo.printer.commands.probe_deployment import ProbeDeploymentCommands
+from passo.printer.commands.probe_moves import ProbeMoveCommands
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
 from passo.printer.commands.probing import ProbeCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
@@ -139,6 +140,7 @@ class Printer:
         if machine.probe is not None:
             self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling, self.corrections)
             self.dispatch.add(ProbeDeploymentCommands(self.prober), offsets, self.manual_probe)
+            self.dispatch.add(ProbeMoveCommands(rig, self.prober))
         self.delta = None
         if is_calibrated(machine):
             self.delta = DeltaCommands(rig, self.prober, self.correction)

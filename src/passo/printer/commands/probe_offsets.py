@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
@@ -17,6 +18,14 @@ if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
     from passo.motion.offsets import Offsets
     from passo.motion.rig import Rig
+
+_VALUE = re.compile(r"([FTHASR])\s*([\d.]+)(?:\s*:\s*([\d.]+))?", re.ASCII)
+_KEYS = {
+    "T": ("travel_mm_s", 1 / 60),
+    "H": ("start_mm", 1.0),
+    "S": ("tolerance_mm", 1.0),
+    "R": ("settle_s", 1.0),
+}
 
 
 class ProbeOffsetCommands:
@@ -93,6 +102,42 @@ class ProbeOffsetCommands:
             return None
         turned = {k: -v if k == "Z" else v for k, v in words.items() if k in "XYZ"}
         return WaitForMoves(lambda: self.set_offsets(turned))
+
+    @command(
+        "M558",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "F(mm/min) T(mm/min) H(mm) A S(mm) R(s)",
+        "Sets until a restart how the probe measures: speeds of the first and of the measured"
+        " descents (F300:120), of travel (T), start height (H), samples (A), what they may differ"
+        " (S), pause before a descent (R). Without parameters it reports them.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _measuring(self, command: Command, reply: Reply) -> Wait | None:
+        found = {m[1]: (float(m[2]), m[3]) for m in _VALUE.finditer(command.text.upper())}
+        values: dict[str, float] = {}
+        for letter, (value, second) in found.items():
+            if letter == "F":
+                values["fast_mm_s"] = value / 60
+                values["slow_mm_s"] = float(second or value) / 60
+            elif letter == "A":
+                values["samples"] = int(value)
+            elif letter in _KEYS:
+                key, scale = _KEYS[letter]
+                values[key] = value * scale
+        if values:
+            self._prober.change(values)
+            return None
+        probe = self._prober.probe
+        reply.say(
+            f"Z probe 0: type {probe.kind}, dive height {probe.start_mm:.1f}mm, probe speed"
+            f" {60 * probe.fast_mm_s:.0f}:{60 * probe.slow_mm_s:.0f}mm/min, travel speed"
+            f" {60 * probe.travel_mm_s:.0f}mm/min, max taps {probe.samples}, tolerance"
+            f" {probe.tolerance_mm:.3f}mm, recovery time {probe.settle_s:.2f} sec"
+        )
+        return None
 
     @command(
         "Z_OFFSET_APPLY_PROBE",

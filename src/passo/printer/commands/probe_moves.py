@@ -1,0 +1,80 @@
+"""G38.2 to G38.5: straight moves that the probe ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.motion.probing import Prober
+from passo.printer.commands.probing import NO_PROBE
+from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
+
+if TYPE_CHECKING:
+    from passo.motion.rig import Rig
+
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+_SLOTS = {"X": 0, "Y": 1, "Z": 2}
+_SHORTEST_MM = 0.0275  # as Marlin has it
+_TEXTS = {
+    "G38.2": "Moves straight until the probe triggers; an error if it does not.",
+    "G38.3": "As G38.2, without the error.",
+    "G38.4": "Moves straight until the probe opens; an error if it does not.",
+    "G38.5": "As G38.4, without the error.",
+}
+
+
+def _declared(method: _Method) -> _Method:
+    for code, text in _TEXTS.items():
+        method = command(
+            *(code, Subject.LEVELLING, When.EXCLUSIVE, "X Y Z (mm) F(mm/min)", text),
+            kind=Kind.SERVED,
+            lacks=NO_PROBE,
+        )(method)
+    return method
+
+
+class ProbeMoveCommands:
+    """Probing moves of one printer; the place is reported as grbl does."""
+
+    def __init__(self, rig: Rig, prober: Prober) -> None:
+        self._rig, self._prober = rig, prober
+
+    @_declared
+    def _seek(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        given = {letter: words[letter] for letter in _SLOTS if letter in words}
+        if not given:
+            raise CommandError.of("input.missing-word", axis=command.code, value="X, Y or Z")
+        speed_mm_s = words.get("F", 60 * self._prober.probe.slow_mm_s) / 60
+        if not 0 < speed_mm_s <= self._prober.probe.travel_mm_s:
+            limit = f"up to {60 * self._prober.probe.travel_mm_s:g} mm/min"
+            raise CommandError.bad_value("F", words["F"], limit)
+        return WaitForProcedure(lambda: self._sought(command.code, given, speed_mm_s, reply))
+
+    async def _sought(
+        self, code: str, given: dict[str, float], speed_mm_s: float, reply: Reply
+    ) -> None:
+        job, axes = self._rig.job, self._rig.machine.axes
+        absolute, *_ = job.modal
+        target: dict[int, float] = {}
+        for letter, mm in given.items():
+            slot = _SLOTS[letter]
+            shift = job.machine_position[slot] - (job.program_position[slot] if absolute else 0.0)
+            target[slot] = mm + shift
+            axis = axes[letter.lower()]
+            if not axis.min_mm <= target[slot] <= axis.max_mm:
+                limit = f"{axis.min_mm:g} to {axis.max_mm:g} mm of the machine"
+                raise CommandError.bad_value(letter, round(target[slot], 3), limit)
+        way = max(abs(mm - job.machine_position[slot]) for slot, mm in target.items())
+        if way < _SHORTEST_MM:
+            return
+        opening = code in ("G38.4", "G38.5")
+        found, hit = await self._prober.seek(target, speed_mm_s, opening=opening)
+        place = ",".join(f"{mm:.3f}" for mm in found)
+        reply.say(f"[PRB:{place}:{int(hit)}]")
+        if not hit and code in ("G38.2", "G38.4"):
+            x, y, z = found
+            raise CommandError.of("probe.no-contact", position=f"X{x:.3f} Y{y:.3f} Z{z:.3f}")
