@@ -35,7 +35,7 @@ def test_scales_in_pause_are_refused_and_print_continues(s, line):
     before = settings(s)
     code = line.split()[0]
     told = s.host.ok(line)[0]
-    assert told.startswith(f"echo:{code} changes scales, in which the moves of the paused print")
+    assert told.startswith(f"echo:{code} changes scales or the geometry, in which the paused print")
     assert "Resume (M24) or cancel (M524)" in told
     assert settings(s) == before  # all of them, and what M926 has noted
     s.host.ok("M24")

@@ -36,7 +36,7 @@ COMMAND: Mapping[str, Entry] = {
     ),
     "command.aside": bad_input(
         "command",
-        "{value} changes scales, in which the moves of the paused print are counted",
+        "{value} changes scales or the geometry, in which the paused print counts its moves",
         "Resume (M24) or cancel (M524), then send the command again",
     ),
     "command.value": bad_input(

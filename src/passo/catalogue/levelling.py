@@ -98,6 +98,11 @@ LEVELLING: Mapping[str, Entry] = {
         "the screws of the bed differ by {value:.3f} mm: at most {limit:g} mm are allowed",
         "Turn the screws as reported, then measure again",
     ),
+    "levelling.skew-limits": _levelling(
+        "skew moves motor {axis} beyond its axis, and the machine file does not say what that motor"
+        " reaches",
+        "Set min_mm and max_mm of steppers.{axis}, and send RESTART",
+    ),
     "levelling.skew": _levelling(
         "no parallelogram has the lengths {value} of AC, BD and AD",
         "Measure both diagonals and the side AD of the printed square again",

@@ -11,6 +11,7 @@ from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
 from passo.config.types import MAX_SCALE, MIN_SCALE
 from passo.geometry.base import Unreachable
+from passo.geometry.cartesian import Cartesian
 
 
 def check_home(machine: MachineConfig) -> Iterator[Finding]:
@@ -90,6 +91,22 @@ def check_offsets(machine: MachineConfig) -> Iterator[Finding]:
             if motor not in homing.stepper_pins:
                 limit = "the name of a motor in stepper_pins"
                 yield Finding("config.value", ("homing", name, "offsets_mm", motor), mm, limit)
+
+
+def check_skew(machine: MachineConfig) -> Iterator[Finding]:
+    """Checks that motors which skew moves beyond their axes have limits of their own."""
+    geometry = machine.geometry
+    if not isinstance(geometry, Cartesian):
+        return
+    for name, stepper in machine.steppers.items():
+        driven = machine.driven_by(name)
+        sheared = [geometry.actuators.index(axis) for axis in geometry.sheared_axes]
+        if driven is None or driven.drive != "actuator" or driven.index not in sheared:
+            continue
+        for key in ("min_mm", "max_mm"):
+            if getattr(stepper, key) is None:
+                limit = "what this motor reaches, as skew moves it beyond its axis"
+                yield Finding("config.missing-key", ("steppers", name, key), None, limit)
 
 
 def check_park(machine: MachineConfig) -> Iterator[Finding]:

@@ -25,6 +25,7 @@ from passo.config.home_checks import (
     check_offsets,
     check_park,
     check_scales,
+    check_skew,
 )
 from passo.config.machine import MachineConfig
 from passo.config.origins import Origins
@@ -162,6 +163,7 @@ def _machine(text: str, file: str) -> Loaded:
             *check_home_sides(machine),
             *check_home(machine),
             *check_offsets(machine),
+            *check_skew(machine),
             *check_park(machine),
             *check_scales(machine),
             *check_probe(machine),

@@ -73,6 +73,8 @@ class SettingsCommands:
             yield "Geometry of the delta", list(self._printer.delta.setting_lines())
         if self._printer.z_endstops:
             yield "Endstops of the motors of Z", list(self._printer.z_endstops.setting_lines())
+        if self._printer.skew:
+            yield "Skew of the axes", [self._printer.skew.setting_line()]
         controls = self._printer.controls
         yield "Heater sensors", list(controls.sensor_lines())
         yield "Heater PID", list(controls.gain_lines())

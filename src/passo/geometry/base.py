@@ -32,6 +32,11 @@ class GeometryModel(BaseModel):
     lifts_together: ClassVar[bool] = False
     arms: ClassVar[tuple[str, ...]] = ()
 
+    @property
+    def square(self) -> Self:
+        """The same geometry with axes at right angles, as the endstops have them."""
+        return self
+
     def spec(self) -> dict[str, Any]:
         """Kind and parameters as plain numbers, for the core."""
         return self.model_dump()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import acos, atan, degrees, pi, sqrt, tan
 
 from passo.errors import CommandError
@@ -18,24 +17,6 @@ def skew_factor(ac: float, bd: float, ad: float) -> float:
     if not -1 < cosine < 1:
         raise CommandError.of("levelling.skew", value=f"{ac:g}, {bd:g}, {ad:g} mm")
     return tan(pi / 2 - acos(cosine))
-
-
-@dataclass(frozen=True, slots=True)
-class Skew:
-    """Factors of the planes XY, XZ and YZ."""
-
-    xy: float = 0.0
-    xz: float = 0.0
-    yz: float = 0.0
-
-    def machine(self, x: float, y: float, z: float) -> tuple[float, float, float]:
-        """Where the machine's axes must be for the nozzle to be at X, Y, Z, mm."""
-        return x - y * self.xy - z * (self.xz - self.xy * self.yz), y - z * self.yz, z
-
-    def program(self, x: float, y: float, z: float) -> tuple[float, float, float]:
-        """The inverse of `machine`."""
-        y += z * self.yz
-        return x + y * self.xy + z * (self.xz - self.xy * self.yz), y, z
 
 
 def skew_degrees(factor: float) -> float:

@@ -75,9 +75,9 @@ def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
         wanted = {("actuator", actuators.index(home))}
     else:
         at = machine.home_point
-        before = machine.geometry.inverse(at)
+        before = machine.geometry.square.inverse(at)
         k = axes.index(home)
-        after = machine.geometry.inverse(_moved(at, k, -_NUDGE))
+        after = machine.geometry.square.inverse(_moved(at, k, -_NUDGE))
         wanted = {("actuator", i) for i in range(3) if abs(after[i] - before[i]) > _NUDGE / 100}
     names: list[str] = []
     for name in machine.steppers:
@@ -156,7 +156,7 @@ def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float
     weight of each motor's position, near home."""
     if len(switch.steppers) == 1:
         return ((switch.steppers[0], 1.0),)
-    geometry = machine.geometry
+    geometry = machine.geometry.square
     q = geometry.inverse(pressed_point(machine, switch))
     k = axis_order(machine.axes).index(switch.home)
     seen: set[int] = set()

@@ -125,7 +125,8 @@ class Homer:
         self._triggered.active = True
         self._rig.positions.freeze()
         try:
-            with self._correction.suspended():
+            square = self._rig.square(lambda: bool(self._interrupts.halted))
+            with self._correction.suspended(), square:
                 await self._home(letters)
         finally:
             self._triggered.active = False

@@ -3,7 +3,8 @@ M999."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager
 
 from passo import _core
 from passo.board.boards import Boards
@@ -13,6 +14,8 @@ from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import X, Y, Z
 from passo.motion.motion_queue import MotionQueue
 from passo.motion.positions import Positions
+
+_SAME_MM = 1e-9  # positions that differ by less are the same
 
 
 class Rig:
@@ -76,9 +79,28 @@ class Rig:
         if machine.axes_of_arms:
             job.set_axes(list(enumerate(home)), homed=True)
         x, y, height = place
-        job.set_axes(list(enumerate((x, y, job.plan_z(x, y, height)))))
+        after = x, y, job.plan_z(x, y, height)
+        before = job.machine_position
+        job.set_axes([(i, mm) for i, mm in enumerate(after) if abs(mm - before[i]) > _SAME_MM])
         for axis in locked:
             job.lock_axis(axis, True)
+
+    @contextmanager
+    def square(self, halted: Callable[[], bool]) -> Generator[None]:
+        """Positions of the axes are those of their endstops within, without skew."""
+        skewed = self.machine
+        square = skewed.geometry.square
+        if square == skewed.geometry:
+            yield
+            return
+        self.use_geometry(skewed.model_copy(update={"geometry": square}))
+        try:
+            yield
+        finally:
+            if halted():
+                self.machine = skewed
+            else:
+                self.use_geometry(skewed)
 
     def lock(self, axes: Iterable[str]) -> None:
         """Marks these axes as not homed."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from passo.errors import MachineError, PassoError
 from passo.gcode.command import Command
 from passo.gcode.registry import in_program
+from passo.geometry.cartesian import Cartesian
 from passo.motion.bed_correction import BedCorrection
 from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
@@ -35,6 +36,7 @@ from passo.printer.commands.probe_moves import ProbeMoveCommands
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
 from passo.printer.commands.probing import ProbeCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
+from passo.printer.commands.skew import SkewCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
 from passo.printer.commands.temperature import HeatCommands
 from passo.printer.commands.user_prompts import UserPrompts
@@ -162,6 +164,9 @@ class Printer:
             self.dispatch.add(ScrewCommands(machine.levelling.screws, self.prober))
         if self.delta is not None or self.z_endstops is not None:
             self.dispatch.add(EndstopCommands(self.delta, self.z_endstops))
+        self.skew = SkewCommands(rig) if isinstance(machine.geometry, Cartesian) else None
+        if self.skew is not None:
+            self.dispatch.add(self.skew)
         self.dispatch.add(MotorMoves(rig, state, self.triggered))
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)

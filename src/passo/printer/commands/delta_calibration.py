@@ -57,6 +57,8 @@ class DeltaCommands:
         for it, or the nozzle would be where it must not be."""
         geometry = delta.geometry
         _check_rods(geometry)
+        if self._rig.job.suspended:
+            raise CommandError.of("command.aside", value="This command")
         rounded = geometry.model_copy(
             update={
                 "radius": round(geometry.radius, _DIGITS),

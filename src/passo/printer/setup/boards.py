@@ -376,7 +376,7 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
     has two motors with an endstop each."""
     from passo.simulator import Actuator
 
-    geometry = machine.geometry
+    geometry = machine.geometry.square
     q = list(geometry.inverse(machine.home_point))
     point = list(machine.home_point)
     for name, homing in machine.homing.items():
@@ -405,7 +405,7 @@ def _felt_at(
     if is_actuator(machine, switch.home) or len(weights) == 1:
         off_mm = machine.simulated.endstops_mm.get(switch.name, 0.0)
         return _simulated_home(machine, switch.home) + off_mm
-    q = machine.geometry.inverse(pressed_point(machine, switch))
+    q = machine.geometry.square.inverse(pressed_point(machine, switch))
     total = 0.0
     for name, weight in weights:
         driven = machine.driven_by(name)
