@@ -82,6 +82,44 @@ def test_bed_that_is_too_uneven_is_an_error_after_the_report(s):
     assert "expected CW or CCW" in answers(s, "SCREWS_TILT_CALCULATE DIRECTION=UP")[0]
 
 
+def test_screws_are_adjusted_until_all_are_accepted_in_turn(s):
+    names = [p.name for p in s.machine.levelling.screws.places]
+
+    def shown(line):
+        return answers(s, line)[0].removeprefix("// Screw ").partition(",")[0]
+
+    assert shown("BED_SCREWS_ADJUST") == names[0]
+    place = s.machine.levelling.screws.places[0]
+    at = s.positions()
+    assert (at["x"], at["y"], at["z"]) == (place.x, place.y, 0)
+    assert shown("ACCEPT") == names[1]
+    assert s.positions()["z"] == 0
+    # A screw that was turned is shown again, after all others.
+    assert [shown(line) for line in ("ADJUSTED", "ACCEPT", "ACCEPT", "ACCEPT")] == [
+        names[2],
+        names[3],
+        names[0],
+        names[1],
+    ]
+    assert "a paper test is under way" in answers(s, "BED_SCREWS_ADJUST")[0]
+    assert answers(s, "ACCEPT") == ["// All screws are as high as the bed at Z 0"]
+    assert s.positions()["z"] == 10
+    assert "no paper test" in answers(s, "ADJUSTED")[0]
+
+
+def test_abort_ends_the_adjustment_and_lifts_the_nozzle(s):
+    answers(s, "BED_SCREWS_ADJUST")
+    answers(s, "ABORT")
+    assert s.positions()["z"] == 10
+    assert "no paper test" in answers(s, "ACCEPT")[0]
+
+
+def test_paper_test_has_no_screw_to_turn(s):
+    answers(s, "G1 X100 Y100 Z5 F6000")
+    answers(s, "MANUAL_PROBE")
+    assert "no screw of the bed is being adjusted" in answers(s, "ADJUSTED")[0]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [

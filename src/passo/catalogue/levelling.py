@@ -94,6 +94,10 @@ LEVELLING: Mapping[str, Entry] = {
         " mm are allowed",
         "Look for play in the gantry and the probe (M48), or raise tolerance_mm",
     ),
+    "levelling.no-screw": _levelling(
+        "no screw of the bed is being adjusted",
+        "Begin with BED_SCREWS_ADJUST; a paper test ends with ACCEPT or ABORT",
+    ),
     "levelling.screws": _levelling(
         "the screws of the bed differ by {value:.3f} mm: at most {limit:g} mm are allowed",
         "Turn the screws as reported, then measure again",

@@ -161,7 +161,9 @@ class Printer:
                 )
             )
         if machine.levelling.screws is not None and machine.probe is not None:
-            self.dispatch.add(ScrewCommands(machine.levelling.screws, self.prober))
+            self.dispatch.add(
+                ScrewCommands(machine.levelling.screws, self.prober, self.manual_probe)
+            )
         if self.delta is not None or self.z_endstops is not None:
             self.dispatch.add(EndstopCommands(self.delta, self.z_endstops))
         self.skew = SkewCommands(rig) if isinstance(machine.geometry, Cartesian) else None

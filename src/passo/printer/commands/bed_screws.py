@@ -1,4 +1,4 @@
-"""G35 and SCREWS_TILT_CALCULATE: how far to turn the screws of the bed."""
+"""How far to turn the screws of the bed: by the probe (G35), or by a sheet of paper."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.config.calibration import Screws, Thread
+    from passo.printer.commands.manual_probe import ManualProbe
 
 NO_SCREWS = "The machine file has no [levelling.screws], or no probe."
 _THREADS: dict[float, Thread] = {
@@ -31,8 +32,8 @@ Direction = Literal["CW", "CCW"]
 class ScrewCommands:
     """Measures the bed above the screws of `config`."""
 
-    def __init__(self, config: Screws, prober: Prober) -> None:
-        self._config, self._prober = config, prober
+    def __init__(self, config: Screws, prober: Prober, manual: ManualProbe) -> None:
+        self._config, self._prober, self._manual = config, prober, manual
 
     @command(
         "G35",
@@ -86,6 +87,21 @@ class ScrewCommands:
                     "command.value", axis="DIRECTION", value=given, limit="CW or CCW"
                 )
         return WaitForProcedure(partial(self._report, direction, most, reply))
+
+    @command(
+        "BED_SCREWS_ADJUST",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Leads the nozzle over each screw, at Z 0: turn it until a sheet of paper just moves, then"
+        " send ADJUSTED, or ACCEPT if it need not be turned.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_SCREWS,
+    )
+    def _adjust(self, _: Command, reply: Reply) -> Wait | None:
+        places = [Place(s.x, s.y, s.name, by_nozzle=True) for s in self._config.places]
+        return self._manual.adjust_screws(places, reply)
 
     async def _report(self, direction: Direction | None, most: float | None, reply: Reply) -> None:
         measured = await self._heights()

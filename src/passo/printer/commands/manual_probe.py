@@ -26,7 +26,8 @@ Done = Callable[[Sequence[Measured], Reply], None]
 
 @dataclass(slots=True)
 class _Run:
-    """A test under way: places that are left, what was found, and what is called at the end."""
+    """A test under way: places that are left, what was found, and what is called at the end.
+    `screws` are all screws of the bed where these are adjusted: the nozzle is at Z 0 there."""
 
     places: list[Place]
     done: Done
@@ -34,6 +35,7 @@ class _Run:
     count: int
     found: list[Measured]
     tried: list[float]
+    screws: tuple[Place, ...] = ()
 
 
 class ManualProbe:
@@ -66,12 +68,14 @@ class ManualProbe:
         done: Done,
         report: Callable[[Measured, Reply], None] = lambda _, __: None,
         reply: Reply | None = None,
+        *,
+        screws: bool = False,
     ) -> Wait:
         """Leads the nozzle to each place in turn; `done` gets the heights. Raises CommandError."""
         if self._run is not None:
             raise CommandError.of("probe.manual-active")
         self._prober.check(places)
-        run = _Run(list(places), done, report, len(places), [], [])
+        run = _Run(list(places), done, report, len(places), [], [], tuple(places) if screws else ())
 
         async def begin() -> None:
             self._correction.suspend()
@@ -84,6 +88,15 @@ class ManualProbe:
 
         return WaitForProcedure(begin)
 
+    def adjust_screws(self, screws: Sequence[Place], reply: Reply) -> Wait:
+        """Leads the nozzle over each screw, at Z 0, until all are accepted in turn. Raises
+        CommandError."""
+
+        def done(_: Sequence[Measured], reply: Reply) -> None:
+            reply.say("// All screws are as high as the bed at Z 0")
+
+        return self.start(screws, done, reply=reply, screws=True)
+
     def _end(self) -> None:
         self._run = None
         self._correction.resume()
@@ -92,6 +105,13 @@ class ManualProbe:
         run = self._active
         await self._prober.approach(run.places[0])
         run.tried = []
+        if run.screws:
+            await self._prober.to_height(0.0, _SPEED_MM_S)
+            reply.say(f"// Screw {run.places[0].name}, {len(run.found)} of {run.count} accepted")
+            reply.say(
+                "// ACCEPT if a sheet of paper just moves, ADJUSTED after turning it, or ABORT"
+            )
+            return
         if run.count > 1:
             place = f"{len(run.found) + 1} of {run.count}"
             reply.say(f"echo:Manual probing point {place}, at {run.places[0]}")
@@ -187,6 +207,32 @@ class ManualProbe:
             raise
         self._end()
         run.done(run.found, reply)
+
+    @command(
+        "ADJUSTED",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "The screw was turned: BED_SCREWS_ADJUST shows the next one, and each other one once more.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _adjusted(self, _: Command, reply: Reply) -> Wait | None:
+        if not self._active.screws:
+            raise CommandError.of("levelling.no-screw")
+        return WaitForProcedure(lambda: self._turned(reply))
+
+    async def _turned(self, reply: Reply) -> None:
+        run = self._active
+        after = run.screws.index(run.places[0]) + 1
+        run.places = [*run.screws[after:], *run.screws[:after]]
+        run.found.clear()
+        try:
+            await self._next(reply)
+        except BaseException:
+            self._end()
+            raise
 
     @command(
         "ABORT",
