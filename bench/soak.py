@@ -85,6 +85,12 @@ class _Client:
         self._writer.close()
         await self._reading
 
+    async def closed(self) -> None:
+        """Waits until the server has ended the connection, as it does when the printer restarts: a
+        new one before that would end, too."""
+        await self._reading
+        self._writer.close()
+
     async def _read(self, reader: asyncio.StreamReader) -> None:
         while True:
             try:
@@ -160,7 +166,7 @@ async def _soak(process: subprocess.Popen[bytes], socket: Path, hours: float, sc
             restarts += 1
             await client.ask("emergency_stop")
             await client.ask("gcode/firmware_restart")
-            await client.close()
+            await client.closed()
             await client.connect()
         samples.append(_memory_mb(process.pid))
         if passed_h() >= hours * (rows + 1) / _ROWS:
