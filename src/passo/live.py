@@ -354,12 +354,15 @@ class Printer:
         *,
         names: Collection[str] = (),
         log: str | None = None,
+        announce: bool = False,
     ) -> str:
         """Serves the web interface, in a thread of its own; port 0 is any free port; `names` are
-        the host names that clients may use for it; `log` is a log file that may be downloaded.
-        Accounts are kept in the folder `state`, else in memory (docs/explanation/security.md).
-        Returns `http://HOST:PORT`. Needs the extra `passo[web]`; raises InputError if nothing can
-        listen there, WebError if the accounts cannot be used, and ImportError without the extra."""
+        the host names that clients may use for it; `log` is a log file that may be downloaded. With
+        `announce` it is made known in the local network by multicast DNS. Accounts are kept in the
+        folder `state`, else in memory (docs/explanation/security.md). Returns `http://HOST:PORT`.
+        Needs the extra `passo[web]`, and `passo[mdns]` to announce; raises InputError if nothing
+        can listen or be announced there, WebError if the accounts cannot be used, and ImportError
+        without the extras."""
         from passo.web.access import Binding
         from passo.web.app import web_app
         from passo.web.logs import Logs
@@ -371,8 +374,15 @@ class Printer:
         if self._state is not None:
             stems.append(Path(self._state) / "halt")
         loopback = ip_address(host.partition("%")[0]).is_loopback
-        binding = Binding(loopback, frozenset(name.lower() for name in names))
+        known = frozenset(name.lower() for name in names)
         try:
+            announced = None
+            if announce:
+                from passo.web.announcement import Announcement
+
+                announced = Announcement(self.config.name, host, port)
+                known |= {announced.host_name}
+            binding = Binding(loopback, known)
             logs = Logs(stems)
             state = None if self._state is None else Path(self._state)
             kept = self._accounts, binding, self._temperatures, logs
@@ -381,6 +391,8 @@ class Printer:
             socket.close()
             raise
         self._web_thread.serve(app, socket)
+        if announced is not None:
+            self._web_thread.start(announced.run(), endless=True)
         self._places.append(f"http://{f'[{host}]' if ':' in host else host}:{port}")
         return self._places[-1]
 

@@ -40,6 +40,10 @@ WEB: Mapping[str, Entry] = {
         "the request is for the host {value!r}, which is not a name of this printer",
         "Use its IP address, or start with --http-name NAME",
     ),
+    "web.announce-loopback": _web(
+        "the web interface is not announced: only this computer reaches it at {value}",
+        "Start with --http 0.0.0.0:4000, or without --announce",
+    ),
     "web.origin": _web(
         "the request comes from another web page: {value}",
         "Use the printer's own page; a script sends an API key in the header X-Api-Key",

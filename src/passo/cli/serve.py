@@ -85,6 +85,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a host name that the web interface is reached by, for example that of a proxy",
     )
     parser.add_argument(
+        "--announce",
+        action="store_true",
+        help="announce the web interface in the local network, so that slicers list it; needs"
+        " passo[mdns]",
+    )
+    parser.add_argument(
         "--klippy-socket",
         type=_path,
         metavar="PATH",
@@ -331,13 +337,19 @@ def _web_address(printer: Printer, arguments: argparse.Namespace) -> str:
     if isinstance(asked, str):
         return ""
     try:
-        return printer.open_http(*(asked or _HTTP), names=arguments.http_name, log=arguments.log)
+        return printer.open_http(
+            *(asked or _HTTP),
+            names=arguments.http_name,
+            log=arguments.log,
+            announce=arguments.announce,
+        )
     except (PassoError, ImportError) as error:
-        if asked is not None and isinstance(error, PassoError):
+        if (asked is not None or arguments.announce) and isinstance(error, PassoError):
             raise
         why = str(error)
         if isinstance(error, ImportError):
-            why = f"{error.name} is not installed. Install passo[web]."
+            extra = "mdns" if error.name == "zeroconf" else "web"
+            why = f"{error.name} is not installed. Install passo[{extra}]."
         print(f"No web interface: {why}", file=sys.stderr)
         return ""
 
