@@ -81,7 +81,8 @@ def test_every_command_of_both_is_built_or_not_for_a_reason():
         assert cells[2]
         named |= set(re.findall(r"[GM]\d+", spread(cells[0])))
     wanted = {f"G{n}" for n in numbers(G_CODES)} | {f"M{n}" for n in numbers(M_CODES)}
-    assert sorted(wanted - named - table().keys()) == []
+    built = table().keys() | {code.partition(".")[0] for code in table()}  # G38 is G38.2 and so on
+    assert sorted(wanted - named - built) == []
 
 
 def spread(text: str) -> str:

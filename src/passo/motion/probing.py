@@ -110,12 +110,17 @@ class Prober:
             raise CommandError.of("probe.none" if self._machine.probe is None else "probe.paper")
         return self._sensing
 
+    @property
+    def kind(self) -> str:
+        """The kind of the probe in the machine file; empty without one."""
+        return self._machine.probe.kind if self._machine.probe else ""
+
     def change(self, values: Mapping[str, float]) -> None:
         """M558: other values of keys of the machine file, until a restart. Raises CommandError for
         one that is out of range."""
         probe = self.probe
         try:
-            changed = type(probe).model_validate(probe.model_dump() | values)
+            changed = type(probe).model_validate({**probe.model_dump(), **values})
         except ValidationError as error:
             first = error.errors()[0]
             key = ".".join(map(str, first["loc"][-1:]))

@@ -467,7 +467,7 @@ class LevellingCommands:
             left_rms_mm=round(fmean(x * x for x in left) ** 0.5, 6) if left else None,
             surface=self._surface(),
             fade_mm=fade.end_mm if fade else None,
-            probe=self._rig.machine.probe.kind if self._rig.machine.probe else "",
+            probe=self._prober.kind,
             probe_offset_mm=(dx, dy),
             trigger_height_mm=self._prober.trigger_height_mm,
             measured=self._progress[0],

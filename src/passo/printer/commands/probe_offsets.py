@@ -132,7 +132,7 @@ class ProbeOffsetCommands:
             return None
         probe = self._prober.probe
         reply.say(
-            f"Z probe 0: type {probe.kind}, dive height {probe.start_mm:.1f}mm, probe speed"
+            f"Z probe 0: type {self._prober.kind}, dive height {probe.start_mm:.1f}mm, probe speed"
             f" {60 * probe.fast_mm_s:.0f}:{60 * probe.slow_mm_s:.0f}mm/min, travel speed"
             f" {60 * probe.travel_mm_s:.0f}mm/min, max taps {probe.samples}, tolerance"
             f" {probe.tolerance_mm:.3f}mm, recovery time {probe.settle_s:.2f} sec"
