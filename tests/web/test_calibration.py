@@ -48,6 +48,24 @@ def test_task_becomes_commands(web, bridge, method, path, body, script):
     assert bridge.asked == [script]
 
 
+@pytest.mark.parametrize(
+    ("machine", "procedure", "script"),
+    [("i3-two-z", "gantry", "G28\nG34"), ("delta-probe", "delta", "G28\nG33")],
+)
+def test_levelling_is_offered_by_what_the_machine_has(machine, procedure, script):
+    bridge = FakeBridge(machine=machine)
+    web = local_client(bridge)
+    assert procedure in web.get(f"{API}/bed").json()["procedures"]
+    assert web.post(f"{API}/level", json={"procedure": procedure}).status_code == 200
+    assert bridge.asked == [script]
+
+
+def test_levelling_that_the_machine_does_not_have_is_refused(web, bridge):
+    assert web.get(f"{API}/bed").json()["procedures"] == ["screws"]
+    assert web.post(f"{API}/level", json={"procedure": "delta"}).status_code == 404
+    assert bridge.asked == []
+
+
 def test_fit_starts_from_the_thermistor_in_force(web, bridge):
     rows = (("A", "100000"), ("B", "4100"), ("C", "0"))
     bridge.values = [

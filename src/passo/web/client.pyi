@@ -419,6 +419,14 @@ class Calibration:
     ) -> passo.web.endpoints.console.Answer:
         """Homes all axes, and probes the bed ten times in one place (G28, M48)."""
         ...
+    def level(
+        self,
+        procedure: typing.Literal['gantry', 'screws', 'delta'],
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, then levels the gantry by its motors (G34), reports the turns of
+        the screws of the bed (G35), or calibrates the geometry of a delta (G33).
+        `calibration.bed` lists what the machine allows."""
+        ...
     def bed(
         self,
     ) -> passo.web.endpoints.calibration.BedMap:
@@ -1065,6 +1073,14 @@ class AsyncCalibration:
         self,
     ) -> passo.web.endpoints.console.Answer:
         """Homes all axes, and probes the bed ten times in one place (G28, M48)."""
+        ...
+    async def level(
+        self,
+        procedure: typing.Literal['gantry', 'screws', 'delta'],
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, then levels the gantry by its motors (G34), reports the turns of
+        the screws of the bed (G35), or calibrates the geometry of a delta (G33).
+        `calibration.bed` lists what the machine allows."""
         ...
     async def bed(
         self,

@@ -61,11 +61,12 @@ export interface Babystep {
 
 /** What is added to Z to follow the bed, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`;
  * empty before the bed is measured. `probe`: the machine has one. `method` is that of the machine
- * file. `measured` is the kind of correction: a `mesh` has its own points, a `fit` is sampled
- * over the axes. */
+ * file; `procedures` are those that the machine allows. `measured` is the kind of correction: a
+ * `mesh` has its own points, a `fit` is sampled over the axes. */
 export interface BedMap {
   probe: boolean;
   method: string;
+  procedures: ("delta" | "gantry" | "screws")[];
   measured: "fit" | "mesh" | "none";
   on: boolean;
   xs_mm: number[];
@@ -472,6 +473,11 @@ export interface KeyValue {
   setting: string;
   setting_value: string;
   setting_source: string;
+}
+
+/** A procedure that levels by what the probe measures. */
+export interface Levelling {
+  procedure: "delta" | "gantry" | "screws";
 }
 
 /** A line of a console, which counts from 1, or is 0 for all consoles. `received`: from a host to

@@ -100,6 +100,7 @@ export const setValue = ({ command, word }: Pick<SettingValue, "command" | "word
 export const tuneHeater = (heater: string, celsius: number, method: "pid" | "model") =>
   call("POST", "calibration/heater", { heater, celsius, method });
 export const measureBed = () => call("POST", "calibration/bed");
+export const level = (procedure: BedMap["procedures"][number]) => call("POST", "calibration/level", { procedure });
 export const repeatProbe = () => call("POST", "calibration/probe");
 export const setThermistor = (thermistor: Thermistor) => call("PUT", "calibration/thermistor", thermistor);
 export const fitThermistor = (heater: string, readings: { shown_c: number; true_c: number }[]) =>

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta, Struct
 
@@ -25,8 +26,13 @@ from passo.web.endpoints.console import Answer
 from passo.web.operation import operation
 from passo.web.roles import Role
 
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
 Celsius = Annotated[float, Meta(gt=0, le=400)]
 
+Procedure = Literal["gantry", "screws", "delta"]
+_PROCEDURES: dict[str, str] = {"gantry": "G34", "screws": "G35", "delta": "G33"}
 _RULES = {"pid": "C8 R0", "model": "R5"}
 _ERRORS = ("web.not-found", "command.value", "command.halted", "command.failed")
 _MAP = range(11)  # points of a fit along each axis
@@ -77,14 +83,21 @@ class Thermistor(Struct, forbid_unknown_fields=True):
     c_per_k: Annotated[float, Meta(ge=0, le=MAX_C_PER_K)] = 0.0
 
 
+class Levelling(Struct, forbid_unknown_fields=True):
+    """A procedure that levels by what the probe measures."""
+
+    procedure: Procedure
+
+
 class BedMap(Struct):
     """What is added to Z to follow the bed, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`;
     empty before the bed is measured. `probe`: the machine has one. `method` is that of the machine
-    file. `measured` is the kind of correction: a `mesh` has its own points, a `fit` is sampled over
-    the axes."""
+    file; `procedures` are those that the machine allows. `measured` is the kind of correction: a
+    `mesh` has its own points, a `fit` is sampled over the axes."""
 
     probe: bool
     method: str
+    procedures: list[Procedure]
     measured: Literal["none", "fit", "mesh"]
     on: bool
     xs_mm: list[float]
@@ -167,6 +180,22 @@ async def repeat_probe(call: Call) -> Answer:
     return Answer(list(await call.run("G28\nM48 P10")))
 
 
+@operation(
+    "calibration.level",
+    "POST",
+    "/calibration/level",
+    Role.OPERATOR,
+    errors=("input.not-homed", *_ERRORS),
+)
+async def level(call: Call, body: Levelling) -> Answer:
+    """Homes all axes, then levels the gantry by its motors (G34), reports the turns of the screws
+    of the bed (G35), or calibrates the geometry of a delta (G33). `calibration.bed` lists what the
+    machine allows."""
+    if body.procedure not in _procedures(call.bridge.machine):
+        raise WebError.of("web.not-found", value=f"procedure {body.procedure} of this machine")
+    return Answer(list(await call.run(f"G28\n{_PROCEDURES[body.procedure]}")))
+
+
 @operation("calibration.bed", "GET", "/calibration/bed", Role.VIEWER)
 async def bed(call: Call) -> BedMap:
     """The map of the bed that is in force, or was measured last."""
@@ -174,7 +203,14 @@ async def bed(call: Call) -> BedMap:
     state = await call.bridge.bed()
     correction = state.correction
     found = BedMap(
-        machine.probe is not None, machine.levelling.method, "none", state.on, [], [], []
+        probe=machine.probe is not None,
+        method=machine.levelling.method,
+        procedures=list(_procedures(machine)),
+        measured="none",
+        on=state.on,
+        xs_mm=[],
+        ys_mm=[],
+        heights_mm=[],
     )
     if correction is None:
         return found
@@ -189,6 +225,17 @@ async def bed(call: Call) -> BedMap:
         )
     found.heights_mm = [[correction.plain(x, y) for x in found.xs_mm] for y in found.ys_mm]
     return found
+
+
+def _procedures(machine: MachineConfig) -> Iterator[Procedure]:
+    if machine.probe is None:
+        return
+    if machine.levelling.motors is not None:
+        yield "gantry"
+    if machine.levelling.screws is not None:
+        yield "screws"
+    if machine.geometry.kind == "delta":
+        yield "delta"
 
 
 def _heater_number(call: Call, name: str) -> int:
