@@ -55,7 +55,7 @@ test: .venv/.built .venv/.dev web .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm chromium \
 	  libsodium23
-	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts --ignore tests/browser
+	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder --ignore tests/hosts --ignore tests/browser
 	nice -n -10 $(BIN)/python -m pytest tests/hosts tests/browser  # real time: it comes first, where that is allowed
 
 check: .venv/.built .venv/.dev
