@@ -7,6 +7,7 @@ from tests.support.scenario import Scenario
 
 from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
+from passo.printer.klipper.objects import objects
 from passo.printer.setup.boards import simulated_bed
 
 STEP = 1 / 400
@@ -78,6 +79,11 @@ def test_g35_reports_turns_as_marlin_does(s):
 def test_bed_that_is_too_uneven_is_an_error_after_the_report(s):
     said = answers(s, "SCREWS_TILT_CALCULATE MAX_DEVIATION=0.1")
     assert len(said) == 6
+    shown = objects(s.machine, s.assembly.status.read(), {})["screws_tilt_adjust"]()
+    assert (shown["error"], shown["max_deviation"]) == (True, 0.1)
+    first, second, *_ = shown["results"].values()
+    assert (first["is_base"], first["adjust"]) == (True, "00:00")
+    assert f"adjust {second['sign']} {second['adjust']}" in said[2]
     assert re.search(r"screws of the bed differ by 0\.\d+ mm: at most 0\.1 mm", said[-1])
     assert "expected CW or CCW" in answers(s, "SCREWS_TILT_CALCULATE DIRECTION=UP")[0]
 

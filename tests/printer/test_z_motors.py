@@ -7,6 +7,7 @@ from tests.support.scenario import Scenario
 
 from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
+from passo.printer.klipper.objects import objects
 
 OFF = "endstops_mm = { z1 = 0.6 }"
 NOISE = "noise_mm = 0.002"
@@ -117,6 +118,21 @@ def test_four_belts_get_level_without_endstops_of_their_own():
         heights = [at[name] for name in ("z", "z1", "z2", "z3")]
         assert max(heights) - min(heights) <= 0.01
         assert s.printer.job.machine_position[2] == pytest.approx(at["z"] - 0.15, abs=0.01)
+
+
+def test_klippers_object_shows_the_gantry_level_until_motors_go_off():
+    with homed((NOISE, "")) as s:
+
+        def applied():
+            return objects(s.machine, s.assembly.status.read(), {})["z_tilt"]()["applied"]
+
+        assert not applied()
+        answers(s, "G34")
+        assert applied()
+        s.host.ok("G28", 60)
+        assert applied()
+        answers(s, "M84")
+        assert not applied()
 
 
 def test_tilt_beyond_the_limit_is_refused_and_nothing_moves():

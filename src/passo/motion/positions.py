@@ -34,6 +34,7 @@ class Positions:
         self._letters = [name.upper() for name in axis_order(machine.axes)]
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last time
+        self.loosenings = 0  # how often motors of axes went off
         self.settlings = 0  # how often the origins may have changed
         # The motors were on without a break since another host ran: their counts are still valid.
         self.held = connection.adopted
@@ -69,6 +70,7 @@ class Positions:
         """Motors of axes are off: the axes may be moved by hand, and step counts do not show it."""
         axes = self.machine.axes
         self.held = False
+        self.loosenings += 1
         self.settlings += 1
         self.known.clear()
         self._loose = {name for name, axis in axes.items() if not axis.extruder}

@@ -148,22 +148,21 @@ class Printer:
             self.delta = DeltaCommands(rig, self.prober, self.correction)
             self.dispatch.add(self.delta)
         self.z_endstops = EndstopOffsets(rig) if has_endstops(machine) else None
+        self.gantry = self.screws = None
         if machine.levelling.motors is not None and machine.probe is not None:
-            self.dispatch.add(
-                ZMotorCommands(
-                    rig,
-                    machine.levelling.motors,
-                    self.prober,
-                    self.correction,
-                    self.triggered,
-                    lone_motors,
-                    self.z_endstops,
-                )
+            self.gantry = ZMotorCommands(
+                rig,
+                machine.levelling.motors,
+                self.prober,
+                self.correction,
+                self.triggered,
+                lone_motors,
+                self.z_endstops,
             )
+            self.dispatch.add(self.gantry)
         if machine.levelling.screws is not None and machine.probe is not None:
-            self.dispatch.add(
-                ScrewCommands(machine.levelling.screws, self.prober, self.manual_probe)
-            )
+            self.screws = ScrewCommands(machine.levelling.screws, self.prober, self.manual_probe)
+            self.dispatch.add(self.screws)
         if self.delta is not None or self.z_endstops is not None:
             self.dispatch.add(EndstopCommands(self.delta, self.z_endstops))
         self.skew = SkewCommands(rig) if isinstance(machine.geometry, Cartesian) else None

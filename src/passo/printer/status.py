@@ -263,6 +263,17 @@ class BedStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class ScrewStatus:
+    """A screw of the bed as it was measured last: the height of the bed there, mm, and what to
+    turn: `adjust` are turns and minutes of a clock, `CW` or `CCW` before them. `base`: it stays."""
+
+    name: str
+    height_mm: float
+    adjust: str
+    base: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Status:
     """A printer at one moment. Positions are the program's coordinates of where the machine is, in
     mm, by axis and `e`; `homed` are the axes whose position is certain; fans
@@ -275,8 +286,10 @@ class Status:
     the hotend of `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the
     settings that M500 would change on its medium, as commands with their values, by headings;
     `saved_variables` are those of SAVE_VARIABLE. `bed` is None on a machine without a probe.
-    `moving_s` is the print time for which the
-    machine has printed or moved without a rest.
+    `moving_s` is the print time for which the machine has printed or moved without a rest.
+    `gantry_level`: the motors of Z have levelled the gantry, and were on since then; None where
+    they cannot. `screws` are those of the bed as they were measured last, `screws_limit_mm` what
+    they may differ by, if they differ by more.
     """
 
     state: PrinterState
@@ -307,6 +320,9 @@ class Status:
     saved_variables: dict[str, Any] = field(default_factory=dict[str, Any])
     moving_s: float = 0.0
     bed: BedStatus | None = None
+    gantry_level: bool | None = None
+    screws: tuple[ScrewStatus, ...] = ()
+    screws_limit_mm: float | None = None
 
 
 def planned_status(

@@ -751,6 +751,15 @@ export interface Refusal {
   others: Fault[];
 }
 
+/** A screw of the bed as it was measured last: the height of the bed there, mm, and what to turn:
+ * `adjust` are turns and minutes of a clock, `CW` or `CCW` before them. `base`: it stays. */
+export interface ScrewStatus {
+  name: string;
+  height_mm: number;
+  adjust: string;
+  base: boolean;
+}
+
 /** Lines of G-code. */
 export interface Script {
   script: string;
@@ -809,7 +818,10 @@ export interface SpeedFactor {
  * `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the settings that
  * M500 would change on its medium, as commands with their values, by headings; `saved_variables`
  * are those of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is the print
- * time for which the machine has printed or moved without a rest. */
+ * time for which the machine has printed or moved without a rest. `gantry_level`: the motors of Z
+ * have levelled the gantry, and were on since then; None where they cannot. `screws` are those of
+ * the bed as they were measured last, `screws_limit_mm` what they may differ by, if they differ
+ * by more. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -839,6 +851,9 @@ export interface Status {
   saved_variables: Record<string, unknown>;
   moving_s: number;
   bed?: BedStatus | null;
+  gantry_level?: boolean | null;
+  screws: ScrewStatus[];
+  screws_limit_mm?: number | null;
 }
 
 /** The status, and a number that increases with each change of it. */

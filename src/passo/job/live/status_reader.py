@@ -91,6 +91,9 @@ class StatusReader:
             saved_variables=printer.rig.macros.saved,
             moving_s=self._moving_s(state, max(printer.queue.now_s, 0.0)),
             bed=printer.levelling.status() if printer.machine.probe else None,
+            gantry_level=printer.gantry.level if printer.gantry else None,
+            screws=printer.screws.measured if printer.screws else (),
+            screws_limit_mm=printer.screws.exceeded_mm if printer.screws else None,
         )
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:

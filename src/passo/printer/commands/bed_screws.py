@@ -11,6 +11,7 @@ from passo.gcode.registry import Kind, Subject, When, command
 from passo.levelling.screws import Screw, adjustments
 from passo.motion.probing import Measured, Place, Prober
 from passo.printer.commands.klipper_commands import number
+from passo.printer.status import ScrewStatus
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
@@ -34,6 +35,8 @@ class ScrewCommands:
 
     def __init__(self, config: Screws, prober: Prober, manual: ManualProbe) -> None:
         self._config, self._prober, self._manual = config, prober, manual
+        self.measured: tuple[ScrewStatus, ...] = ()
+        self.exceeded_mm: float | None = None  # MAX_DEVIATION, if the screws differed by more
 
     @command(
         "G35",
@@ -116,9 +119,16 @@ class ScrewCommands:
                 reply.say(f"// {name} (base) : {where}")
             else:
                 reply.say(f"// {name} : {where} : adjust {screws[name].adjust}")
+        self.measured = tuple(
+            ScrewStatus(name, m.height_mm, screws[name].adjust, name == base)
+            for m in measured
+            for name in (m.place.name,)
+        )
         heights = [m.height_mm for m in measured]
         apart = max(heights) - min(heights)
+        self.exceeded_mm = None
         if most is not None and apart > most:
+            self.exceeded_mm = most
             raise CommandError.of("levelling.screws", value=apart, limit=most)
 
     async def _heights(self) -> list[Measured]:

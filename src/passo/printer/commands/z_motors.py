@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from passo.config.calibration import ZMotors
     from passo.config.machine import MachineConfig
     from passo.motion.bed_correction import BedCorrection
+    from passo.motion.positions import Positions
     from passo.motion.rig import Rig
     from passo.motion.triggered_moves import TriggeredMoves
 
@@ -77,6 +78,13 @@ class ZMotorCommands:
         self._rig, self._config, self._prober = rig, config, prober
         self._correction, self._triggered = correction, triggered
         self._motors, self._endstops = motors, endstops
+        self._levelled: tuple[Positions, int] | None = None  # since when it is level
+
+    @property
+    def level(self) -> bool:
+        """The gantry was levelled, and the motors held it since then."""
+        positions = self._rig.positions
+        return self._levelled == (positions, positions.loosenings)
 
     @command(
         "G34",
@@ -172,6 +180,7 @@ class ZMotorCommands:
         """Moves each motor up; how far Z of the middle has risen, mm. If it fails, Z must be homed
         again."""
         rig, mean = self._rig, fmean(by_mm.values())
+        self._levelled = None
         try:
             with self._correction.suspended(), self._triggered.prepared():
                 await self._motors.move("z", by_mm, self._prober.probe.lift_mm_s)
@@ -184,6 +193,7 @@ class ZMotorCommands:
     def _finish(self, moved: Mapping[str, float], mean_mm: float, reply: Reply) -> None:
         """The bed is at Z 0; endstops of the motors are where they trigger now."""
         rig, correction = self._rig, self._correction
+        self._levelled = rig.positions, rig.positions.loosenings
         if correction.on:
             correction.use(correction.correction, on=False)
             reply.say("The correction of the bed is off: measure it again (G29 or G32)")

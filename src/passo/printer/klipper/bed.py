@@ -8,7 +8,7 @@ from passo.levelling.mesh import Mesh
 from passo.levelling.mesh_files import StoredMesh, bed_mesh_status
 
 if TYPE_CHECKING:
-    from passo.printer.status import BedStatus, BedSurface
+    from passo.printer.status import BedStatus, BedSurface, Status
 
 Object = dict[str, Any]
 _NAME_OF_NEW = "default"
@@ -54,3 +54,19 @@ def manual_probe(bed: BedStatus) -> Object:
         "z_position_lower": test.below_mm if test else None,
         "z_position_upper": test.above_mm if test else None,
     }
+
+
+def levelled(status: Status) -> Object:
+    """`z_tilt` and `quad_gantry_level`."""
+    return {"applied": bool(status.gantry_level)}
+
+
+def screws_tilt_adjust(status: Status) -> Object:
+    """The screws as they were measured last; the dialog of Mainsail shows them."""
+    results: Object = {}
+    for n, screw in enumerate(status.screws, 1):
+        sign, turns = screw.adjust.split()
+        z, base = screw.height_mm, screw.base
+        results[f"screw{n}"] = {"z": z, "sign": sign, "adjust": turns, "is_base": base}
+    limit = status.screws_limit_mm
+    return {"error": limit is not None, "max_deviation": limit, "results": results}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from passo.printer.klipper.bed import bed_mesh, manual_probe, probe
+from passo.printer.klipper.bed import bed_mesh, levelled, manual_probe, probe, screws_tilt_adjust
 from passo.printer.klipper.configfile import configfile
 from passo.printer.klipper.heat import extruder, fan, heater, heaters
 from passo.printer.klipper.job import (
@@ -53,6 +53,12 @@ def objects(machine: MachineConfig, status: Status, variables: Variables) -> Obj
         found["bed_mesh"] = lambda: bed_mesh(bed)
         found["probe"] = lambda: probe(bed)
         found["manual_probe"] = lambda: manual_probe(bed)
+    motors = machine.levelling.motors
+    if motors is not None:
+        name = "quad_gantry_level" if len(motors.pivots) == 4 else "z_tilt"
+        found[name] = lambda: levelled(status)
+    if machine.levelling.screws is not None:
+        found["screws_tilt_adjust"] = lambda: screws_tilt_adjust(status)
     for name, part in machine.heaters.items():
         make = extruder if part.kind == "hotend" else heater
         found[heater_object(machine, name)] = lambda name=name, make=make: make(status, name)
