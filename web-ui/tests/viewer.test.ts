@@ -1,7 +1,7 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
 import { expectAccessible, expectFits, picture } from "./browser";
-import { test } from "./fixtures";
+import { sharedTest as test } from "./fixtures";
 
 const slider = (page: Page, name: string) => page.getByRole("slider", { name });
 /** What the renderer has drawn in its last frame; two triangles are a move. */
@@ -41,4 +41,6 @@ test("a print is followed", async ({ page }) => {
   const layer = () => slider(page, "Layer").inputValue().then(Number);
   await expect.poll(layer, { timeout: 15_000 }).toBeGreaterThan(0);
   expect(await layer()).toBeLessThan(14);
+  const cancel = new URL("api/v1/job/cancel", page.url()).href; // the printer is shared
+  await page.request.post(cancel, { headers: { "X-Passo-Request": "1" } });
 });
