@@ -6,7 +6,8 @@ from passo.config.importing.klipper.others import OPTIONS, OTHERS
 
 _HEAD = """# What becomes of a printer.cfg
 
-Made from `src/passo/config/importing/klipper/`: [how to import a file](../how-to/move-from-klipper.md).
+Made from `src/passo/config/importing/klipper/`.
+[How to import a file](../how-to/move-from-klipper.md).
 A section that is in none of these tables is reported as *Passo does not have this part*.
 
 ## Sections that become keys of the machine file
