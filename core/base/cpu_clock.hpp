@@ -1,4 +1,4 @@
-// Processor time of this thread: what the stages cost, never what time it is.
+// Processor time of this thread, for the cost of the stages; never used as a clock.
 #pragma once
 #include <ctime>
 

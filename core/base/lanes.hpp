@@ -89,7 +89,7 @@ PASSO_INLINE Lanes operator+(Lanes x, Lanes y) { return {x.a + y.a, x.b + y.b}; 
 PASSO_INLINE Lanes operator*(Lanes x, Lanes y) { return {x.a * y.a, x.b * y.b}; }
 PASSO_INLINE Lanes min(Lanes x, Lanes y) { return {min(x.a, y.a), min(x.b, y.b)}; }
 PASSO_INLINE Lanes max(Lanes x, Lanes y) { return {max(x.a, y.a), max(x.b, y.b)}; }
-// The last n of x, then the first 4 - n of y.
+// Bit k is set if x[k] > y[k].
 template <int n>
 PASSO_INLINE Lanes slide(Lanes x, Lanes y) {
   if constexpr (n == 1) return {slide(x.b, y.a), slide(y.a, y.b)};

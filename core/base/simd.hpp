@@ -12,14 +12,14 @@
 #else
 #define PASSO_SIMD
 #endif
-// What a cloned function calls must be part of it to be cloned with it.
+// A function that a cloned function calls must be part of it to be cloned with it.
 #define PASSO_INLINE __attribute__((always_inline)) inline
 #define PASSO_INLINE_AVX2 __attribute__((always_inline, target("avx2"))) inline
 
 namespace passo {
 
-// The next multiple of four: a loop of so many has no rest to be done one by one. What such loops
-// are given must go on that far; what stands there may be any numbers.
+// The next multiple of four, so that such a loop has no remainder. Its arrays must extend that far;
+// the numbers there do not matter.
 constexpr int in_fours(int n) { return (n + 3) & ~3; }
 
 // Adding this moves the integer part of |x| < 2^51 into the low bits, rounded half to even.

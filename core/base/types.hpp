@@ -21,7 +21,7 @@ enum class MoveKind : uint8_t {
   dwell
 };  // extrude: E alone (retract, prime)
 
-// What a move belongs to, for reports and statistics.
+// The kind of a move, for reports and statistics.
 struct MoveOrigin {
   uint32_t line;       // 1-based line of the source
   uint32_t main_line;  // the line of the call, for a line of a sub-program; else the same
@@ -31,7 +31,7 @@ struct MoveOrigin {
   uint16_t tool;       // in use; several may share one extruder
 };
 
-// What the interpreter hands to the planner for each G0, G1, chord of an arc, retraction or dwell.
+// The interpreter's request to the planner for each G0, G1, chord of an arc, retraction or dwell.
 // The start of a move is the end of the one before it.
 struct MoveRequest : MoveOrigin {
   double target[kAxes];  // absolute machine position, mm
@@ -39,7 +39,7 @@ struct MoveRequest : MoveOrigin {
   double duration_s;     // APrinter's T: at least this long; of a dwell: exactly; else 0
   double energy_ws;      // of a laser, for this move alone
   double beam;           // a laser's share of full power at 1 mm/s; of a dwell: its share; 0: none
-  double fastest_mm_s;   // whatever M220 says; 0: no such limit
+  double fastest_mm_s;   // independent of M220; 0: no such limit
   double flow;           // that E was scaled with (M221); 0: not a program's filament
   double owed_mm;        // by which the program has drawn filament back at the start
   double hop_mm;         // of a retraction, that is in the target's Z
@@ -49,7 +49,7 @@ struct MoveRequest : MoveOrigin {
   uint8_t arc_axis;  // slot perpendicular to the arc's plane
   bool arc_inner;    // joins the chord before it on the same arc: no junction limit
   bool rapid;        // G0
-  bool unscaled;     // not of a program: M220 leaves it alone
+  bool unscaled;     // not of a program: M220 does not apply
 };
 
 // One command for the board. Commands of a board are queued in the order of `clock`.

@@ -6,7 +6,7 @@
 
 namespace passo {
 
-// What a vector of these is lengthened by is left unset, to be written once.
+// `resize()` leaves new elements of a vector of these uninitialised.
 template <typename T>
 struct LeftUnset : std::allocator<T> {
   template <typename U>

@@ -1,4 +1,4 @@
-// Python's view of what is wired to a simulated board besides motors, switches and heat.
+// Python's interface to the surroundings of a simulated board besides motors, endstops and heat.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 

@@ -1,4 +1,4 @@
-// G-code: its words and texts, what may be wrong with them, and the survey of a program.
+// G-code: words and texts, their errors, and the survey of a program.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>

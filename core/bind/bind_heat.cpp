@@ -1,4 +1,4 @@
-// Python's view of heaters: how they are controlled and protected, and what they say.
+// Python's interface to heaters: control, protections, and readings.
 #include <nanobind/nanobind.h>
 #include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>

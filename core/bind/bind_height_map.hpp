@@ -1,4 +1,4 @@
-// What Python gives as heights of the bed → HeightMap.
+// Heights of the bed from Python → HeightMap.
 #pragma once
 #include <memory>
 #include <optional>

@@ -1,4 +1,4 @@
-// What Python holds of a job.
+// The Python object of a job.
 #pragma once
 #include <nanobind/nanobind.h>
 

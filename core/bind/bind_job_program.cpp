@@ -1,4 +1,4 @@
-// A job's program: its text, where it is, and what it asks the caller for.
+// A job's program: its text, its position, and its requests to the caller.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>

@@ -1,4 +1,4 @@
-// What a job has done: statistics, moves, the path, ideal step times.
+// The results of a job: statistics, moves, the path, ideal step times.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>

@@ -1,4 +1,4 @@
-// What a job's moves are made with: limits, scales, offsets, retraction, flow.
+// The settings of a job's moves: limits, scales, offsets, retraction, flow.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>

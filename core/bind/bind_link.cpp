@@ -1,4 +1,4 @@
-// Python's view of a link, of the messages of a job, and of what links share.
+// Python's interface to a link, to the messages of a job, and to the state that links share.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
@@ -252,7 +252,7 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
       .def("take_slack", &held<[](Link& l) { return l.lateness().take_recent(); }>,
            "The least since this was last asked.")
-      .def_prop_ro("least_slack", &held<[](Link& l) { return l.lateness().least(); }>)
+      .def_prop_ro("min_slack", &held<[](Link& l) { return l.lateness().least(); }>)
       .def_prop_ro(
           "late_frames",
           [](Link& l) {

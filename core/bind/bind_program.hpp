@@ -1,4 +1,4 @@
-// What a program is read with, and the events that it is told as.
+// The settings for reading a program, and the events that it produces.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>

@@ -1,4 +1,4 @@
-// Python's view of what carries bytes between links and boards, in virtual time and in real time.
+// Python's interface to the transport between links and boards, in virtual time and in real time.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>

@@ -20,8 +20,8 @@ class Arc {
   static constexpr double kSpiral = 0.005, kMinSpiralMm = 0.05, kMaxSpiralMm = 0.5;
   static constexpr double kFullTurn = 6.283185307179586;
 
-  // Whether an arc whose ends are so many mm apart is a straight line where its words name no
-  // circle: its distances from one of the ends differ by no more than they may.
+  // Whether an arc whose ends are so many mm apart counts as a straight line if its words define no
+  // circle: its distances from one of the ends differ by no more than the tolerance.
   static bool tiny(double mm) { return mm <= kMinSpiralMm; }
 
   bool active() const { return done_ < chords_; }

@@ -1,4 +1,4 @@
-// The loop that reads, the common line, and what every move goes through.
+// The loop that reads, the common line, and the steps that are common to all moves.
 #include "gcode/interpreter.hpp"
 
 #include <algorithm>
@@ -126,7 +126,7 @@ bool Interpreter::target(const double* value, uint32_t have, uint32_t relative, 
         fail(Fault::out_of_range, axis_name(j), t, limit);
         return false;
       }
-      if (clamp) note_clamp(j, t, limit);  // else the axis is not homed, as is said below
+      if (clamp) note_clamp(j, t, limit);  // otherwise the axis is not homed, as reported below
       t = limit;
       cut |= uint8_t(1u << j);
     } else if (absolute) {
@@ -217,7 +217,8 @@ void Interpreter::stamp(MoveRequest& m) const {
   m.feature = feature_;
 }
 
-// What the laser gives to a move from position_, and the speed at which that is all it may give.
+// The energy of the laser for a move from position_, and the speed at which the laser delivers
+// exactly that.
 void Interpreter::shine(MoveRequest& m) const {
   double mm2 = 0, longest = 0;
   for (int j = 0; j < kAxes; ++j) {

@@ -67,9 +67,9 @@ class Interpreter {
   void insert(std::string_view text);
   // How many macros of the selected source run within each other.
   size_t macro_depth() const { return frames_of(FrameKind::macro); }
-  // What is left of the program's macro is no part of it any more: `mine` has it, as a console's.
+  // The rest of the program's macro does not belong to it any more: `mine` has it, as a console's.
   void hand_over_macro(Interpreter& mine);
-  // Drops what is left of a console's macros.
+  // Drops the rest of a console's macros.
   void forget_macros() { frames_[1].clear(); }
   // Records how the program's line of this number is understood, see heard().
   void listen(uint32_t line) { listened_ = line; }
@@ -297,7 +297,7 @@ class Interpreter {
   double skipped_feed_ = 0, skipped_strand_feed_ = 0;  // of the last travel and retraction
   bool auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
-  double hop_ = 0;      // mm by which Z is above what the program means
+  double hop_ = 0;      // mm by which Z is above the program's Z
   Retraction retraction_;
   uint16_t feature_ = 0;
   std::vector<std::string> features_;
@@ -346,7 +346,7 @@ class Interpreter {
     return size_t(std::count_if(frames.begin(), frames.end(),
                                 [kind](const Frame& frame) { return frame.kind == kind; }));
   }
-  // Moves of the line are to be taken before its next word.
+  // Moves of the line must be taken before its next word.
   bool unfinished() const { return !pending_.empty() || arc_.active() || cycle_.active(); }
   bool listening() const { return number() == listened_ && !source_ && !in_macro(); }
   const std::string& axis_name(int j) const {
@@ -367,7 +367,8 @@ class Interpreter {
   void here(double* at) const {
     for (int j = 0; j < kAxes; ++j) at[j] = position_[j] + gap(j);
   }
-  // The tool's nozzle is here, seen from the first tool's; the machine stands the opposite way.
+  // The position of the tool's nozzle relative to the first tool's; the machine moves by it the
+  // other way.
   double tool_offset(int j) const {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
@@ -395,7 +396,7 @@ class Interpreter {
            (absolute_ && absolute_e_ ? 0 : filament_letters_);
   }
 
-  // interpreter.cpp: the common line, and what every move goes through.
+  // interpreter.cpp: the common line, and the steps that are common to all moves.
   Found fast_move(const char* p, const char* end, bool rapid);
   bool straight(const double* value, uint32_t have, double feed, double duration, bool rapid);
   bool target(const double* value, uint32_t have, uint32_t relative, uint32_t offset);
@@ -404,7 +405,7 @@ class Interpreter {
   void stamp(MoveRequest& m) const;
   void shine(MoveRequest& m) const;
 
-  // interpreter_lines.cpp: lines in every dialect, and what is reported about them.
+  // interpreter_lines.cpp: lines in every dialect, and their events.
   void run_line(const char* p, const char* end);
   void run_words();
   bool ends_text(const char* p, const char*& end);

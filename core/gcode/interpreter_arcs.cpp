@@ -86,7 +86,8 @@ void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, in
 }
 
 // Whether no chord of the arc, which begins at `start`, ends beyond a limit of the slots of its
-// plane, where target() has looked at its ends alone; else fills `error` with how far it goes.
+// plane; target() has checked only the ends of the arc. Otherwise fills `error` with the position
+// it would reach.
 bool Interpreter::arc_in_range(const double* start, int u, int v, GcodeError& error) const {
   auto hop = [this](int j) { return j == kZ ? arc_hop_ : 0; };
   auto round = [&](int j) {

@@ -105,7 +105,7 @@ bool Interpreter::run_g(int code, const Arguments& a) {
     case 80: {
       const bool cycle = motion_ > 3;
       if (cycle) motion_ = -1;
-      // On a printer G80 asks for bed levelling, as Prusa has it, with words of its own.
+      // On a printer G80 is bed levelling, as with Prusa, and has words of its own.
       if (machine_->prints()) return cycle;
       if (cycle && moves(a.first, a.last)) {
         fail(Fault::word, "G80", 0, 0);

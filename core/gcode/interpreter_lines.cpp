@@ -1,4 +1,4 @@
-// Lines in every dialect, and what is reported about them.
+// Lines in every dialect, and their events.
 #include <algorithm>
 #include <cctype>
 #include <cstring>
@@ -118,7 +118,7 @@ void Interpreter::run_words() {
   if (begins && w->letter == 'O' && letter_slot_['O' - 'A'] < 0) {  // the program's number and name
     Word* next = w + 1;
     while (next < end && !(starts(*next) && !std::isalpha(uint8_t(text[next->begin - 1])))) ++next;
-    // Of a file with sub-programs it is known; what controls the flow of others is not.
+    // Known for a file with sub-programs; unknown for the control of flow in others.
     const bool text_follows = w + 1 < next && std::isalpha(uint8_t(text[w[1].begin])) != 0;
     if (!subprograms || subprograms->labels.empty() || text_follows) unknown(next);
     next_word_ = next < end ? size_t(next - words_.data()) : 0;

@@ -18,7 +18,7 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-    if (x->letter == 'R' && code < 2) {  // all words are absolute but those directly after it
+    if (x->letter == 'R' && code < 2) {  // all words are absolute except those directly after it
       if (x->number) continue;
       relative = 0;
       keeps_feed = false;
@@ -70,7 +70,8 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   double begin[kAxes];
   const bool begins = tool_position(begin) < 0;
   if (!target(value, axes, relative, offset_letters(axes)) || retracts(axes)) return;
-  // Filament is laid from where the tool in use was meant to be, not on the way to there.
+  // Filament is laid from the position that the tool in use was meant to have, not on the way to
+  // it.
   if (begins && (axes & ~filament_letters_) != 0 && lays_filament()) queue_offset(begin, feed);
   queue_straight(timed ? kInfinity : feed, duration, code == 0, energy);  // T in place of F
 }
@@ -91,7 +92,7 @@ void Interpreter::queue_straight(double feed, double duration, bool rapid, doubl
   pending_.push_back(std::move(item));
 }
 
-// A move of slot j by so much, of which the program's own coordinates know nothing.
+// A move of slot j by so much, which does not change the program's own coordinates.
 void Interpreter::queue_step(int j, double by, double feed) {
   if (by == 0) return;
   Item item{};
@@ -127,9 +128,8 @@ void Interpreter::queue_return(const double* to) {
   queue_straight(kInfinity, 0, true);
 }
 
-// G60 saves where the program means the machine to be as S; G61 goes there with the axes that it
-// names, so far beside it as their words say, with X, Y, Z if it names none. F counts for this move
-// alone.
+// G60 saves the program's position as S. G61 returns to it with the axes that it names, offset by
+// their words, with X, Y, Z if it names none. F counts for this move alone.
 void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   double value[26] = {}, feed = kInfinity, slot = 0;
   uint32_t have = 0;

@@ -62,8 +62,8 @@ void Interpreter::forget_objects() {
   apart_ = false;
 }
 
-// The machine's filament at slot j ends elsewhere by so much than what is read of the program
-// reckons with; the program's E does not notice.
+// The machine's filament at slot j ends elsewhere by so much than the program expects; the
+// program's E does not change.
 void Interpreter::pass_filament(int j, double mm) {
   arc_.shift(j, mm);
   for (Item& item : pending_)
@@ -86,8 +86,8 @@ bool Interpreter::take_apart(MoveRequest& m) {
   return false;
 }
 
-// The program goes on, and the machine stays. Of filament only how far it is drawn back counts:
-// what would have been printed does not come later.
+// The program continues without moving the machine. Of filament only the retraction counts:
+// filament of the skipped part is not laid later.
 void Interpreter::skip(const MoveRequest& m) {
   bool forward = false, back = false, travels = false;
   for (int j = 0; j < kAxes; ++j) {
@@ -113,8 +113,8 @@ void Interpreter::skip(const MoveRequest& m) {
 }
 
 // The first moves of the program that take place again. A retraction or a lift takes place where
-// the machine stands. Any other move first brings it to where the program is: up, across and down,
-// with the filament drawn back as the program means, and none laid on the way.
+// the machine is. Any other move first brings it to the program's position: up, across and down,
+// with the filament retracted as in the program, and none laid on the way.
 bool Interpreter::join(const MoveRequest& m) {
   double start[kAxes], by[kAxes];  // where the program is, and how far it goes
   here(start);
@@ -139,7 +139,7 @@ bool Interpreter::join(const MoveRequest& m) {
     std::copy(at, at + kAxes, item.move.target);
     way.push_back(std::move(item));
   };
-  // A move of the way, of which the program knows nothing.
+  // A move of the way, which is not part of the program.
   auto step = [&](double feed) {
     as_meant();
     MoveRequest& s = way.back().move;
@@ -153,7 +153,7 @@ bool Interpreter::join(const MoveRequest& m) {
     s.arc_inner = false;
     s.rapid = true;  // no laser burns on it
   };
-  // Filament of the way: `mm` of slot j, where the program moves it by `meant`.
+  // Filament of the way: `mm` of slot j, while the program moves it by `meant`.
   auto feed_strand = [&](int j, double mm, double meant) {
     Strand& strand = strand_of(j);
     const double drawn = owed_after(strand.drawn, mm);

@@ -40,9 +40,9 @@ void Interpreter::shift_tool(int j, double mm) {
   owe(j, due_[j] - (mm - tool_offset(j)));
 }
 
-// Letters of axes that a move which names `have` moves too: by the offset of a tool that no move
-// has carried out yet. Not a move of filament alone, nor one in the machine's own coordinates; an
-// axis that is not homed has no offset to keep.
+// Letters of axes that a move with axes `have` also moves: by the offset of a tool that no move has
+// carried out yet. Not a move of filament alone, nor one in the machine's own coordinates; an axis
+// that is not homed has no offset to keep.
 uint32_t Interpreter::offset_letters(uint32_t have, bool arc) const {
   if (!any_due_ || machine_zero_ || (!arc && (have & ~filament_letters_) == 0)) return 0;
   uint32_t letters = 0;
@@ -51,7 +51,7 @@ uint32_t Interpreter::offset_letters(uint32_t have, bool arc) const {
   return letters & ~have;
 }
 
-// The move that has just got its target moves these slots: their offsets are no longer due.
+// The move that has just got its target moves these slots: their offsets are done.
 void Interpreter::carry_out(uint8_t moved) {
   for (int j = 0; j < 3; ++j) owed_.from[j] = position_[j], owed_.mm[j] = due_[j];
   owed_.tool = tool_;

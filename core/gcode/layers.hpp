@@ -21,7 +21,7 @@ enum class LayerMark : uint8_t {
 };
 inline constexpr size_t kLayerMarks = 5;
 
-// What a comment marks: its text after ';'.
+// The mark in a comment: its text after ';'.
 inline LayerMark layer_mark(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   auto rest = [&](std::string_view word) {  // behind the word in any case; null: it is not there
@@ -67,8 +67,8 @@ class LayerMarks {
 // height of the last layer.
 class LayerCounter {
  public:
-  // The marks of the program that is read; none: it has none. Until then the first mark decides,
-  // and heights count as long as there is no mark.
+  // The marks of the program that is being read; none if it has none. Until they are known, the
+  // first mark decides, and heights count as long as there is no mark.
   void expect(LayerMark kind) {
     kind_ = kind;
     expected_ = true;

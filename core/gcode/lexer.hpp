@@ -148,8 +148,8 @@ class Lines {
     return marked ? from + 3 : from;
   }
 
-  // The end of what is kept of a long line: its comment goes, and what follows a zero byte or a
-  // Ctrl-Z; without them, all of it.
+  // The end of the kept part of a long line: its comment is dropped, and the text after a zero byte
+  // or a Ctrl-Z; without them, all of it is kept.
   const char* kept(const char* begin, const char* end) {
     const char* stop = begin + std::min(kMaxLineBytes, size_t(end - begin));
     const char* rest =

@@ -37,8 +37,8 @@ struct ObjectOrder {
   std::string name, centre, outline;
 };
 
-// Whether a line begins with a command about objects, whose labels hold what is a comment
-// elsewhere. Returns the length of its code, else 0.
+// Whether a line begins with a command about objects, whose labels may contain comment characters.
+// Returns the length of its code, else 0.
 inline size_t object_code(std::string_view text) {
   static constexpr std::string_view kCodes[] = {"EXCLUDE_OBJECT_DEFINE", "EXCLUDE_OBJECT_START",
                                                 "EXCLUDE_OBJECT_END", "EXCLUDE_OBJECT", "M486"};
@@ -56,7 +56,7 @@ inline size_t object_code(std::string_view text) {
   return 0;
 }
 
-// What is left of a command without its comment, which begins with a ';' outside of quotes.
+// The command without its comment, which begins with a ';' outside of quotes.
 inline std::string_view without_comment(std::string_view text) {
   size_t end = 0;
   for (; end < text.size() && text[end] != ';'; ++end) {
@@ -77,7 +77,7 @@ class ObjectText {
   static constexpr int kMaxObjects = 10'000;
   static constexpr size_t kMaxNameBytes = 200;  // bytes
 
-  // What a command says, `text` being what follows its code. What cannot be read is left out: a
+  // The orders of a command, `text` being the text after its code. Unreadable parts are left out: a
   // label must not stop a print.
   static std::vector<ObjectOrder> read(std::string_view code, std::string_view text) {
     return code == "M486" ? of_marlin(text) : of_klipper(code, text);

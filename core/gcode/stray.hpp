@@ -1,4 +1,4 @@
-// Characters that are not G-code, in a line that cannot be read as it stands, or would be read as
+// Characters that are not G-code, in a line that cannot be read as written, or would be read as
 // something else: `E31,0`, `X1.2.3`, `#1=5`, `M104 S200 — hot`.
 #pragma once
 #include <algorithm>
@@ -53,9 +53,9 @@ inline Stray stray_at(std::string_view text, size_t at, int64_t code) {
   return stray;
 }
 
-// The first character of a command's text that is not G-code. `any`: nothing can be made of the
-// text. Otherwise only one that changes what the text means, or that no one writes on purpose; not
-// a remark without `;`, for example. What is in quotes or in parentheses does not count.
+// The first character of a command's text that is not G-code. `any`: the text cannot be read at
+// all. Otherwise only one that changes the meaning of the text, or that no user writes on purpose;
+// not a remark without `;`, for example. Text in quotes or in parentheses does not count.
 inline Stray find_stray(std::string_view text, bool any) {
   auto digit = [&](size_t i) { return i < text.size() && std::isdigit(uint8_t(text[i])) != 0; };
   auto letter = [&](size_t i) { return i < text.size() && std::isalpha(uint8_t(text[i])) != 0; };

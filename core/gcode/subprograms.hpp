@@ -1,5 +1,5 @@
-// The sub-programs of a file: the text behind the end of its main program, with the numbers that
-// M98 calls.
+// The sub-programs of a file: the text after the end of its main program, with the numbers that M98
+// calls.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -45,7 +45,7 @@ class Subprograms {
   static uint64_t key(uint32_t number, bool program) { return uint64_t(number) << 1 | program; }
 };
 
-// What M98 asks for.
+// The call of an M98.
 struct Call {
   const Subprograms::Label* label = nullptr;
   int repeats = 1;
@@ -53,7 +53,7 @@ struct Call {
 
 enum class CallFault : uint8_t { none, unreadable, missing, nested, unended, idle, no_file };
 
-// Reads `P1002 L3`, or P31002 for three times 1002, where there is no 31002. `call` is set if the
+// Reads `P1002 L3`, or P31002 for three times 1002, if there is no 31002. `call` is set if the
 // result is none.
 inline CallFault read_call(std::string_view text, const Subprograms& all, Call& call) {
   static constexpr int kMaxRepeats = 9999;
@@ -81,7 +81,7 @@ inline CallFault read_call(std::string_view text, const Subprograms& all, Call& 
                                       : CallFault::none;
 }
 
-// The number behind O or N at the beginning of a line; false if there is none.
+// The number after O or N at the beginning of a line; false if there is none.
 inline bool read_label(const char* p, const char* end, bool& program, uint32_t& number) {
   while (p < end && (*p == ' ' || *p == '\t' || *p == '/')) ++p;
   if (p == end || !std::strchr("OoNn", *p)) return false;

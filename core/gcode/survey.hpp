@@ -14,9 +14,9 @@
 
 namespace passo {
 
-// Feed it the program; then `commands()` holds each command that the caller of an Interpreter would
-// be handed, once for each code, as it stands first, of the main program and of the sub-programs
-// that it calls. Memory is bounded by kMaxCodes and Subprograms::kMaxBytes.
+// Feed it the program; then `commands()` holds each command that an Interpreter would hand to its
+// caller, once for each code, in its first form, of the main program and of the sub-programs that
+// it calls. Memory is bounded by kMaxCodes and Subprograms::kMaxBytes.
 class Survey {
  public:
   static constexpr size_t kMaxCodes = 10'000;
@@ -112,7 +112,7 @@ class Survey {
       while ((found = splitter_.next()) != Found::need_input)
         if (found == Found::event)
           note(splitter_.event());
-        else  // what a macro does is known when it is called
+        else  // the content of a macro is known when it is called
           moves_ = moves_ || found == Found::move || found == Found::macro;
     }
   }
@@ -165,7 +165,7 @@ class Survey {
     return note;
   }
 
-  // What the main program reaches; calls have `fault` unless that is none.
+  // The reach of the main program; calls have `fault` unless that is none.
   void judge(CallFault fault) {
     std::vector<bool> reached(parts_.size());
     std::vector<size_t> open{0};

@@ -1,4 +1,4 @@
-// Which words belong to which command: docs/reference/gcode.md says it in sentences.
+// Which words belong to which command; docs/reference/gcode.md describes it.
 #pragma once
 #include <cmath>
 #include <cstring>
@@ -17,7 +17,7 @@ inline bool text_command(const Word& w) {  // its argument is free text, not wor
          n == 550 || n == 587 || n == 600 || n == 862 || n == 928;
 }
 
-// Whether a line that goes on so begins with a command that takes a text.
+// Whether a line that begins with this text has a command that takes a text.
 inline bool takes_text(const char* line) {
   std::vector<Word> words;
   split_words(line, words);
@@ -35,7 +35,7 @@ inline std::pair<int, int> code_of(const Word& w) {
   return {code, int(std::lround((w.value - code) * 10))};
 }
 
-// What follows these is not read as words; passo.gcode.registry says the same.
+// The text after these is not read as words; passo.gcode.registry has the same list.
 inline bool wordless(const Word& w) {
   if (text_command(w)) return true;
   const auto [n, minor] = code_of(w);
@@ -47,7 +47,7 @@ inline bool wordless(const Word& w) {
          n == 595 || n == 604 || n == 605 || n == 800 || n == 908 || n == 925 || n == 926;
 }
 
-// Commands, other than moves, that have a word E; passo.gcode.registry says the same.
+// Commands, other than moves, that have a word E; passo.gcode.registry has the same list.
 inline bool takes_e(char letter, int code) {
   if (letter == 'G') return code == 61 || code == 92;
   return code == 17 || code == 18 || code == 84 || code == 92 || code == 201 || code == 203 ||
@@ -111,7 +111,7 @@ inline bool moves_otherwise(char letter, int code) {
                            (code >= 81 && code <= 89));
 }
 
-// Words of these that need no number; passo.gcode.registry says the same.
+// Words of these that need no number; passo.gcode.registry has the same list.
 inline bool may_stand_alone(char letter, int code, char word) {
   if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
   return code == 702 && word == 'C';

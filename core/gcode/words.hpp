@@ -24,7 +24,7 @@ struct Word {
   bool whole() const { return number && value == std::floor(value); }
 };
 
-// What follows a command: its words, and the same as text.
+// The parameters of a command: its words, and the same as text.
 struct Arguments {
   const Word *first, *last;
   std::string_view text;
@@ -95,8 +95,8 @@ inline size_t closing_quote(std::string_view text, size_t at) {
   return std::string_view::npos;
 }
 
-// Comments in parentheses become blanks, what follows ';' goes. `comment` is the text after ';'.
-// What is in quotes is no comment in the parameters of an extended command.
+// Comments in parentheses become blanks, text after ';' is dropped. `comment` is the text after
+// ';'. Text in quotes is not a comment in the parameters of an extended command.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();
   const bool named = has_name(text);

@@ -26,8 +26,8 @@ class Facing {
     while (a > middle_ + kPi) a -= 2 * kPi;
     return a;
   }
-  // Whether a straight line between two places crosses where the angles end, or ends there. What
-  // lies before the shoulder cannot.
+  // Whether a straight line between two places crosses the end of the range of angles, or ends
+  // there. A line before the shoulder cannot.
   bool jumps(double y0, double x0, double y1, double x1) const {
     if (x0 * cosine_ + y0 * sine_ > 0 && x1 * cosine_ + y1 * sine_ > 0) return false;
     double from = angle(y0, x0) - middle_, to = angle(y1, x1) - middle_;

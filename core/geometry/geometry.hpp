@@ -1,5 +1,5 @@
-// What a geometry offers to the planner and to the step solver. One file a geometry implements it;
-// registry.hpp is the only other place that names it.
+// The interface of a geometry for the planner and the step solver. One file a geometry implements
+// it; registry.hpp is the only other place that names it.
 #pragma once
 #include <cstdint>
 #include <limits>

@@ -6,7 +6,7 @@ namespace passo {
 
 class Sampling {
  public:
-  // Of a line of `mm`, looked at n times; the ends must outlive this.
+  // The samples of a line of `mm` at n points; the ends must outlive this.
   Sampling(const Geometry& geometry, const double* p0, const double* p1, double mm, int n)
       : geometry_(geometry), p0_(p0), p1_(p1), mm_(mm), n_(n),
         even_(mm <= kOfGrain * n * grain(0.5, mm)) {}

@@ -16,7 +16,7 @@ class Controller {
   explicit Controller(const Control& control) : control_(control), law_(law_of(control)) {}
   const Control& control() const { return control_; }
 
-  // A law of the same kind goes on from where it is; one of another kind starts anew.
+  // A law of the same kind continues from its state; one of another kind starts again.
   void set(const Control& control) {
     control_ = control;
     bool same = control.index() == law_.index();

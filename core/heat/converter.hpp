@@ -1,4 +1,4 @@
-// What converters of thermocouples and platinum resistors say, in the words of their data sheets.
+// The readings of thermocouple and RTD interfaces, in the terms of their data sheets.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -74,7 +74,7 @@ inline ConverterReading read_converter(Converter converter, uint32_t word, uint3
   return is(ConverterFault::none);
 }
 
-// A reading in steps of full scale. A chip that is out of its range knows no temperature.
+// A reading in steps of full scale. A chip that is out of its range has no reading.
 inline uint32_t converter_sum(Converter converter, uint32_t word, uint32_t faults) {
   constexpr uint32_t kOfChip = 0xb0;
   const ConverterScale scale = scale_of(converter);
@@ -85,7 +85,7 @@ inline uint32_t converter_sum(Converter converter, uint32_t word, uint32_t fault
   return uint32_t(known ? reading.steps + scale.zero : scale.full);
 }
 
-// The word of so many steps, as far as that goes: the way back.
+// The word for so many steps, within its range: the inverse.
 inline uint32_t converter_word(Converter converter, int32_t steps) {
   const ConverterScale scale = scale_of(converter);
   int32_t most = (1 << (scale.bits - scale.is_signed)) - 1;

@@ -1,6 +1,6 @@
-// A heated body as the host reckons it: a first-order body that loses heat to the room, felt by a
-// first-order sensor. From power and readings it tells how hot the body is behind its sensor, and
-// how much heat comes or goes that the model does not explain.
+// The host's model of a heated mass: a first-order body that loses heat to the room, measured by a
+// first-order sensor. From power and readings it estimates the temperature of the body, and the
+// heat that the model does not explain.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -24,9 +24,9 @@ class Observer {
   void set(const HeatModel& model) { m_ = model; }
   const HeatModel& model() const { return m_; }
 
-  // Begins anew with the next reading.
+  // Restarts with the next reading.
   void restart() { known_ = false; }
-  // `power` acted for `dt` seconds until the sensor said `celsius`.
+  // `power` acted for `dt` seconds until the sensor reported `celsius`.
   void update(double celsius, double power, double fan, double dt) {
     loss_ = 1 + m_.fan_loss * fan;
     if (!known_) {
@@ -61,7 +61,7 @@ class Observer {
   double holding(double celsius) const { return loss_ * (celsius - room_) / m_.rise_c; }
   // The part of it that the fan takes, in a room as the model has it.
   double blown(double celsius) const { return (loss_ - 1) * (celsius - m_.ambient_c) / m_.rise_c; }
-  // Share of full power that the readings show beyond (below) what the model expects.
+  // The fraction of full power that the readings show above (below) the model.
   double unexplained() const { return loss_ * (room_ - m_.ambient_c) / m_.rise_c; }
 
  private:

@@ -1,5 +1,5 @@
 // PID control: derivative on the measurement and filtered, a bounded integral, a functional range,
-// and what is known of the fan.
+// and the effect of the fan.
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -42,8 +42,8 @@ class Pid {
     }
     double error = r.target - r.celsius;
     double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
-    // What holds one target holds a lower one in proportion to how much warmer than the room it is.
-    // On the way up it is too little, which costs time, and never too much.
+    // The integral of one target scales to a lower one with the temperature above ambient. While
+    // heating it is too small, which costs time, and never too large.
     double room = (r.body ? r.body->model() : HeatModel{}).ambient_c;
     if (target_ > room && r.target < target_) {
       double part = std::max(0.0, (r.target - room) / (target_ - room));
@@ -55,8 +55,8 @@ class Pid {
     target_ = r.target;
     if (error >= -o_.range_c) falls_ = false;
     if (error < -o_.range_c && !falls_) i_ = low;  // it has gathered too much
-    // The integral would find out in time what the fan takes; it need not wait for the sensor. What
-    // its bounds keep off when the fan starts is not taken away when it stops.
+    // The integral would find the loss through the fan in time; it need not wait for the sensor.
+    // The part that its limits cut off when the fan starts is not subtracted when it stops.
     double blown = r.body ? r.body->blown(r.target) : 0;
     double more = std::max(blown - std::exchange(blown_, blown), -fan_), was = i_;
     i_ = std::clamp(i_ + more, low, high);
@@ -67,9 +67,9 @@ class Pid {
     if (error < -o_.range_c) return finish(error, 0, 0, 0, r.max_power);
     double p = o_.kp / kGainFull * error, d = -o_.kd / kGainFull * rate_;
     double step = o_.ki / kGainFull * error * r.dt;
-    // Anti-windup: the integral grows only while that still changes the power, and not while the
-    // temperature, coming from afar, is closing in faster than the integral could follow: what it
-    // gathered there would have to be given back as overshoot.
+    // Anti-windup: the integral grows only while that still changes the power. It does not grow
+    // while the temperature, coming from far away, approaches faster than the integral could
+    // follow: it would cause overshoot.
     double wanted = p + i_ + step + d;
     bool saturated = (wanted > r.max_power && step > 0) || (wanted < 0 && step < 0);
     bool closing = error * trend_ > 0 && o_.ki * error * error < o_.kp * error * trend_;
@@ -86,7 +86,7 @@ class Pid {
   PidControl o_;
   double before_ = 0, rate_ = 0, trend_ = 0, near_s_ = 0, i_ = 0;
   double target_ = 0;                   // that the integral belongs to
-  double blown_ = 0, fan_ = 0;          // what the fan takes, and what of that is in the integral
+  double blown_ = 0, fan_ = 0;          // the loss through the fan, and its part in the integral
   bool known_ = false, falls_ = false;  // it is on its way down to a lower target
   Terms terms_;
 

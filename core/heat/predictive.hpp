@@ -1,5 +1,5 @@
-// Model-predictive control: the power that takes the body, as the observer sees it behind its
-// sensor, to the target within a short horizon.
+// Model-predictive control: the power that brings the body, by the observer's estimate, to the
+// target within a short horizon.
 #pragma once
 #include <algorithm>
 
@@ -20,7 +20,7 @@ class Predictive {
   void set(const ModelControl& options) { o_ = options; }
   const Terms& terms() const { return terms_; }
 
-  // Needs `r.body`. Terms: i is the power that holds the target, p what closes the gap.
+  // Needs `r.body`. Terms: i is the power that holds the target, p the power that closes the gap.
   double update(const Reading& r) {
     if (r.target <= 0 || !r.body) {
       terms_ = {};

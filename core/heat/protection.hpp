@@ -1,4 +1,4 @@
-// What must never happen to a heater, looked for with every report of its sensor.
+// The protections of a heater, checked with every report of its sensor.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -33,8 +33,8 @@ struct ProtectionLimits {
 
 struct Fault {
   FaultKind kind = FaultKind::none;
-  double celsius = 0;  // what the sensor said
-  double limit = 0;    // what it had to keep to: °C, or the share of power of a model deviation
+  double celsius = 0;  // the sensor's reading
+  double limit = 0;    // the limit: °C, or the fraction of power of a model deviation
   int64_t clock = 0;
 };
 
@@ -52,18 +52,19 @@ class Protection {
   void set(const ProtectionLimits& limits) { o_ = limits; }
   const ProtectionLimits& limits() const { return o_; }
 
-  // Begins anew, as if the heater had just been switched on.
+  // Restarts, as if the heater had just been switched on.
   void restart() { *this = Protection(o_); }
 
   // There were no reports for a while, in which the body may have cooled: a heater that had arrived
-  // is on its way again. On its way it is not given its time anew, only a goal that is not above
-  // what it could reach, lest one that never gets warmer is forgiven with each break of the link.
+  // is heating again. A heater that was still heating does not get its time again, only a goal that
+  // is not above the temperature that it could reach. Otherwise a heater that never gets warmer
+  // would pass with each break of the link.
   void interrupted() {
     known_ = false;
     resumes_ = true;
   }
 
-  // Kind none, or what is wrong and the limit that was broken.
+  // Kind none, or the fault and its limit.
   Fault check(const Sight& s) {
     time_ += s.dt;
     Fault fault = range(s);

@@ -1,4 +1,4 @@
-// What a controller is given with each report of the sensor, and what it tells of its answer.
+// The input of a controller with each report of the sensor, and the details of its answer.
 #pragma once
 
 namespace passo::heat {

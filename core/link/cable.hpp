@@ -9,7 +9,8 @@ namespace passo::wire {
 // CLOCK_MONOTONIC, the time of the event loop too, in ticks.
 Ticks monotonic_ticks(double hz);
 
-// One end of a cable: reads what has come and writes what is left, without ever waiting in either.
+// One end of a cable: reads the bytes that have come and writes the rest, without ever waiting in
+// either.
 class Cable {
  public:
   // Owns `fd` from now on.
@@ -24,8 +25,8 @@ class Cable {
   Bytes& outgoing() { return out_; }
   bool written() const { return out_.empty(); }
   void write_out();
-  // Sleeps until bytes come, bytes may be written, somebody calls wake(), or for `seconds`. Returns
-  // what has come.
+  // Sleeps until bytes come, bytes may be written, wake() is called, or for `seconds`. Returns the
+  // received bytes.
   const Bytes& wait(double seconds);
   // From any thread.
   void wake();

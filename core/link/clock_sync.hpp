@@ -1,4 +1,5 @@
-// The board's clock as the host knows it: a line between what the answers to get_clock allow.
+// The board's clock as the host estimates it: a line between the bounds from the answers to
+// get_clock.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -44,7 +45,7 @@ class ClockSync {
 
   void add(uint32_t clock32, Ticks sent, Ticks received);
 
-  // What an answer usually takes longer than the quickest ones, seconds.
+  // The usual delay of an answer beyond the quickest ones, seconds.
   double jitter_s() const { return usual_excess_ / hz_; }
   ClockLine line() const { return {origin_time_, origin_clock_, last_time_, value_, rate_}; }
   // Board clock at a host time.
@@ -71,7 +72,7 @@ class ClockSync {
   struct Point {
     double time, clock;  // since the origin
   };
-  // The tightest bounds of a while: what was read soonest, and what was heard soonest.
+  // The tightest bounds of a while: the earliest question read, and the earliest answer received.
   struct Span {
     double begin;
     Point read, heard;

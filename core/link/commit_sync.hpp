@@ -1,6 +1,5 @@
-// What the links to the boards of one machine share: the main board's clock, switches that stop
-// motors on several boards, how far the boards' commits are, and the news that a board has
-// failed.
+// The state that the links to the boards of one machine share: the main board's clock, endstops
+// that stop motors on several boards, the boards' commits, and failures of boards.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -12,8 +11,9 @@
 
 namespace passo::wire {
 
-// Links of one machine meet here, each from a thread of its own where a thread drives it. Nothing
-// here waits for a link: what one has to tell another's board lies in the other's mail.
+// The meeting point of the links of one machine, each from a thread of its own if a thread drives
+// it. Nothing here waits for a link: messages to another link's board are put into the other's
+// mailbox.
 class Timeline {
  public:
   // For a trsync of a board: to trigger with `reason`, or to expire at a clock of the main board.
@@ -23,7 +23,7 @@ class Timeline {
     uint32_t reason;
     double clock;
   };
-  // A trsync of the board behind a link.
+  // A trsync of the board on a link.
   struct Member {
     size_t seat;
     uint32_t oid;
@@ -41,9 +41,9 @@ class Timeline {
   double host_at(double clock, double hz) const;
   double clock_at(double host, double hz) const;
 
-  // These trsyncs trigger together: as soon as one has told that it did, with `reason`, or because
-  // nobody had put off its end, with `expired`, the others are told to. They expire when one of
-  // them was not heard of for `patience` ticks, counted from `clock` at first.
+  // These trsyncs trigger together: as soon as one has reported that it did, with `reason`, or with
+  // `expired` because its timeout was not extended, the others are told to. They expire when one of
+  // them has not reported for `patience` ticks, counted from `clock` at first.
   void arm(std::vector<Member> members, uint32_t reason, uint32_t expired, double clock,
            double patience);
   void disarm();
@@ -53,8 +53,8 @@ class Timeline {
 
   // From now on motion comes in commits, of which none is there yet. Before any of it is sent.
   void begin_commits();
-  // The board behind a link has all that belongs to a commit but the word that makes it valid. True
-  // once all boards are so far: then that word may be sent. So a board that has it knows that all
+  // The board on a link has all messages of a commit except the one that makes it valid. True once
+  // all boards are so far: then that message may be sent. So a board that has it knows that all
   // others have, at least, the commit before.
   bool may_commit(size_t seat, uint32_t serial);
 

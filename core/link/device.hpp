@@ -13,9 +13,9 @@ inline constexpr Ticks kNever = std::numeric_limits<Ticks>::max();
 class Device {
  public:
   virtual ~Device() = default;
-  // Takes what the host sent. `now` is the device's own clock and never runs backwards.
+  // Takes bytes from the host. `now` is the device's own clock and never runs backwards.
   virtual void feed(const uint8_t* data, size_t n, Ticks now) = 0;
-  // Does all that is due until `now` and appends what it has to say.
+  // Does all that is due until `now` and appends its messages to the host.
   virtual void poll(Ticks now, Bytes& out) = 0;
   // When it next has something to do by itself; kNever if only bytes can wake it.
   virtual Ticks next_deadline() const = 0;

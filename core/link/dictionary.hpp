@@ -1,4 +1,4 @@
-// What a board's data dictionary says about its messages: names, ids and parameters.
+// The messages in a board's data dictionary: names, ids and parameters.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace passo::wire {
 
-// All integer types share one encoding; the type tells how the 32 bits are to be read, and what a
-// board takes.
+// All integer types share one encoding; the type decides how the 32 bits are read, and which values
+// a board accepts.
 enum class Type : uint8_t { byte, unsigned_word, signed_word, unsigned_int, signed_int, blob };
 
 struct Parameter {
@@ -27,13 +27,13 @@ struct Format {
   std::string name, text;
   std::vector<Parameter> parameters;
 
-  // Throws std::invalid_argument if `text` is no declaration.
+  // Throws std::invalid_argument if `text` is not a declaration.
   Format(int32_t id_, const std::string& text_);
 
   // Appends id and values. Throws std::invalid_argument when they do not match the declaration.
   void encode(const std::vector<Value>& values, Bytes& out) const;
 
-  // Reads the values behind the id; `in.ok` is false if they are cut short.
+  // Reads the values after the id; `in.ok` is false if they are cut short.
   void decode(Reader& in, std::vector<Value>& values) const;
 
  private:

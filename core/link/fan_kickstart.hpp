@@ -1,4 +1,4 @@
-// How a fan is started: fully on for a while, for what it is asked for may not get it to turn.
+// Starts a fan: fully on for a while, because its set power may not be enough to start it.
 #pragma once
 #include <cstdint>
 
@@ -9,16 +9,15 @@ namespace passo::wire {
 class Kick {
  public:
   Kick() = default;  // none
-  // Where the fan's value comes from 0, or rises by more than `rise`, it is `full` for so many
-  // ticks first.
+  // If the fan's value rises from 0, or by more than `rise`, it is `full` for so many ticks first.
   Kick(Ticks ticks, uint32_t full, uint32_t rise) : ticks_(ticks), full_(full), rise_(rise) {}
 
   explicit operator bool() const { return ticks_ > 0; }
-  // The clock at which the fan gets what it was asked for; kNever while it has that.
+  // The clock at which the fan gets its set value; kNever while it has it.
   Ticks end() const { return end_; }
   uint32_t asked() const { return asked_; }
-  // The value that the fan gets at `clock`, before end(), where `asked` is asked for and it has
-  // `value`. Only 0 and all above `full` end a kick that goes on.
+  // The value that the fan gets at `clock`, before end(), if `asked` is requested and it has
+  // `value`. Only 0 and values above `full` end a kickstart.
   uint32_t told(uint32_t asked, uint32_t value, Ticks clock) {
     bool goes_on = end_ != kNever, starts = value == 0 || asked > uint64_t(value) + rise_;
     asked_ = asked;
@@ -28,8 +27,8 @@ class Kick {
     return recent_ ? full_ : asked;
   }
   void over() { end_ = kNever; }
-  // The board may not have heard the last words. Whether they were about a kick: then the fan is to
-  // be told at once what it was asked for, and nobody knows what it has.
+  // The board may not have received the last messages. Returns whether they concerned a kickstart:
+  // then the fan must get its set value at once, because its current value is unknown.
   bool interrupt() {
     if (recent_) end_ = 0;
     return recent_;
@@ -39,7 +38,7 @@ class Kick {
  private:
   Ticks ticks_ = 0, end_ = kNever;
   uint32_t full_ = 0, rise_ = 0, asked_ = 0;
-  bool recent_ = false;  // the last words were about a kick
+  bool recent_ = false;  // the last messages concerned a kickstart
 };
 
 }  // namespace passo::wire

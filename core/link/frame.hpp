@@ -120,7 +120,7 @@ struct Reader {
   }
 };
 
-// Completes the frame whose payload of `payload` bytes stands at frame + 2; returns its length.
+// Completes the frame whose payload of `payload` bytes begins at frame + 2; returns its length.
 inline size_t seal_frame(uint8_t* frame, size_t payload, uint64_t sequence) {
   size_t length = kHeader + payload + kTrailer;
   frame[0] = uint8_t(length);
@@ -138,7 +138,8 @@ inline void append_frame(Bytes& out, const uint8_t* payload, size_t size, uint64
   out.insert(out.end(), frame, frame + length);
 }
 
-// Finds frames in a stream of bytes cut anywhere. What is no frame is skipped up to the next 0x7e.
+// Finds frames in a stream of bytes split anywhere. Bytes that are not a frame are skipped up to
+// the next 0x7e.
 class Scanner {
  public:
   // Calls frame(sequence, payload, size) for each good frame and bad() once for each stretch of

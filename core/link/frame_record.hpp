@@ -9,8 +9,8 @@
 
 namespace passo::wire {
 
-// Two rings of a fixed size: the bytes, and where each part of them begins. A part is what one look
-// at the link sent or received. The newest parts replace the oldest.
+// Two rings of a fixed size: the bytes, and the begin of each part of them. A part is the data of
+// one pass of the link, sent or received. The newest parts replace the oldest.
 class FrameRecord {
  public:
   struct Part {

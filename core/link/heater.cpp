@@ -12,11 +12,11 @@ Heater::Heater(HeaterOptions options)
 }
 
 bool Heater::settled() const {
-  return (near_s_ && *near_s_ >= o_.arrival.seconds) || about_s_ >= Arrival::kPatience;
+  return (near_s_ && *near_s_ >= o_.arrival.seconds) || about_s_ >= Arrival::kTimeout;
 }
 
 void Heater::set_target(double celsius) {
-  double wanted = celsius > 0 ? celsius : 0;  // nor does anything heat to what is no number
+  double wanted = celsius > 0 ? celsius : 0;  // a target that is not a number means off, too
   if (wanted != target_) leave();
   target_ = wanted;
 }
@@ -53,7 +53,7 @@ void Heater::rearm() {
   fault_ = {};
   leave();
   protection_.restart();
-  if (body_) body_->restart();  // what it took for heat were the readings of a broken sensor
+  if (body_) body_->restart();  // the model was fed with readings of a broken sensor
 }
 
 void Heater::interrupted() {
@@ -65,7 +65,7 @@ void Heater::interrupted() {
 
 bool Heater::report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
   double dt = clock_ ? double(clock - *clock_) / clock_hz : 0;
-  if (dt > o_.longest_s) {  // nobody knows what power acted, and for how much of it
+  if (dt > o_.longest_s) {  // it is unknown which power acted, and for how long
     dt = o_.longest_s;
     if (body_) body_->restart();
   }
@@ -113,7 +113,7 @@ void Heater::arrive(double target, double dt) {
   double off = celsius_ - target, away = std::fabs(off);
   bool crossed = off * std::exchange(off_, off) < 0;  // a coarse sensor steps over the window
   about_s_ = away > o_.arrival.leaves_c ? 0 : about_s_ + dt;
-  if (about_s_ >= Arrival::kPatience) reached_ = true;
+  if (about_s_ >= Arrival::kTimeout) reached_ = true;
   if (away > o_.arrival.leaves_c) {
     near_s_.reset();
   } else if (near_s_) {

@@ -1,6 +1,6 @@
-// A heater loop beside the link: each report of the sensor is checked and sets the power anew, so a
-// host that stands still for a moment costs neither control nor protection, and a link that is lost
-// lets the board switch the heater off.
+// A heater loop in the link's thread: each report of the sensor is checked and sets the power
+// again. So a short stall of the host affects neither control nor protection, and if the link is
+// lost the board switches the heater off.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -23,13 +23,13 @@ struct SensorQuery {
   uint32_t sample_ticks, sample_count, rest_ticks, minimum, maximum, range_checks;
 };
 
-// When a target is reached: within `window_c` for the first time, and for good after so many
-// seconds of it, unless the temperature leaves it by more than `leaves_c`: then they begin anew
-// (StuFW's rule, which is Marlin's). Nobody waits for ever for the last degree: what has been
-// nearer than `leaves_c` for a minute is there.
+// When a target is reached: within `window_c`, for so many seconds. They restart if the temperature
+// leaves the target by more than `leaves_c` (StuFW's rule, which is Marlin's). A wait does not last
+// forever for the last degree: a heater that has been nearer than `leaves_c` for a minute has
+// arrived.
 struct Arrival {
   double window_c = 1, leaves_c = 3, seconds = 10;
-  static constexpr double kPatience = 60;  // seconds
+  static constexpr double kTimeout = 60;  // seconds
 };
 
 struct HeaterOptions {
@@ -38,7 +38,7 @@ struct HeaterOptions {
   uint32_t full;      // value of full power: PWM_MAX, or the ticks of the software PWM's cycle
   uint32_t adc_full;  // a report of the sensor at the ADC's full scale
   SensorQuery query;
-  double longest_s;  // without being told the board leaves the power on for so long
+  double longest_s;  // the board leaves the power on for so long without a renewal
   double max_power;  // 0…1
   Arrival arrival;
   heat::Curve celsius;           // share of full scale → °C
@@ -52,11 +52,10 @@ struct HeaterOptions {
   bool inverted = false;                 // the output is on when low
   heat::Converter converter = heat::Converter::none;  // whose words the reports are, if any's
   uint32_t spi_oid = 0;                               // where that is
-  Bytes
-      clears_faults;  // what it is told when it has a fault, which it keeps until then; or nothing
+  Bytes clears_faults;  // the command that clears a fault of the converter, or nothing
 };
 
-// What the loop saw and did with one report.
+// The input and output of the loop for one report.
 struct HeatSample {
   Ticks clock;
   double celsius, target, power;
@@ -67,7 +66,7 @@ class Heater {
  public:
   explicit Heater(HeaterOptions options);
 
-  // Held by whoever uses a heater whose link has a thread.
+  // A lock that callers hold while they use a heater whose link has a thread.
   std::mutex& guard() { return guard_; }
   const HeaterOptions& options() const { return o_; }
   double celsius() const { return celsius_; }
@@ -78,7 +77,7 @@ class Heater {
   const heat::Terms& terms() const { return controller_.terms(); }
   // True from the first report in the target's window on, until the target changes.
   bool reached() const { return reached_; }
-  // It has stayed there for as long as who waits for it wants.
+  // It has stayed there for as long as `arrival` requires.
   bool settled() const;
   const Arrival& arrival() const { return o_.arrival; }
   // While there is a fault the target is kept, but nothing heats.
@@ -109,7 +108,7 @@ class Heater {
   // Lets a faulty heater heat again, to the target that it kept.
   void rearm();
 
-  // The board has gone on alone, with no more power than what keeps the heater warm.
+  // The board has run without the host, with at most the power that keeps the heater warm.
   void interrupted();
   // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
   // heater.
@@ -120,11 +119,11 @@ class Heater {
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
   bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value);
 
-  // The board was asked for its reports anew, with the sensor's own range.
+  // The board received the query of its reports again, with the sensor's own range.
   void asked_anew() { wide_ = false; }
-  // The board's net hangs while there is no fault: a heater that is off already needs it no more,
-  // and whether the whole machine is to stop is then not the board's to decide. Returns true if the
-  // query must be sent anew, with `wide` or with its own range.
+  // While there is no fault, the board watches the sensor's range. A heater that is off does not
+  // need that any more, and the board must not stop the whole machine for it. Returns true if the
+  // query must be sent again, with `wide` or with its own range.
   bool change_net(bool& wide);
 
  private:
@@ -142,8 +141,8 @@ class Heater {
   double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
   uint32_t fan_value_ = 0;
   std::optional<Ticks> clock_;    // of the last report
-  std::optional<double> near_s_;  // so long it has been there, once it was within its window
-  double about_s_ = 0;            // and so long it has been nearer than where it leaves it
+  std::optional<double> near_s_;  // time within its window
+  double about_s_ = 0;            // time nearer than the limit at which it leaves
   double off_ = 0;                // from its target, with the last report; 0 if there was none
   bool reached_ = false, news_ = false, wide_ = false, new_net_ = false, suspended_ = false;
 

@@ -1,5 +1,4 @@
-// The heaters of one board beside its link: what their sensors' reports are taken for, and the
-// words that follow from them.
+// The heaters of one board in its link: they take the reports of the sensors, and send commands.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -20,7 +19,7 @@ class Heaters {
  public:
   using Send = std::function<void(const std::string&, const std::vector<Value>&)>;
 
-  // What belongs to the link is only looked at.
+  // State of the link is only read here.
   Heaters(double clock_hz, const Formats& commands, const ClockSync& sync, const JobStream& job,
           Send send)
       : hz_(clock_hz), commands_(commands), sync_(sync), job_(job), send_(std::move(send)) {}
@@ -28,7 +27,8 @@ class Heaters {
   Heater& add(HeaterOptions options);
   // None is on its way to its target.
   bool reached() const;
-  // From now on the board learns how warm it keeps what, if this host falls silent.
+  // From now on the board learns the power that keeps each heater warm, in case this host falls
+  // silent.
   void keep();
   void tell_kept_again();
   // There were no reports for a while.
@@ -42,7 +42,7 @@ class Heaters {
 
  private:
   static constexpr double kLeadSeconds = 0.1;  // from a report to the power it causes
-  static constexpr double kKeptStep = 0.02;    // of full power: what is not worth a word
+  static constexpr double kKeptStep = 0.02;    // of full power: smaller changes are not sent
   static constexpr int64_t kKeptSeconds = 60;
 
   double hz_;
@@ -57,7 +57,7 @@ class Heaters {
   bool fault_ = false;
 
   uint32_t read_converter(const HeaterOptions& o, uint32_t word, uint32_t faults);
-  // Asks for the sensor's reports anew, the next at `clock`.
+  // Queries the sensor's reports again, the next at `clock`.
   void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now);
   void tell_keeping(size_t i, int64_t value);
   void set_power(size_t i, uint32_t value, Ticks now);

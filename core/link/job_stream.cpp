@@ -91,7 +91,7 @@ void JobStream::start(Ticks base) {
   staged_ = kNever;
   for (Pin& pin : pins_) {
     pin.kick.forget();
-    pin.told = 0;  // the board may have begun anew
+    pin.told = 0;  // the board may have restarted
   }
   running_ = true;
 }
@@ -156,7 +156,7 @@ JobStream::Fill JobStream::fill(uint8_t* payload, size_t& size, Ticks& first, Ti
     uint8_t* end = nullptr;
     if (m.kind == MessageKind::pin) {
       Pin& pin = pins_[m.target];
-      // The end of a kick and what is told again come at clocks of their own.
+      // The end of a kickstart and renewed values come at clocks of their own.
       const Ticks clock = std::max(m.clock + base_, pin.told);
       Kick kick = pin.kick;
       uint32_t value = kick.told(m.interval, pin.value, clock);
@@ -209,7 +209,7 @@ JobStream::Prefix JobStream::prefix(const Formats& commands, const std::string& 
   return prefix;
 }
 
-// What follows runs once a message: `inline` lets fill() contain it.
+// The next functions run once a message: `inline` lets fill() contain them.
 
 inline void JobStream::count(const Message& m) {
   if (m.kind == MessageKind::tail || m.kind == MessageKind::commit) return;

@@ -35,30 +35,29 @@ class JobStream {
   // std::invalid_argument if the board lacks a command.
   void add_stepper(const Formats& commands, size_t target, const std::string& name, uint32_t oid,
                    bool invert);
-  // The board takes commits: a message leaves so many ticks before its end instead, so that a cut
-  // is never put off by what has left. Early enough it is: the word that makes it valid comes
-  // later.
+  // The board takes commits: a message leaves so many ticks before its end instead, so that sent
+  // messages never delay a cut. That is early enough: the message that makes it valid comes later.
   void use_commits(const Formats& commands, Ticks horizon);
-  // The board is armed: what it has been sent so far is in no commit.
+  // The board is armed: the messages that it has so far are in no commit.
   void begin_commits() { staged_ = kNever; }
   // The clocks of its messages are another board's from now on; `tolerance` is that of a step's
   // time, in ticks of this board.
   Retimer& retime(double tolerance);
   Retimer* retimer() { return retimer_.get(); }
-  // `inverted_full`: the value at full scale of a pin that is on when low; 0 of all others.
-  // `longest`: the board shuts down when a pin is on for so many ticks without a word of the host;
-  // 0: it does not.
+  // `inverted_full`: the value at full scale of a pin that is active low; 0 for all others.
+  // `longest`: the board shuts down when a pin is on for so many ticks without a renewal; 0: it
+  // does not.
   void add_pin(const Formats& commands, size_t target, const std::string& name, uint32_t oid,
                PinKind kind, uint32_t inverted_full, Ticks longest);
-  // How a pin of this board is started. Other messages know nothing of that.
+  // The kickstart of a pin of this board. Other messages are not affected.
   void set_kick(size_t target, Kick kick);
-  // The board clock at which a pin must be told its value again, lest the board think that nobody
-  // is there; kNever if none.
+  // The board clock at which a pin must be renewed, because the board would otherwise assume that
+  // the host is gone; kNever if none.
   Ticks renew_at() const;
-  // The command for a pin that is due at board clock `now`, behind all that is on its way; empty if
+  // The command for a pin that is due at board clock `now`, after all that is on its way; empty if
   // none is.
   Bytes renew(Ticks now);
-  // What a board is told for `value` of a pin.
+  // The value that a board receives for `value` of a pin.
   static uint32_t on_wire(uint32_t value, uint32_t inverted_full);
   // The last value of a pin that was sent, as it was before inversion.
   uint32_t pin_value(size_t target) const { return pins_.at(target).value; }
@@ -69,7 +68,7 @@ class JobStream {
   // Clock 0 of the job is `base` of the board.
   void start(Ticks base);
   void stop() { running_ = false; }
-  // Goes on after stop(): the board has forgotten what it had not done.
+  // Continues after stop(): the board has dropped the commands that it had not executed.
   void go_on();
   bool running() const { return running_; }
   Ticks base() const { return base_; }
@@ -79,11 +78,11 @@ class JobStream {
   // The commands that every motor needs before its first step.
   std::vector<Bytes> resets(Ticks clock) const;
 
-  // full: the next command did not fit. complete: the board is to have all so far before the next
+  // full: the next command did not fit. complete: the board must have all so far before the next
   // one.
   enum class Fill : uint8_t { dry, full, complete };
-  // Whether the word that makes a commit valid may go into a frame. `and_ask`: with the question
-  // for what the board has done.
+  // Whether the message that makes a commit valid may go into a frame. `and_ask`: with the question
+  // for the executed commits.
   enum class Word : uint8_t { no, yes, and_ask };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
   // kPayloadMax + kMaxCommandBytes). `first` becomes the clock of the most urgent message in the
@@ -132,8 +131,8 @@ class JobStream {
   Prefix commit_{}, query_{};
   bool commits_ = false;
   bool kicks_ = false;       // of some pin
-  bool renews_ = false;      // some pin is told its value again and again
-  bool complete_ = false;    // what is at the board, or on its way, waits for a commit
+  bool renews_ = false;      // some pin must be renewed regularly
+  bool complete_ = false;    // commands at the board, or on their way, wait for a commit
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;
@@ -146,7 +145,7 @@ class JobStream {
   uint64_t queue_steps_ = 0, messages_ = 0;
 
   static Prefix prefix(const Formats& commands, const std::string& name, uint32_t oid);
-  // What decides when a message leaves.
+  // The rule for when a message leaves.
   Ticks due(const Message& m) const { return commits_ ? m.end_clock : m.clock; }
   // The stream is that of the timeline, however well a board's clock is known.
   void count(const Message& m);
@@ -158,8 +157,9 @@ class JobStream {
   static uint8_t* put_value(uint8_t* p, const Pin& pin, Ticks clock, uint32_t value);
   // The pin whose kick ends first, not after that board clock; null if none.
   Pin* kicked_until(Ticks clock);
-  // The board needs moves by their first step, with what goes before them. What is staged needs its
-  // commit by then too, and by the clock of the commit before, at which the board would brake.
+  // The board needs moves by their first step, with the messages before them. Staged moves need
+  // their commit by then too, and by the clock of the commit before, at which the board would
+  // brake.
   Ticks needed_at(const Message& m);
   // Forgets the slots that are free by now; false if there is none.
   bool free_slots(Ticks now);

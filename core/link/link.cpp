@@ -142,7 +142,7 @@ void Link::reconnect() {
   heaters_.interrupted();
   if (following_) follow_clock(0);
   long_ago_ = true;
-  configured_ = false;  // as far as anybody knows; opening a port resets many boards
+  configured_ = false;  // as far as is known; opening a port resets many boards
 }
 
 bool Link::told() const {
@@ -240,7 +240,7 @@ int32_t Link::id_of(const std::string& name) const {
   return format ? format->id : -1000;
 }
 
-// `inline`: what runs once a frame becomes part of poll() and feed().
+// `inline`: code that runs once a frame becomes part of poll() and feed().
 
 inline Ticks Link::wake(Ticks now) {
   if (!sync_.ready()) return 0;
@@ -359,7 +359,7 @@ void Link::ask_clock(Ticks now) {
   Bytes payload;
   commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
   now_queue_.push_back({std::move(payload), Asks::clock});
-  // What it said may have been lost.
+  // Its reports may have been lost.
   if (keeps_ && job_.running() && (!asks_often() || samples_ % kSamplesPerState == 0))
     send("survive_query", {});
   if (!asked_) asked_at_ = now;
@@ -383,7 +383,7 @@ inline bool Link::is_starting(const uint8_t* payload, size_t size) const {
 }
 
 void Link::started() {
-  if (!configured_) return window_.restart();  // or it would be told again to reset itself
+  if (!configured_) return window_.restart();  // or it would get the reset command again
   begun_anew_ = true;
   job_.stop();
   if (timeline_) timeline_->lost();
@@ -441,8 +441,8 @@ inline void Link::take_clock(bool uptime, const std::vector<Value>& values, Tick
   asked_ = false;
   lost_ = false;
   if (window_.opening(question_)) return;
-  // Of a frame that was sent again nobody knows which copy was answered, but no other came before
-  // the first: that much, and no more, it tells of the clock.
+  // For a frame that was sent again it is unknown which copy was answered, but none was answered
+  // before the first copy was sent. Only that bound is used for the clock.
   Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
   answered = std::max(answered, heard);
   if (uptime)

@@ -37,14 +37,14 @@ class Link {
   std::mutex& guard() { return guard_; }
   double hz() const { return hz_; }
 
-  // Replaces the two messages that every board knows by all of its dictionary.
+  // Replaces the two messages that every board has by its whole dictionary.
   void set_dictionary(Formats commands, Formats reports, size_t receive_window);
   const Formats& commands() const { return commands_; }
 
   // Queues one command to be sent at once, before any of the job. An emergency stop goes before all
   // that the board does not have yet, and takes its place.
   void send(const std::string& name, const std::vector<Value>& values);
-  // Messages of the board that nobody in the core has use for, oldest first.
+  // Messages of the board that the core does not use, oldest first.
   std::deque<Response>& inbox() { return inbox_; }
 
   // Starts to follow the clock of the board, which has its configuration; its first answer makes
@@ -54,10 +54,10 @@ class Link {
   void set_byte_ticks(double ticks);
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
-  // True when the board left its questions unanswered for some four seconds, or has begun anew.
+  // True if the board left its questions unanswered for some four seconds, or has restarted.
   bool lost() const { return lost_ || begun_anew_; }
-  // The board has said that it is starting, and so knows of nothing any more: it was reset, or its
-  // supply has failed. Nothing is sent to it until it is connected again.
+  // The board reported `starting`: it rebooted, after a reset or a failure of its supply, and lost
+  // its configuration. Nothing is sent to it until it is connected again.
   bool begun_anew() const { return begun_anew_; }
 
   // This link's board is one of several: the main one, whose clock is that of the timeline, or a
@@ -80,44 +80,44 @@ class Link {
   // No heater is on its way to its target.
   bool heaters_reached() const { return heaters_.reached(); }
   // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead,
-  // and the board learns how warm it keeps what, if this host falls silent.
+  // and the board learns the power that keeps each heater warm, in case this host falls silent.
   void use_commits(Ticks horizon);
-  // The machine stands, and motion comes in commits from here on, if `on`.
+  // Call at standstill: motion comes in commits from here on, if `on`.
   void begin_commits(bool on);
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return heaters_.take_fault(); }
 
-  // The board said that it stopped; its static_string_id tells why.
+  // The board reported that it stopped; its static_string_id has the reason.
   bool shut_down() const { return shut_down_; }
   uint32_t shutdown_reason() const { return shutdown_reason_; }
-  // It was told to, since another board of the machine had stopped or was lost.
+  // It got a stop command, because another board of the machine had stopped or was lost.
   bool stopped_with_others() const { return halted_; }
-  // The board begins anew, after a reset or a power cycle: whatever was on its way is forgotten.
+  // The board restarts, after a reset or a power cycle: messages on their way are dropped.
   void restart();
 
-  // The board has heard nothing of this host in time, and stops by itself.
+  // The board has received nothing from this host in time, and stops by itself.
   bool alone() const { return alone_; }
 
-  // The link was broken, and the board has gone on alone: what was on its way is forgotten, and the
-  // job stands until go_on().
+  // The link was broken, and the board has run without the host: messages on their way are dropped,
+  // and the job waits until go_on().
   void reconnect();
-  // The board has all commands that were sent at once. What answers them at once has been received
-  // by then, or is lost.
+  // The board has all commands that were sent at once. Their immediate answers have been received
+  // by then, or are lost.
   bool told() const;
-  // Seconds since the first of what the board has not acknowledged was sent, when its clock reads
+  // Age of the oldest message that the board has not acknowledged, in seconds, when its clock reads
   // `clock`; 0 if it has acknowledged all.
   double unheard_s(Ticks clock) const;
-  // Everything of the job so far is at the board. Where motion comes in commits, the board has said
-  // so of the one behind which the machine stands.
+  // All messages of the job so far are at the board. If motion comes in commits, the board has
+  // confirmed the one after which the machine is at standstill.
   bool delivered() const;
-  // The board has taken over again what it keeps; the job goes on.
+  // The board has its outputs under control again; the job continues.
   void go_on();
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
   Lateness& lateness() { return lateness_; }
-  // What was sent and received last, once it is told to keep that.
+  // The frames sent and received last, once recording is on.
   FrameRecord& record() { return record_; }
 
   // Bytes from the board. False if these were nothing but acknowledgements that nothing waits for:
@@ -126,8 +126,8 @@ class Link {
   // The cable takes no bytes now, so poll() has to wait.
   void cable_full(Ticks now);
 
-  // Appends what is to be sent now; returns the host time of the next call that has any use, if no
-  // bytes come before.
+  // Appends the bytes to send now; returns the host time of the next useful call, if no bytes come
+  // before.
   Ticks poll(Ticks now, Bytes& out);
 
  private:
@@ -152,7 +152,7 @@ class Link {
   FrameRecord record_;
   Ticks due_ = kNever;                  // host time by which poll() should be called
   Ticks woke_ = kNever, clock_ = 0;     // host time of the last look, and the board's clock then
-  std::shared_ptr<Timeline> timeline_;  // none: the board is alone
+  std::shared_ptr<Timeline> timeline_;  // none: this is the only board
   size_t seat_ = 0;
   bool main_ = true, halted_ = false;
   Ticks main_base_ = 0;  // of the job, in the main board's clock
@@ -161,8 +161,8 @@ class Link {
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   enum class Asks : uint8_t { nothing, clock, state };
-  std::deque<std::pair<Bytes, Asks>> now_queue_;  // commands, and what each asks for
-  Bytes stop_;                                    // emergency_stop, if it is to leave
+  std::deque<std::pair<Bytes, Asks>> now_queue_;  // commands, and the questions in them
+  Bytes stop_;                                    // emergency_stop, if it has to leave
   std::deque<Response> inbox_;
   Heaters heaters_;
   bool keeps_ = false;  // the board takes commits
@@ -184,26 +184,27 @@ class Link {
   bool configured_ = false, begun_anew_ = false;
   int32_t survive_id_ = -1000;
   static constexpr int64_t kBraking = 4;  // state of survive_state from which on the board is alone
-  bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
+  bool alone_ = false, long_ago_ = false;  // no report of the board for a while
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   uint32_t committed_ = 0;                 // serial of the last commit sent
-  bool taken_ = true;                      // it has said that it has that, or was not asked
+  bool taken_ = true;                      // it has confirmed that, or was not asked
   bool waits_ = false;                     // a commit's word waits for this board, or for others
   uint64_t last_command_ = 0;              // number of the last frame with commands
   uint64_t query_ = 0;                     // number of the frame with the last further question
-  bool queried_ = false;                   // such a question is to leave
+  bool queried_ = false;                   // such a question has to leave
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0;
 
   int32_t id_of(const std::string& name) const;
 
-  // The board's clock, as far as it is known; what was due before now is late.
+  // The board's clock, as estimated; messages due before now are late.
   Ticks wake(Ticks now);
-  // What keeps more of the job from leaving.
+  // The reason that keeps more of the job from leaving.
   Cause obstacle(Ticks clock) const;
 
-  // Puts into the open frame what may go; true if it is to leave now. `more`: there may be another.
+  // Puts the allowed messages into the open frame; true if it has to leave now. `more`: there may
+  // be another.
   bool fill_frame(Ticks clock, bool& more);
 
   // Of several boards all must have acknowledged what belongs to a commit, and have said that they
@@ -221,7 +222,7 @@ class Link {
   void follow_orders();
   void renew_map(double job_clock);
   void begin_map_anew(Ticks now);
-  // What this board's clock is expected to read, since the job began, at a clock of the job.
+  // The expected reading of this board's clock, since the job began, at a clock of the job.
   double expected(double t) const { return double(own_clock(main_base_ + Ticks(t)) - job_.base()); }
   // The clocks are known better now.
   void follow_timeline(Ticks now);
@@ -232,7 +233,7 @@ class Link {
 
   Ticks deadline(Ticks now) const;
 
-  // Whatever its number: the board counts frames anew.
+  // With any number: the board restarts its frame count.
   bool is_starting(const uint8_t* payload, size_t size) const;
   void started();
   void receive(const uint8_t* payload, size_t size, Ticks now);

@@ -15,8 +15,8 @@ namespace passo::wire {
 
 class LiveWire {
  public:
-  // Begins at once. The link may be used from other threads under its guard() only, and must
-  // outlive this; the queue of its job is shared from now on.
+  // Begins at once. Other threads may use the link only under its guard(), and it must outlive
+  // this; the queue of its job is shared from now on.
   LiveWire(Link& link, int fd);
   ~LiveWire();
 
@@ -24,16 +24,17 @@ class LiveWire {
   // This computer's time in ticks, and from use_board_clock() on the board's clock, which never
   // runs backwards.
   Ticks now();
-  // Once the link is synchronous: not by itself, lest the time change while somebody reckons with
-  // it.
+  // Call once the link is synchronous, because the time must not change while a caller computes
+  // with it.
   void use_board_clock();
   // The link looks up whenever others of its machine have news for it.
   void join(std::shared_ptr<Timeline> timeline);
-  // No byte moves any more, and the cable is let go.
+  // Moves no more bytes, and releases the cable.
   void stop();
   // As Pump::run, but real time passes; also ends when the cable is cut.
   Stop run(Ticks until, bool until_heaters);
-  // What ended the connection, if it was not the cable; empty if it was, or while it lasts.
+  // The reason why the connection ended, if it was not the cable; empty if it was, or while it
+  // lasts.
   std::string failure();
 
  private:

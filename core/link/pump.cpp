@@ -95,7 +95,7 @@ Ticks Pump::exchange(End& end, bool& moved) {
     const bool again = heard && end.link->feed(end.up.data(), end.up.size(), now);
     end.up.clear();
     if (sampled) {
-      double reading = asked - begun;  // what the clock itself takes
+      double reading = asked - begun;  // the time that reading the clock takes
       device_cpu_ += answered - sent - reading;
       link_cpu_ += sent - asked + clock(true) - answered - 2 * reading;
     }

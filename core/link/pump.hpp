@@ -20,7 +20,7 @@ class Pump {
 
   Ticks now() const { return now_; }
   double hz() const { return ends_[0].link->hz(); }
-  // The clock of a link's board, as far as that knows it.
+  // The clock of a link's board, as estimated.
   Ticks board_clock(const Link& link) const;
   // The cables are cut: no byte arrives any more.
   void cut() { cut_ = true; }
@@ -60,7 +60,7 @@ class Pump {
   unsigned exchanges_ = 0;
   double device_cpu_ = 0, link_cpu_ = 0;
 
-  // Carries bytes until none move: what one link has heard another may have to tell its board.
+  // Carries bytes until none move: a message on one link may cause a message to another board.
   // Returns the links' next deadline.
   Ticks exchange();
   Ticks exchange(End& end, bool& moved);

@@ -100,7 +100,7 @@ void Retimer::steps(const Message& m, Way& motor) {
     Command c = stabbing_->longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMaxSteps))),
                                    double(motor.last), &executed_[i]);
     motor.last += int64_t(c.span());
-    // All parts may leave when the message might: what waits behind them must not wait for them.
+    // All parts may leave when the message might, because later messages must not wait for them.
     ready_.push({due, moves ? motor.last : due, uint32_t(c.interval), uint16_t(c.count),
                  int16_t(c.add), m.target, m.kind, m.dir});
     i += size_t(c.count);

@@ -32,11 +32,11 @@ class Retimer {
   void set_apart(size_t stepper, Apart apart);
   // The job begins; a tick of its clock is `ratio` ticks here, nominally.
   void start(double job_hz, double ratio);
-  // What was taken so far is void: all motors stand, and their clocks will be told anew.
+  // The messages taken so far are void: all motors are at standstill, and get their clocks again.
   void begin_anew();
   int64_t clock_of(int64_t clock) const;
 
-  // What the board is to be sent for the messages taken so far.
+  // The messages for the board from those taken so far.
   MessageQueue& ready() { return ready_; }
 
   void retime(const Message& m);
@@ -57,8 +57,8 @@ class Retimer {
   struct Motor {
     Apart apart;
     Way way{};
-    // On the way to a stop, in the tail that is being told. Its commit is always behind it: what is
-    // revoked is later than all that was taken.
+    // While a tail is being sent: its commit is always later, because revoked messages are later
+    // than all that was taken.
     std::optional<Way> tail{};
 
     Motor() = default;
@@ -72,7 +72,7 @@ class Retimer {
   std::unique_ptr<Stabbing> stabbing_;
   std::vector<double> times_, lo_, hi_, executed_;
 
-  // A tail counts on from the last step before it, and is told at the clock of its commit. Without
+  // A tail counts on from the last step before it, and is sent at the clock of its commit. Without
   // steps it sets the motor's clock.
   void tail(const Message& m);
 

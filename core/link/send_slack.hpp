@@ -1,5 +1,4 @@
-// How long before its time each frame of a job is at the board, and what held it up where that is
-// little.
+// How long before its time each frame of a job is at the board, and the cause if that is little.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -14,8 +13,8 @@ namespace passo::wire {
 enum class Cause : uint8_t { plan, stall, bytes, retransmits, slots };
 inline constexpr size_t kCauses = 5;
 
-// Of a frame: how long before the clock of its most urgent message it was there, and what held it
-// up for the longest: `held` ticks of the time since it should have left, or all of a stall.
+// Of a frame: how long before the clock of its most urgent message it arrived, and what delayed it
+// for the longest: `held` ticks of the time since it should have left, or all of a stall.
 struct Slack {
   Ticks slack = kNever, clock = 0, held = 0;
   Cause cause = Cause::plan;
@@ -35,7 +34,7 @@ class Lateness {
   void restart();
   // The link looks again: it should have done so by `due`.
   void woke(Ticks due, Ticks clock);
-  // It has sent what it could; this keeps it from sending more (plan: nothing more is due).
+  // It has sent all that it could; this keeps it from sending more (plan: nothing more is due).
   void looked(Cause reason, Ticks clock);
   // A frame leaves that should have left at `must` and is useless after `need` (kNever: no message
   // of the job is in it).

@@ -82,7 +82,7 @@ void Window::poll(Ticks now, Bytes& out) {
   if (!late && !resend_) return;
   if (late && (!measured_ || ++silent_ > kSteady)) rto_ = std::min(rto_ * 2, rto_max_);
   resend_ = false;
-  // Copies of what did arrive will be refused: those refusals mean nothing.
+  // Copies of frames that did arrive will be refused: those refusals mean nothing.
   ignored_ = next_;
   size_t before = out.size();
   out.push_back(kSync);

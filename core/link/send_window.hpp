@@ -25,8 +25,8 @@ class Window {
   // Repetitions at the same distance. At the shortest they take 100 ms, less than any command
   // leaves ahead of its time.
   static constexpr int kSteady = 4;
-  // Of the least wait for an answer: an answer that is late by less than the one is as soon as
-  // usual, and what is heard within the other came at once.
+  // Of the minimum wait for an answer: an answer that is late by less than the one counts as usual,
+  // and answers within the other came together.
   static constexpr Ticks kUsualShare = 10, kApartShare = 2;
 
   explicit Window(double clock_hz)
@@ -39,7 +39,7 @@ class Window {
   // Ticks that a byte takes on the line; 0: as good as none.
   void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
 
-  // Forgets what is unanswered: the board begins anew and may count from anywhere.
+  // Drops all unanswered frames: the board restarts and may count from any number.
   void restart();
 
   bool room(size_t payload) const {
@@ -47,7 +47,7 @@ class Window {
     return receive_window_ == 0 || bytes_ == 0 || bytes_ + kFrameMin + payload <= receive_window_;
   }
   bool idle() const { return next_ == acked_; }
-  // What the board has not acknowledged yet was sent more than once.
+  // Frames that the board has not acknowledged yet were sent more than once.
   bool resending() const { return !idle() && blocks_[acked_ & kSequenceMask].again; }
   // The board has refused a frame, which poll() sends again.
   bool refused() const { return resend_; }
@@ -66,14 +66,14 @@ class Window {
   // be put behind that, too.
   bool replace(const Bytes& payload);
 
-  // A good frame came from the board. `empty`: an acknowledgement that says nothing else; the
-  // second of its kind is a refusal. False if the number cannot be (the frame is to be ignored).
+  // A good frame came from the board. `empty`: an acknowledgement without content; the second of
+  // its kind is a refusal. False if the number is impossible (ignore the frame).
   bool acknowledge(uint8_t sequence, bool empty, Ticks now);
 
-  // Sends again what is due. Call before anything new is sealed.
+  // Sends due frames again. Call before anything new is sealed.
   void poll(Ticks now, Bytes& out);
   Ticks deadline() const { return idle() ? kNever : deadline_; }
-  // The frame had to be sent again, or is so long gone that nobody knows.
+  // The frame had to be sent again, or is too old to be known.
   bool repeated(uint64_t number) const;
   // The frame was the first after a restart: an answer to it may be that to another one.
   bool opening(uint64_t number) const { return blocks_[number & kSequenceMask].opening; }
@@ -92,16 +92,16 @@ class Window {
   Block blocks_[kSequenceMask + 1];
   uint64_t next_ = 1, acked_ = 1;  // of the next frame; of the oldest one not acknowledged
   uint64_t last_ack_ = 1, ignored_ = 0;
-  uint64_t urgent_ = 0;  // what comes before this is short and not to wait
+  uint64_t urgent_ = 0;  // frames before this are short and must not wait
   size_t bytes_ = 0, receive_window_ = 0;
   bool synchronous_ = false, resend_ = false, measured_ = false;
   Ticks rto_min_, rto_max_, rto_start_, rto_, base_ = 0, deadline_ = kNever;
   Ticks smooth_ = 0, variation_ = 0;
   double byte_ticks_ = 0;
   Ticks line_free_ = 0;      // when all bytes so far have gone out
-  int silent_ = 0;           // repetitions since the board was heard
+  int silent_ = 0;           // repetitions since the board last answered
   Ticks doubtful_ = kNever;  // from the first sending of a repeated frame to its answer
-  Ticks apart_ = 0;          // what comes before this came with that answer
+  Ticks apart_ = 0;          // frames before this came with that answer
   Ticks copied_ = 0;         // when the last copy had gone out
   uint64_t retransmitted_bytes_ = 0;
 

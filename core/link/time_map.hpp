@@ -32,19 +32,18 @@ class TimeMap {
     const Piece& p = pieces_.back();
     return p.from + (value - p.value) / p.rate;
   }
-  // No step changes by a tick from one board to the other: they are one clock, told differently.
+  // No step changes by a tick between the boards: they are one clock, in different units.
   bool whole() const {
     return std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& p) { return p.rate == 1; });
   }
-  // From `now` on, and behind all that is in use, the board's clock is expected to be
-  // `expected(t)`.
+  // From `now` on, and after all times in use, the board's clock is expected to be `expected(t)`.
   template <class Expected>
   void renew(double now, Expected&& expected) {
     double from = std::ceil(std::max(now, used_)), value = at(from), until = from + hz_;
     pieces_.push_back({from, value, (expected(until) - value) / hz_});
     if (pieces_.size() > kKept) pieces_.pop_front();
   }
-  // From `now` on nothing is in use any more: it begins anew where the board's clock is expected.
+  // From `now` on no time is in use any more: it restarts at the expected clock of the board.
   template <class Expected>
   void begin_anew(double now, Expected&& expected) {
     double from = std::ceil(now), value = expected(from);

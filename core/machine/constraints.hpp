@@ -33,7 +33,7 @@ struct Row {
   double jerk = kInfinity;  // units/s by which the speed may change at once
 };
 
-inline constexpr double kRounded = 1e-9;  // share by which limits told in M503 may be lower
+inline constexpr double kRounded = 1e-9;  // fraction by which limits in M503 may be lower
 
 struct Constraints {
   std::vector<std::string> names{"feedrate",
@@ -58,8 +58,8 @@ struct Constraints {
   void set(const Machine& m, const std::string& axis, double Row::* limit, double value);
 
   // The limits of a machine whose motors have other scales now, or whose geometry is another one of
-  // the same kind: what was as high as `before`, the
-  // machine's own, let it be is so again.
+  // the same kind: limits that were as high as `before`, the machine's own, are raised to the new
+  // ones.
   Constraints rescaled(const Constraints& before, const Machine& m) const;
 
   explicit Constraints(const Machine& m);

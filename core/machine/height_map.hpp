@@ -1,5 +1,5 @@
-// What the bed adds to Z: heights on an even grid, bilinear in between; beyond the grid its edge
-// stays level. With a fade it is less, the higher the nozzle is.
+// The correction of Z by the bed: heights on an even grid, bilinear in between; beyond the grid its
+// edge stays level. With a fade it decreases with the height of the nozzle.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 
 namespace passo {
 
-// The heights c act in full up to Z `start`. From there to Z `end` what is added goes evenly to
-// `target`, mm, which is the same at each X and Y: target + factor (c - target).
+// The heights c act in full up to Z `start`. From there to Z `end` the correction changes linearly
+// to `target`, mm, which is the same at each X and Y: target + factor (c - target).
 struct Fade {
   double start = kInfinity, end = kInfinity, target = 0;
 
@@ -29,8 +29,8 @@ struct Fade {
 
 class HeightMap {
  public:
-  // Height number j * nx + i stands at (x + i dx, y + j dy), in mm; nx and ny are 2 at least. A
-  // fade is longer than any height differs from its target: then Z of the nozzle rises with Z.
+  // Height number j * nx + i is at (x + i dx, y + j dy), in mm; nx and ny are at least 2. A fade is
+  // longer than any height differs from its target: then Z of the nozzle rises with Z.
   HeightMap(double x, double y, double dx, double dy, int nx, int ny, std::vector<double> heights,
             const Fade& fade = {})
       : first_{x, y}, spacing_{dx, dy}, count_{nx, ny}, heights_(std::move(heights)), fade_(fade),
@@ -48,7 +48,7 @@ class HeightMap {
     double slope_y(double x) const { return by_y + by_both * (x - corner[0]); }
   };
 
-  // What is added to Z near one place: one cell, one stretch of the fade.
+  // The correction of Z near one place: one cell, one part of the fade.
   struct Lift {
     Cell cell;
     double target;
@@ -64,7 +64,7 @@ class HeightMap {
   Lift lift(double x, double y, double z) const {
     return {cell(x, y), fade_.target, fade_.around(z)};
   }
-  // What is added to Z.
+  // The correction of Z.
   double at(double x, double y, double z) const { return lift(x, y, z).at(x, y, z); }
   // The Z to which so much is added that the nozzle is at `height`.
   double plan_z(double x, double y, double height) const;

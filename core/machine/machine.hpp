@@ -59,7 +59,7 @@ struct Limits {
   double least_speed_gain;  // a move speeds up by this share of the faster of its ends, or not
 };
 
-// What the board and its link take, all motors together; infinite where nothing is said.
+// The capacity of the board and its link, all motors together; infinite without a figure.
 struct Budget {
   double step_rate = kInfinity;     // steps per second
   double command_rate = kInfinity;  // commands per second
@@ -76,7 +76,7 @@ struct Macros {
 
   bool any() const { return !names.empty(); }
   bool has(const std::string& code) const { return any() && names.count(code) > 0; }
-  // What is built in under another code; null if that code is not one.
+  // The built-in command with another code; null if that code is not one.
   const std::string* original(const std::string& code) const {
     if (built_in.empty()) return nullptr;
     const auto at = built_in.find(code);
@@ -110,7 +110,7 @@ struct Machine {
     return s.drive == Drive::extruder || (s.drive == Drive::axis && axes[size_t(s.index)].filament);
   }
 
-  // The nozzle's height for the geometry: Z of the program and what the bed adds.
+  // The nozzle's height for the geometry: Z of the program plus the correction of the bed.
   double raised(const double* p) const {
     return height_map ? p[2] + height_map->at(p[0], p[1], p[2]) : p[2];
   }

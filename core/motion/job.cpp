@@ -26,7 +26,7 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
       return Status::full;
     double start = now();
     Found found = Found::move;
-    bool admitted = true;  // what is wrong with a move stops the reading at its line
+    bool admitted = true;  // an error in a move stops the reading at its line
     batch_.clear();
     begin_at_the_end();
     while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
@@ -117,7 +117,7 @@ bool Job::move_to(const double* target, double feed_mm_s, Within within) {
   m.feed_mm_s = feed_mm_s;
   m.radius_mm = kInfinity;
   m.rapid = true;     // no laser burns on it
-  m.unscaled = true;  // homing, parking: at the speed that the machine file says
+  m.unscaled = true;  // homing, parking: at the speed of the machine file
   begin_at_the_end();
   if (too_long(m) || (within == Within::limits && !in_range(m))) return false;
   bool reaches = within != Within::anything && motion.planner().constraints().checks_reach();
@@ -204,7 +204,7 @@ void Job::begin_at_the_end() {
 }
 
 inline bool Job::admit(MoveRequest& m) {
-  // Where a move before it was left out, filament alone moves nothing else, and a dwell nothing.
+  // If a move before it was left out, filament alone moves nothing else, and a dwell nothing.
   if (left_out.times > 0 && m.kind == MoveKind::extrude) std::copy_n(at_, 3, m.target);
   if (left_out.times > 0 && m.kind == MoveKind::dwell) {
     std::copy_n(at_, kAxes, m.target);

@@ -17,8 +17,8 @@ namespace passo {
 class Job {
  public:
   enum class Status : uint8_t { need_input, event, macro, error, full, end };
-  // What a move outside of any program must keep to: the machine's limits; the reach of its
-  // actuators, for a return to an earlier position; or nothing, while the position is unknown.
+  // The limits of a move outside of any program: the machine's limits; the reach of its actuators,
+  // for a return to an earlier position; or none, while the position is unknown.
   enum class Within : uint8_t { limits, reach, anything };
 
   Job(const Machine& machine, std::vector<double> home, const LaserWords& laser, bool with_steps,
@@ -78,7 +78,7 @@ class Job {
   double scale_flow_from(double ticks, size_t extruder, double flow);
 
   // Takes over a program's state from another job of the same machine, which has read the program
-  // up to where this machine stands.
+  // up to the machine's position.
   void adopt(Job& other);
 
   // After homing: the planner takes its position from the program.

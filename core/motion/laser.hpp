@@ -69,7 +69,7 @@ class LaserLight {
 
  private:
   uint16_t target_ = kNone;
-  uint32_t full_ = 0, value_ = 0;  // value_: what was put last, while it follows
+  uint32_t full_ = 0, value_ = 0;  // value_: the last value, while it follows
   bool follows_ = false;           // the speed, not a record
 
   template <class Put>

@@ -37,7 +37,7 @@ class Motion {
   Planner& planner() { return planner_; }
   const PlanStatistics& plan() const { return plan_; }
   const Cpu& cpu() const { return cpu_; }
-  // What boards take: see step_stream.hpp.
+  // The capacity of boards: see step_stream.hpp.
   StepStream& stream() { return stream_; }
   const StepStream& stream() const { return stream_; }
   // A timed record. Records for targets from kMark on are not sent: marks() lists them for the
@@ -63,8 +63,8 @@ class Motion {
 
   // Output `target` is a laser, fully on at `full`.
   void set_laser(uint16_t target, uint32_t full) { laser_.set(target, full); }
-  // The laser's share of full power on moves pushed from now on, at their feedrate; where a move is
-  // slower, the power is less in proportion. 0: records alone set the power.
+  // The laser's fraction of full power on moves pushed from now on, at their feedrate; if a move is
+  // slower, the power is reduced in proportion. 0: only records set the power.
   void follow_speed(double share) { planner_.laser_share = share; }
   // A record for output `target`, due at `ticks` during the moves. It cannot be revoked: no later
   // cut may be at an earlier clock.
@@ -161,7 +161,7 @@ class Motion {
   static constexpr double kSameDistance = 1e-9;  // share by which distances differ by rounding
   static constexpr long kOutputsSeen = 32;       // last records that a new one may replace
   static constexpr double kKeptSeconds = 1.0;    // of executed motion
-  Machine machine_;  // its steps per unit and tool offsets may change while it stands
+  Machine machine_;  // its steps per unit and tool offsets may change at standstill
   Planner planner_;
   bool with_steps_;
   double (*cpu_clock_)();

@@ -28,7 +28,7 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
     if (j < 3) mm += delta[j] * delta[j];
   }
   if (longest < kNoDistance) return false;
-  // A tiny distance of X, Y, Z is no measure of the path of a much longer axis.
+  // A tiny distance of X, Y, Z cannot measure the path of a much longer axis.
   double least = std::max(kNoDistance, kMinPathShare * longest);
   m.cartesian = mm > least * least;
   mm = m.cartesian ? std::sqrt(mm) : longest;

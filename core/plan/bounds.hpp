@@ -1,4 +1,4 @@
-// What limits a move by itself: its path measure, nominal speed and acceleration, with the names of
+// The limits of a single move: its path measure, nominal speed and acceleration, with the names of
 // the limits that bind them.
 #pragma once
 #include <vector>
@@ -37,7 +37,7 @@ class Bounds {
 
  private:
   static constexpr double kNoDistance = 1e-9;    // mm
-  static constexpr double kMinPathShare = 1e-4;  // of X, Y, Z, beside a longer axis
+  static constexpr double kMinPathShare = 1e-4;  // of X, Y, Z, next to a longer axis
   static constexpr double kMaxAccel = 1e7;       // mm/s²
   static constexpr double kSampleEvery = 2;      // mm
   static constexpr int kMaxSamples = 256;
@@ -68,7 +68,7 @@ class Bounds {
   };
   static Turn turn_of(const Move& m);
 
-  // What the bed adds to Z along a move, at most: first and second derivative by path length.
+  // The maximum correction of the bed along a move: first and second derivative by path length.
   struct Bed {
     double slope = 0, bend = 0;
   };

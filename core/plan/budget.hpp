@@ -1,5 +1,5 @@
-// What a board's processor and its link can take, as limits of moves. Everything here follows from
-// the moves in their order; nothing comes back from the compressor.
+// The load limits of a board's processor and its link, as limits of moves. Everything here follows
+// from the moves in their order; nothing comes back from the compressor.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -43,9 +43,9 @@ class MoveBudget {
 
   // The next move begins with speed² `start2`, not where the last one ended.
   void restart(double start2);
-  // Commands ahead of the rate: what the board's slots still hold, however the plan was cut.
+  // Commands ahead of the rate: the free space in the board's move queue, for any cut of the plan.
   void set_ahead(double commands) { ahead_ = commands; }
-  // The machine stands for so long.
+  // The machine is at standstill for so long.
   void rest(double seconds);
 
   // Tightens vn2 and widens the tolerance of a move; its start has at most speed² `start2`.
@@ -75,7 +75,7 @@ class MoveBudget {
 
   // A motor, and its steps in the move at hand where they are even along it.
   struct Motor {
-    const StepperSpec* spec;  // its scale may change while the machine stands
+    const StepperSpec* spec;  // its scale may change at standstill
     double c[3];
     int axis;   // ≥ 0: this axis alone drives it
     int joint;  // ≥ 0: a nonlinear actuator, even only where positions are those of the actuators

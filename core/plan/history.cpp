@@ -29,7 +29,7 @@ std::optional<std::array<double, kAxes>> History::position_at(double clock,
   bool first = next == moves_.begin();
   if (first && clock < gone_) return std::nullopt;
   std::array<double, kAxes> p;
-  if (first || clock >= std::prev(next)->end()) {  // it stands, perhaps where it was told it is
+  if (first || clock >= std::prev(next)->end()) {  // at standstill, perhaps at a set position
     std::copy_n(next != moves_.end() ? next->p0 : planned_to, kAxes, p.begin());
     return p;
   }

@@ -37,7 +37,7 @@ class JunctionRule {
   // steps of the longest axis, c_i = cornering distance in steps).
   double cornering(const Move& before, const Move& m, double cap) const;
 
-  // Of what drives axis slot j in this move, as M92 has it now; 0 if nothing does.
+  // The scale of the motor of axis slot j in this move, as M92 has set it; 0 if it has none.
   double steps_per_mm(const Move& m, int j) const;
 
   // Classic jerk: at the lesser nominal speed, no axis may change its speed by more than its jerk;

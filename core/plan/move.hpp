@@ -40,7 +40,7 @@ struct Move : MoveOrigin {
   bool inner;        // continues the same path: chord of an arc, split or cut move; no junction law
   bool rapid;
   bool cartesian;  // X, Y or Z moves
-  bool unscaled;   // M220 leaves it alone
+  bool unscaled;   // M220 does not apply
 
   double ticks() const { return t_acc + t_cru + t_dec; }
   double end() const { return start + ticks(); }

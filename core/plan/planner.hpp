@@ -1,5 +1,5 @@
-// Look-ahead on v² with constant acceleration. Moves go in, settled trapezoids come out; what is
-// settled never depends on moves that follow, nor on how the input was cut.
+// Look-ahead on v² with constant acceleration. Moves go in, settled trapezoids come out; settled
+// moves depend neither on later moves nor on how the input was split.
 #pragma once
 #include <cstdint>
 #include <functional>

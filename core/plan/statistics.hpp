@@ -33,7 +33,7 @@ struct PlanStatistics {
   Peak steps_s, commands_s, ahead;
   double widened_s = 0, widest_ticks = 0;  // time with a wider tolerance, and the widest
 
-  // sign -1 takes back what a replan revokes.
+  // sign -1 subtracts the moves that a replan revokes.
   void add(const Move& m, double hz, int sign);
 
   void add(const Piece& p);

@@ -68,7 +68,7 @@ struct BedProbe {
   bool pressed = false;
   double error = 0;
 
-  // Where the nozzle is for these positions of the actuators; false where there is no such place.
+  // The nozzle position for these positions of the actuators; false if there is none.
   bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
   // Z of the gantry at a place, where the geometry's is `z`.
   double gantry(double x, double y, double z) const;

@@ -26,7 +26,7 @@ class BoardOutput {
   // Software PWM: only while it is at rest.
   void set_cycle(uint32_t ticks) {
     if (!queue_.empty()) throw Shutdown{Fault::output_queue_busy};
-    if (value_ == full_) value_ = ticks;  // one that is pulsed goes on until the next value
+    if (value_ == full_) value_ = ticks;  // a pulsed output keeps its cycle until the next value
     default_ = default_ ? ticks : 0;
     full_ = ticks;
   }

@@ -46,7 +46,7 @@ class BoardMotor {
     stopped_ = false;
   }
 
-  // Counts the commands that are done. What is left beyond the first one waits in a move slot.
+  // Counts the finished commands. Commands after the first one wait in move slots.
   void retire(Ticks now) {
     while (head_ != tail_) {
       const StepRun& run = ring_[head_ & (ring_.size() - 1)];
@@ -59,7 +59,7 @@ class BoardMotor {
     retire(now);
     return tail_ - head_ > 1 ? tail_ - head_ - 1 : 0;
   }
-  // Stops at once; what follows is ignored until the clock is set anew.
+  // Stops at once; later commands are ignored until the clock is set again.
   void stop(Ticks now) {
     retire(now);
     if (head_ != tail_) {

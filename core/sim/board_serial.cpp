@@ -25,11 +25,11 @@ bool BoardUart::send(Ticks now, Ticks rest, const Bytes& bits, size_t read, Plan
     answer_.clear();
     return true;
   }
-  if (delay >= kPatience) answer_.clear();
+  if (delay >= kTimeout) answer_.clear();
   Ticks look = bit_ / 4;  // four a bit, from the fourth bit on
   Ticks looks = answer_.empty() ? 257 : ((delay - 4) * bit_ + look - 1) / look + 1;
   due_ += 4 * bit_ + (looks - 1) * look;
-  // Where nobody answers the last look ends it; else the bits are read from the next look on.
+  // Without an answer the last sample ends it; otherwise the bits are read from the next sample on.
   if (!answer_.empty()) due_ += look + Ticks(8 * read - 1) * bit_;
   return true;
 }

@@ -26,13 +26,13 @@ class BoardUart {
   Bytes take();
 
  private:
-  static constexpr int kPatience = 68;  // bits, from the end of the question
+  static constexpr int kTimeout = 68;  // bits, from the end of the question
   uint32_t rx_pin_;
   Ticks bit_, due_ = kNever;
   Bytes answer_;
 };
 
-// What is selected by a pin.
+// A device that is selected by a pin.
 struct BoardSpi {
   uint32_t select_pin;
   bool has_bus = false;

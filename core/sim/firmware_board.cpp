@@ -26,7 +26,7 @@ std::map<std::string, std::vector<const host_functions*>>& idle() {
   return *idle;
 }
 
-// The loader knows a file by its place on the disk, so that each copy needs a file of its own.
+// The loader identifies a file by its place on the disk, so that each copy needs a file of its own.
 const host_functions* load(const std::string& path) {
   std::string copy = (std::filesystem::temp_directory_path() / "passo-firmware-XXXXXX").string();
   int file = mkstemp(copy.data());

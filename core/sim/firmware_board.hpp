@@ -13,7 +13,7 @@ struct host_functions;  // firmware/hal/host/host.h
 namespace passo::wire {
 
 // A copy of the firmware library for one board: its state is that of the copy. Copies that are
-// given back wait for the next board, which powers them on anew.
+// given back wait for the next board, which powers them on again.
 class FirmwareLibrary {
  public:
   // Throws std::runtime_error if it cannot be loaded.
@@ -45,7 +45,7 @@ class FirmwareBoard : public Bench {
 
   FirmwareBoard(const std::string& library, Options options);
 
-  // A motor driver on these pins; to be told before the board moves it.
+  // A motor driver on these pins; call before the board moves it.
   void add_motor(uint32_t step_pin, uint32_t dir_pin, bool step_inverted);
 
   void feed(const uint8_t* data, size_t n, Ticks now) override;

@@ -26,7 +26,7 @@ class Distant : public Device {
 
   // Host time, as far as it has passed here.
   Ticks now() const { return now_; }
-  // While it is cut, what is sent either way is lost.
+  // While it is cut, bytes in both directions are lost.
   void cut(bool on) { cut_ = on; }
   // So large a share of all bytes, either way, arrives as another one, not at all, twice, before
   // the one before it, or behind one that nobody sent; and what is sent at once may arrive in two

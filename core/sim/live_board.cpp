@@ -42,7 +42,7 @@ void LiveBoard::serve_on() {
     if (!in.empty()) device_.feed(in.data(), in.size(), now());
   }
   std::lock_guard lock(guard_);
-  device_.poll(now(), cable_.outgoing());  // what it was still doing
+  device_.poll(now(), cable_.outgoing());  // its remaining work
 }
 
 }  // namespace passo::wire

@@ -22,8 +22,8 @@ struct Actuator {
   double start, per_step;
 };
 
-// A switch that is pressed at or beyond `position`, seen from inside the travel, of what some
-// actuators move together: the sum of their positions, each with its weight.
+// An endstop that is triggered at or beyond `position`, seen from inside the travel, of the
+// combined position of some actuators: the sum of their positions, each with its weight.
 struct Switch {
   uint32_t pin;
   std::vector<std::pair<uint32_t, double>> weights;  // step pin, weight
@@ -64,8 +64,8 @@ struct HeatedBody {
     }
   } heat, fan;
 
-  // Faults: what the ADC sees instead, what the heater does instead, if ≥ 0; noise of the ADC as a
-  // share of full scale; a sensor that hangs in the air.
+  // Faults: the value that the ADC reads instead, the power of the heater instead, if ≥ 0; noise of
+  // the ADC as a fraction of full scale; a detached sensor.
   double forced_ratio = -1, forced_duty = -1, noise = 0;
   bool fallen = false;
 };
@@ -89,7 +89,7 @@ class Plant {
 
   // An output pin is high for `duty` of the time from `clock` on.
   void set_output(uint32_t pin, Ticks clock, double duty);
-  // What the sensor on a pin shows at `clock`, as a share of full scale; 1 where there is none.
+  // The reading of the sensor on a pin at `clock`, as a fraction of full scale; 1 if there is none.
   double share(uint32_t pin, Ticks clock);
   uint32_t adc(uint32_t pin, Ticks clock) { return uint32_t(share(pin, clock) * adc_max_ + 0.5); }
   // A pin of a UART or an SPI bus takes a level.
@@ -97,13 +97,13 @@ class Plant {
   UartLine* uart(uint32_t rx_pin);
   SpiDevice* spi_device(uint32_t select_pin);
   using Position = std::function<double(uint32_t step_pin)>;
-  // Level of an input pin; position(step_pin) tells where a motor's actuator is.
+  // Level of an input pin; position(step_pin) returns the position of a motor's actuator.
   bool level(uint32_t pin, Ticks clock, const Position& position);
-  // Parts that see where the head is, look at it; when they want to look again.
+  // Parts that sense the head's position take a sample; returns the time of their next one.
   void look(Ticks clock, const Position& position);
   Ticks next_look() const { return next_look_; }
   double position(uint32_t step_pin, int64_t net) const;
-  // Somebody moves the actuator by hand.
+  // Moves the actuator, as if by hand.
   void place(uint32_t step_pin, int64_t net, double position);
   // The board forgets its counts; the actuators stay where they are.
   void rebase(uint32_t step_pin, int64_t net);

@@ -24,7 +24,7 @@ struct ProbeMechanism {
   void pulse(double width_us, Ticks clock);
   // Where the nozzle is now; to be called at least each kLookSeconds of a probe in a dock.
   void look(const double p[3]);
-  // What the probe reads at a clock. `touches`: if it is in place, it touches the bed.
+  // The reading of the probe at a clock. `touches`: if it is in place, it touches the bed.
   bool reads(bool touches, Ticks clock);
 
   static constexpr double kLookSeconds = 0.005;

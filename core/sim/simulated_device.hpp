@@ -1,4 +1,5 @@
-// A simulated board on the bench: a device with the plant around it, and what a person sees there.
+// A simulated board on a test bench: a device with its surroundings, and the interface of tests to
+// it.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -76,7 +77,7 @@ class Bench : public Device {
   // Both boards are at the same time whenever this one looks, to within what it does between two
   // looks. A board that is gone is felt no more.
   void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin);
-  // Somebody moves a motor's actuator by hand.
+  // Moves a motor's actuator, as if by hand.
   void place(uint32_t step_pin, double position);
 
  private:
@@ -89,7 +90,7 @@ class Bench : public Device {
   Plant plant_;
   Ticks now_;
 
-  // As net_steps(); 0 for a motor that the board does not know yet.
+  // As net_steps(); 0 for a motor that is not configured yet.
   virtual int64_t net(uint32_t step_pin) = 0;
   bool level(uint32_t pin, Ticks clock);
   void look() {

@@ -11,7 +11,7 @@ class TrinamicChip {
  public:
   enum class Kind : uint8_t { tmc2208, tmc2209, tmc2130, tmc5160 };
 
-  // Faults: it is not there; so many of its next answers have a bit turned over.
+  // Faults: it does not answer; so many of its next answers have a wrong bit.
   bool plugged = true;
   uint32_t damaged_answers = 0;
 
@@ -19,13 +19,13 @@ class TrinamicChip {
 
   bool by_uart() const { return kind_ == Kind::tmc2208 || kind_ == Kind::tmc2209; }
   uint32_t read(uint8_t reg) const { return registers_[reg & 0x7f]; }
-  // What the chip itself finds out.
+  // The chip's own findings.
   void set(uint8_t reg, uint32_t value) { registers_[reg & 0x7f] = value; }
 
   // Forgets its settings, as at power-on.
   void power_on();
 
-  // One datagram by UART; what it answers, if anything.
+  // One datagram by UART; returns its answer, if any.
   Bytes datagram(const Bytes& in);
 
   // Bits from the end of a question by UART until its answer (SENDDELAY).

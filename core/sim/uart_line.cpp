@@ -7,7 +7,7 @@ void UartLine::edge(bool level, Ticks clock) {
   level_ = level;
   if (start_ == kNever) {
     if (level) return;
-    // A pause in the midst of a datagram: what comes is another one.
+    // A pause within a datagram: the next bytes are another one.
     if (!bytes_.empty() && clock - last_ > kPause * bit_) restart();
     start_ = last_ = clock;
     bit_number_ = 0;

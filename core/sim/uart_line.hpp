@@ -23,7 +23,7 @@ class UartLine {
   void edge(bool level, Ticks clock);
   // The level that the board reads.
   bool level(Ticks clock);
-  // All that has come until `clock` is heard.
+  // All bytes until `clock` are received.
   void run(Ticks clock);
 
   // As if these bits (start and stop bits included, each byte's lowest bit first) had come: the

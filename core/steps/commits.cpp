@@ -88,7 +88,7 @@ void Commits::divide(int64_t clock) {
       first.end_clock = start + m.span(done);
       for (Message& a : ahead) {
         if (a.kind == MessageKind::reset_clock) renew_[m.target] = false;
-        a.end_clock = first.end_clock;  // it goes with the steps behind it
+        a.end_clock = first.end_clock;  // it goes with the steps after it
         within_.push_back(a);
       }
       ahead.clear();
@@ -115,7 +115,7 @@ void Commits::advance(int64_t known, int64_t end, const std::vector<int64_t>& or
   for (;;) {
     int64_t begin = points_.back().clock;
     if (points_.back().rest) {
-      // What comes before any motion needs no commit.
+      // Messages before any motion need no commit.
       for (; waiting_.next_clock() < known && waiting_.front().kind == MessageKind::pin;
            waiting_.pop())
         out(waiting_.front());
@@ -167,8 +167,8 @@ void Commits::tail(int64_t clock, const std::vector<int64_t>& origin,
       solvers_[i].solve(m, c.steps());
     }
     c.advance(moves.back().end(), true, clock);
-    // Nothing of it is ever taken back: whether the clock must be told anew is known here, of
-    // what does not wait.
+    // None of it is ever revoked: whether the clock must be set again is known here, for messages
+    // that do not wait.
     c.forget_resets(kNoMessage);
     for (; !c.messages().empty(); c.messages().pop()) {
       Message m = c.messages().front();

@@ -1,6 +1,6 @@
-// Motion in commits, for boards that outlive their links (docs/decisions/0013-survive.md): messages
-// are handed out up to a clock at which all motors are cut, with the moves that would stop the
-// machine on its path from there.
+// Motion in commits, for boards that survive the loss of their links
+// (docs/decisions/0013-survive.md): messages are handed out up to a clock at which all motors are
+// cut, with the moves that would stop the machine on its path from there.
 #pragma once
 #include <cstdint>
 #include <deque>

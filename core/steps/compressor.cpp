@@ -129,7 +129,7 @@ void Compressor::set_apart() {
 
 inline size_t Compressor::compress_all(size_t known, double frontier, bool still) {
   const size_t n = steps_.ticks.size();
-  // Behind a stop the next step may be due at once, and is then set apart from the last one.
+  // After a stop the next step may be due at once, and is then set apart from the last one.
   steps_.ticks.push_back(still ? steps_.ticks.back() + apart() : 1e18);
   size_t done = 1;
   for (bool last = false; !last;) {

@@ -19,7 +19,7 @@ struct StepStatistics {
   double error_max = 0, error_square = 0;  // ticks, ticks²: executed against ideal
 };
 
-// Every clock is behind this one.
+// Every clock is after this one.
 inline constexpr int64_t kAnyClock = std::numeric_limits<int64_t>::min();
 struct Command;
 class Stabbing;
@@ -48,13 +48,13 @@ class Compressor {
   // No command may be due before this clock: messages up to it are handed out already.
   void not_before(int64_t clock) { floor_ = clock; }
 
-  // The motor has stopped by itself: its clock and direction are told anew before its next step.
+  // The motor has stopped by itself: its clock and direction are set again before its next step.
   void renew(bool on = true);
   bool renews() const { return renew_; }
 
-  // The last step before the clock was set anew at `clock`.
+  // The last step before the clock was set again at `clock`.
   int64_t before_reset(int64_t clock) const;
-  // What was set anew before `clock` can no longer be taken back.
+  // Clocks that were set before `clock` can no longer be revoked.
   void forget_resets(int64_t clock);
 
   // Net steps that were solved but not made into commands.
@@ -73,7 +73,7 @@ class Compressor {
   // their times. What is left of a block must hold the longest command.
   static constexpr size_t kBlock = 1 << 14;
   static constexpr int kLook = 512;           // steps looked at first: most commands are shorter
-  static constexpr double kIdle = 268435456;  // ticks: after a longer gap the clock is set anew
+  static constexpr double kIdle = 268435456;  // ticks: after a longer gap the clock is set again
 
   double tolerance_, reversal_, least_, longest_, lead_, margin_;
   uint16_t target_;
@@ -105,7 +105,7 @@ class Compressor {
   bool resets(double first) const { return renew_ || first - double(last_) > kIdle; }
 
   // After a cut or a stop a step may be due at once, at or before the last executed one, or when
-  // the clock is to be set anew.
+  // the clock has to be set again.
   void set_apart();
 
   // Returns the index of the first step that still waits.

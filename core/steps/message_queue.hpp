@@ -15,7 +15,7 @@ namespace passo {
 
 inline constexpr int64_t kNoMessage = std::numeric_limits<int64_t>::max();
 
-// A ring that grows; one thread at a time may use it, and once it is shared, whoever holds it.
+// A ring that grows. One thread at a time may use it; once it is shared, the thread that holds it.
 class MessageQueue {
  public:
   MessageQueue() : ring_(kSmallest) {}
@@ -27,7 +27,7 @@ class MessageQueue {
   }
   // Before all that wait. Only where nothing is kept.
   void push_front(const Message& message);
-  // Behind all messages whose clocks are not later.
+  // After all messages whose clocks are not later.
   void insert(const Message& message);
   // A pin's value, as insert(); another value of it at the same clock would never be seen.
   void set_pin(const Message& message);
@@ -44,7 +44,7 @@ class MessageQueue {
       --commits_;
     }
   }
-  // From here on the messages of the last so many commits are kept, for what follows.
+  // From here on the messages of the last so many commits are kept, for rewind().
   void keep(size_t commits);
   // Where what followed this commit begins, among the messages taken; nothing if it was taken too
   // long ago, or not at all. kFirst: since keep().
@@ -67,7 +67,7 @@ class MessageQueue {
     return guard_->shared ? std::unique_lock(guard_->mutex)
                           : std::unique_lock(guard_->mutex, std::defer_lock);
   }
-  // Whoever holds one of the two holds both. Before either is used.
+  // A thread that holds one of the two holds both. Call before either is used.
   void join(MessageQueue& other) { guard_ = other.guard_; }
   void clear() { tail_ = head_; }
 

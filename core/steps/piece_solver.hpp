@@ -13,14 +13,14 @@ class PieceSolver {
  public:
   PieceSolver(const Machine& machine, const StepperSpec& spec);
 
-  // What the bed adds to Z moves this motor.
+  // The correction of the bed moves this motor.
   bool raised() const {
     return machine_.height_map && !machine_.joints && spec_.drive == Drive::actuator &&
            (!straight_ || row_[kZ] != 0);
   }
 
   // A straight motor makes no step from `count` on along a line at one Z above one cell: a cheap
-  // test that most moves of a layer pass. False also where it does not know.
+  // test that most moves of a layer pass. Also false if it cannot tell.
   bool rests(const double* from, const double* to, int64_t count) const;
 
   // Appends each step from `count` on. At the end of a path, also for each
@@ -54,7 +54,7 @@ class PieceSolver {
   // its fade, and the piece's end.
   void find_lines(const Piece& p);
 
-  // From span[0] to span[1] seconds, first looked at in so many parts.
+  // From span[0] to span[1] seconds, first sampled in so many parts.
   template <class Curve>
   int64_t solve_along(const Curve& curve, const Piece& p, const double* span, int parts,
                       int64_t count, Steps& out);

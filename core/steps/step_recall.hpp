@@ -16,9 +16,9 @@ struct Revocation {
   explicit Revocation(size_t motors) : lost(motors), last(motors), cut_off_(motors, false) {}
 
   using BeforeReset = std::function<int64_t(const Message& reset)>;
-  // Empties the queue. Returns what of it is executed up to `at`: a command is cut short behind its
-  // last step, and directions and clocks go with the steps behind them. `before_reset(reset)` is
-  // the clock that a motor had before.
+  // Empties the queue. Returns the part of it that is executed up to `at`: a command is cut short
+  // after its last step, and directions and clocks go with the steps after them.
+  // `before_reset(reset)` is the clock that a motor had before.
   std::vector<Message> keep(MessageQueue& queue, int64_t at, const BeforeReset& before_reset);
 
  private:

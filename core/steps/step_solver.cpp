@@ -28,7 +28,7 @@ void StepSolver::solve(const Move& m, Steps& out) {
   if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
   if (m.kind == MoveKind::dwell) return;
   out.set_tolerance(m.tolerance);
-  // Also by less than what measures the path: by a hair beside much filament.
+  // Also by less than the path measure: a hair in addition to much filament.
   bool travels = m.p0[kX] != m.p1[kX] || m.p0[kY] != m.p1[kY] || m.p0[kZ] != m.p1[kZ];
   if (travels && pieces_.raised())
     solve_raised(m, out);
@@ -62,7 +62,7 @@ inline void StepSolver::solve_linear(const Move& m, Steps& out) {
   double s0 = (double(count_) + 0.5 * dir - from) * dir * per_step;
   double* t = out.extend(size_t(n), int(dir));
   TimeLaw(m, hz_).even(s0, std::max(per_step, 1e-12), int(n), t);
-  // After a cut: what was due before it comes at once.
+  // After a cut: messages that were due before it come at once.
   for (int64_t k = 0; k < n && s0 + per_step * double(k) < 0; ++k) t[k] = m.start;
   count_ = target;
 }

@@ -60,7 +60,7 @@ void StepStream::solve(const std::vector<Move>& moves) {
 }
 
 void StepStream::compress(double clock, bool still) {
-  // What follows a commit lies behind it, also where its first steps may be a little early.
+  // Messages after a commit are later than it, even if its first steps may be a little early.
   const int64_t behind = commits_ ? commits_->points().back().clock : kAnyClock;
   for (Compressor& c : compressors_) c.advance(clock, still, behind);
 }

@@ -1,5 +1,5 @@
 // The steps of all motors, and the changes of all outputs, as messages to each board in the order
-// of their clocks; what no board has taken yet can be revoked.
+// of their clocks; messages that no board has taken yet can be revoked.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -41,8 +41,8 @@ class StepStream {
   Compressor& compressor(size_t i) { return compressors_[i]; }
   size_t motors() const { return solvers_.size(); }
   int64_t count(size_t i) const { return solvers_[i].count(); }
-  // Net steps that motor i was to make: its rounded targets, less what positions were set without
-  // motion.
+  // Net steps that motor i was to make: its rounded targets, without positions that were set
+  // without motion.
   int64_t expected_net(size_t i) const { return solvers_[i].count() - set_apart_[i]; }
   // Sets where motor i is, in steps, without motion.
   void set_count(size_t i, int64_t count);
@@ -53,7 +53,7 @@ class StepStream {
   }
   // While `rests`, motor i makes no step of the moves that are solved.
   void let_rest(size_t i, bool rests) { rests_[i] = rests; }
-  // The next step of motor i tells its clock and direction anew. Only at rest.
+  // The next step of motor i sends its clock and direction again. Only at rest.
   void renew(size_t i) { compressors_[i].renew(); }
   void renew();
 
@@ -61,16 +61,17 @@ class StepStream {
   void solve(const std::vector<Move>& moves);
   // Makes commands of steps: no further one comes before `clock`; `still`: none is under way there.
   void compress(double clock, bool still);
-  // An output's value, from `ticks` on. Returns its clock, which is not before what is handed out.
+  // An output's value, from `ticks` on. Returns its clock, which is not before the messages handed
+  // out.
   int64_t set_output(uint16_t target, uint32_t value, double ticks);
   int64_t not_before(double ticks) const;
-  // The same in the midst of what is handed out, at a clock that no board has taken yet.
+  // The same within the messages handed out, at a clock that no board has taken yet.
   void set_output_among(uint16_t target, uint32_t value, double ticks);
 
   // Hands out, each to its board, all that nothing can precede when all moves up to `clock` are
   // known; `all`: everything.
   void merge(double clock, bool all);
-  // After all is merged: the machine stands at `clock`.
+  // After all is merged: the machine is at standstill at `clock`.
   void stand(double clock) { commit(kNoMessage, int64_t(std::ceil(clock))); }
 
   // Keeps what is executed up to `at`, which no board has taken yet, and sets every motor back to
@@ -81,15 +82,15 @@ class StepStream {
   void forget(int64_t past);
 
   // From now on messages come in commits (commits.hpp): each of at most `period` ticks and `most`
-  // messages. Only while the machine stands, from `clock` on, and nothing is waiting. The last
-  // kKeptCommits that were taken are kept for rewind().
+  // messages. Only at standstill, from `clock` on, with nothing waiting. The last kKeptCommits that
+  // were taken are kept for rewind().
   void use_commits(int64_t period, size_t most, int64_t clock);
   void stop_commits() { commits_.reset(); }
   bool commits() const { return commits_.has_value(); }
   // The earliest clock that rewind() can go back to; only with commits.
   int64_t oldest_commit() const { return commits_->points().front().clock; }
-  // Goes back behind the commit `serial`: what came later has not been executed, and waits again.
-  // Returns it; nothing, and nothing is changed, if that is not known any more.
+  // Goes back to the end of the commit `serial`: later messages have not been executed, and wait
+  // again. Returns it; nothing, without any change, if that commit is not known any more.
   std::optional<Commits::Point> rewind(uint32_t serial);
   // Net steps by which each motor is further where it stands behind the commit `next`, whose brake
   // tails are done, than behind the one before that, `serial`. Nothing if they do not follow each
@@ -114,18 +115,18 @@ class StepStream {
   std::vector<int64_t> next_clocks_;   // of each of them
   int64_t handed_out_ = 0;
 
-  // The queue of the board that is to have a message.
+  // The queue of the board that gets a message.
   MessageQueue& queue_of(const Message& m);
   std::vector<int64_t> nets() const;
   std::vector<bool> renews() const;
-  // The board's last commit is `serial`, and the machine stands.
+  // The board's last commit is `serial`, and the machine is at standstill.
   void begin_commits(uint32_t serial, int64_t clock);
-  // Hands out what is certain; `stands` where the machine stands, or kNoMessage.
+  // Hands out the settled messages; `stands` is the clock of the standstill, or kNoMessage.
   void commit(int64_t known, int64_t stands);
   // What MessageQueue::behind() calls it.
   int64_t last_of(const Commits::Point& p) const;
   static bool sooner(const Message& a, const Message& b) { return a.clock < b.clock; }
-  // What is kept, but in no commit, comes to `open`.
+  // Kept messages that are in no commit go to `open`.
   void revoke(MessageQueue& queue, int64_t at, Revocation& revoked, std::vector<Message>& open);
 };
 

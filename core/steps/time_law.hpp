@@ -1,5 +1,5 @@
-// When a move is at a position of its path: the kernels of the step solver, which alone includes
-// this.
+// The time of a position on the path of a move: the kernels of the step solver, which alone
+// includes this.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -57,8 +57,8 @@ struct TimeLaw {
     c21 = -2 * w2 * hz;
   }
 
-  // n evenly spaced positions s0 + ds*j, ascending. Here and below `t` and `s` must go on for three
-  // more; what is there is overwritten, and read.
+  // n evenly spaced positions s0 + ds*j, ascending. Here and below `t` and `s` must extend for
+  // three more; these are overwritten, and read.
   void even(double s0, double ds, int n, double* t) const {
     int n1 = below(s1, s0, ds, n), n2 = below(s2, s0, ds, n);
     if (n1 > 0) fill_root(t, n1, c00 + c01 * s0, c01 * ds, base0, sign0);

@@ -10,7 +10,7 @@ DECL_SHUTDOWN_REASON(ADC_RANGE, "ADC out of range");
 DECL_SHUTDOWN_REASON(ADC_SILENT, "ADC gives no value");
 DECL_SHUTDOWN_REASON(ADC_PIN, "Not a valid ADC pin");
 
-// So long a converter, with all that wait for it, may take.
+// Maximum time of a converter, including all that wait for it.
 #define SILENT (HAL_CLOCK_HZ / 10)
 
 // Takes a complete sum.
@@ -35,7 +35,7 @@ static bool run(struct timer *timer) {
   uint16_t value;
   if (!hal_analog_read(&in->analog, &value)) {
     if (hal_clock() - in->due > SILENT) {
-      shut_down(SHUTDOWN_ADC_SILENT);  // nobody would watch the heat
+      shut_down(SHUTDOWN_ADC_SILENT);  // otherwise the heat would not be monitored
       return false;
     }
     timer->wake = hal_clock() + HAL_ANALOG_WAIT;

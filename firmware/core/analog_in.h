@@ -1,5 +1,5 @@
 // Analog inputs: sums of samples, reported at regular times. `range_checks` sums in a row outside
-// their range shut the board down, and with it every heater; that watch goes on after a shutdown.
+// their range shut the board down, and with it every heater; this check continues after a shutdown.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -23,7 +23,7 @@ struct analog_in {
   struct object object;
   struct hal_analog analog;
   struct timer timer;
-  struct analog_query query;  // the foreground's, while the timer stands still
+  struct analog_query query;  // the foreground's, while the timer does not run
   // Written by the timer; by the foreground under hal_irq_save().
   uint32_t due;    // the sample that is waited for
   uint32_t begin;  // first sample of the sum that comes next
@@ -34,8 +34,8 @@ struct analog_in {
   uint8_t values[2 * ANALOG_VALUES_MAX];
 };
 
-// Begins anew. `args` are those of query_analog_in up to rest_ticks, `range` those from min_value
-// on. Foreground.
+// Restarts. `args` are those of query_analog_in up to rest_ticks, `range` those from min_value on.
+// Foreground.
 void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *range);
-// Tells `size` bytes of sums, low byte first: in analog_report.c.
+// Reports `size` bytes of sums, low byte first: in analog_report.c.
 void analog_in_report(uint8_t oid, uint32_t next_clock, const uint8_t *values, uint8_t size);

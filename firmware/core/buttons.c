@@ -50,7 +50,7 @@ void buttons_task(void) {
     memcpy(states, buttons->states, sizeof states);
     buttons->unreported = false;
     hal_irq_restore(irq);
-    // If the console has no room it is told again like what the wire has lost.
+    // If the console has no space, it is reported again like a state that was lost on the wire.
     if (due)
       report_bytes(REPORT_BUTTONS_STATE, (uint32_t[]){(uint8_t)oid, acknowledged}, 2, states, size);
   }

@@ -8,8 +8,8 @@
 
 #define ARGUMENTS_MAX 12
 
-// How a value stands on the wire and what it may be; two bits for each parameter. A signed word is
-// taken as a long, and its handler cuts it.
+// The encoding and the range of a value; two bits for each parameter. A signed word is taken as a
+// long, and its handler cuts it.
 enum { TYPE_LONG, TYPE_WORD, TYPE_BYTE, TYPE_BYTES };
 
 // A row of the table that the build makes: commands[id - COMMAND_FIRST].
@@ -33,8 +33,8 @@ void command_run(const uint8_t *payload, const uint8_t *end);
 // The bytes of the command that is being executed; args[] holds how many.
 const uint8_t *command_bytes(void);
 
-// Sends a report of `count` values, at most ARGUMENTS_MAX. False if the console has no room. The
-// second form appends bytes: what fits in a frame. Foreground.
+// Sends a report of `count` values, at most ARGUMENTS_MAX. False if the console has no space. The
+// second form appends as many bytes as fit in a frame. Foreground.
 bool report(uint8_t id, const uint32_t *values, uint8_t count);
 bool report_bytes(uint8_t id, const uint32_t *values, uint8_t count, const uint8_t *bytes,
                   uint8_t size);

@@ -48,7 +48,7 @@ static void acknowledge(void) {
   frame_send(frame, frame + FRAME_HEADER);
 }
 
-// Drops what is no frame, up to the sync behind it.
+// Drops bytes that are not a frame, up to the sync after them.
 static void skip(void) {
   const uint8_t *sync = memchr(received, FRAME_SYNC, size);
   skipping = sync == NULL;
@@ -103,7 +103,7 @@ static bool examine(void (*execute)(const uint8_t *payload, const uint8_t *end))
 }
 
 bool frame_task(void (*execute)(const uint8_t *payload, const uint8_t *end)) {
-  // What is left behind a bad frame may hold another.
+  // The rest after a bad frame may hold another.
   if (hal_console_room() < FRAME_MAX) return false;
   if (size > 0 && examine(execute)) return true;
   int16_t byte;

@@ -14,15 +14,15 @@
 #define FRAME_TRAILER 3
 #define FRAME_SYNC 0x7e
 
-// What went over the wire since the start.
+// The traffic on the wire since the start.
 struct frame_counts {
   uint32_t frames, naks, dropped;  // executed; refused; answers for which there was no room
 };
 extern struct frame_counts frame_counts;
 
-// Takes what has been received, at most one frame, whose payload `execute` gets; false if there was
+// Takes the received bytes, at most one frame, whose payload `execute` gets; false if there was
 // nothing to do.
 bool frame_task(void (*execute)(const uint8_t *payload, const uint8_t *end));
 // Completes and sends the frame whose payload ends at `end`, with FRAME_HEADER bytes free in front
-// and FRAME_TRAILER behind it. False if the console has no room.
+// and FRAME_TRAILER after it. False if the console has no space.
 bool frame_send(uint8_t *frame, uint8_t *end);

@@ -1,6 +1,6 @@
-// What the modules declare by DECL_START, DECL_TASK, … (declare.h says when and in which context
-// each is called). The build writes these functions into tables.c: each calls what is declared, in
-// its order. So a module calls modules above it without including them.
+// The hooks that the modules declare by DECL_START, DECL_TASK, … (declare.h describes when and in
+// which context each is called). The build writes these functions into tables.c: each calls the
+// declared functions, in their order. So a module calls modules above it without including them.
 #pragma once
 #include <stdbool.h>
 

@@ -1,5 +1,5 @@
-// I2C over any two pins, by software, as the only master: for sensors and displays that are asked
-// now and then. A line is pulled low or let go; the pull-ups are those of the bus, and the pins'.
+// I2C over any two pins, by software, as the only master: for sensors and displays that are read
+// now and then. A line is pulled low or released; the pull-ups are those of the bus, and the pins'.
 #include <stdbool.h>
 #include <string.h>
 

@@ -26,7 +26,7 @@ enum object_type {
   OBJECT_THERMOCOUPLE,
 };
 
-// What is done to every object of one kind.
+// A function for every object of one kind.
 struct object_kind {
   uint8_t type;
   void (*shut_down)(void *object);  // under hal_irq_save(), any context; or null

@@ -42,7 +42,7 @@ static void set(struct output *output, uint32_t clock, uint32_t value) {
   write_level(output, value != 0);
 }
 
-// The earliest of what is to come, into timer->wake; false if there is nothing.
+// The earliest of the coming events, into timer->wake; false if there is none.
 static bool plan(struct output *output) {
   bool any = false;
   uint32_t wake = 0;
@@ -152,13 +152,13 @@ static bool is_configured(uint32_t pin) {
 }
 
 // A new output whose pin has been set up already: it must not run before that. False, after a
-// shutdown, if the caller must put the pin to its default, because there is no output that does.
+// shutdown, if the caller must put the pin to its default, because no output does.
 static bool configure(uint32_t oid, const struct object_kind *kind, const struct output *wanted) {
   if ((int32_t)wanted->max_duration < 0) {
     shut_down(SHUTDOWN_DURATION_TOO_LONG);
     return is_configured(wanted->pin);
   }
-  // Nobody would count the time from here on.
+  // No timer would count the time from here on.
   if (wanted->max_duration != 0 && wanted->value != wanted->default_value) {
     shut_down(SHUTDOWN_NOT_AT_DEFAULT);
     return is_configured(wanted->pin);
@@ -211,17 +211,17 @@ void command_config_pwm_out(const uint32_t *args) {
     hal_pwm_write(&wanted.pwm, (uint16_t)wanted.default_value);
 }
 
-// While the board survives its host, nobody turns on what is not to be kept.
+// While the board runs without its host, no command turns on an output that is not to be kept.
 static bool is_barred(const struct output *output) {
   return survive_refuses() && output->kept && output->kept_seconds == 0;
 }
 
-// A board that survives its host survives a bad link too: what comes late counts at once, but for a
-// light, which goes off, and the board brakes.
+// A board that survives the loss of its host survives a bad link too: late values act at once,
+// except for a light, which goes off, and the board brakes.
 static void queue(struct output *output, uint32_t clock, uint32_t value) {
   struct change *change = (struct change *)(void *)move_take();
   if (change == NULL) return;
-  // From the clock in time to the timer that is to run then nothing may come in between.
+  // Nothing may come between the clock and the start of its timer.
   hal_irq_t irq = hal_irq_save();
   bool late = before(clock, hal_clock()), heats = output->kept && output->kept_seconds > 0;
   if (late && output->kept && !heats) {
@@ -232,7 +232,7 @@ static void queue(struct output *output, uint32_t clock, uint32_t value) {
   change->next = NULL;
   change->clock = clock;
   change->value = value < output->full ? value : output->full;
-  // The host tells again what it would have changed behind the decision.
+  // The host sends again the changes that it had planned after the decision.
   if (is_shut_down() || is_barred(output) || (late && survive_refuses() && !heats)) {
     move_free((struct move *)(void *)change);
   } else if (before(clock, hal_clock())) {
@@ -281,7 +281,7 @@ void command_update_digital_out(const uint32_t *args) {
   hal_irq_restore(irq);
 }
 
-// A cycle that is being pulsed goes on as it is until the next value.
+// A running cycle continues until the next value.
 DECL_COMMAND(command_set_digital_out_pwm_cycle, "set_digital_out_pwm_cycle oid=%c cycle_ticks=%u",
              0);
 void command_set_digital_out_pwm_cycle(const uint32_t *args) {

@@ -44,7 +44,7 @@ struct output {
   bool kept, keeping;
 };
 
-// Tells what becomes of an output when the host is gone. Foreground.
+// Sets the value of an output when the host is gone. Foreground.
 void output_keep(struct output *output, uint32_t value, uint8_t seconds);
-// What is not to be kept at all goes to its default. Timer context.
+// Outputs that are not to be kept at all go to their default. Timer context.
 void outputs_hold_none(void);

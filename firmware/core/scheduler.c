@@ -25,7 +25,7 @@ DECL_ON_SHUTDOWN(task_wake);
 void task_wake(void) { woken = true; }
 
 bool task_woken(void) {
-  if (!woken) return false;  // what is set between a reading and a writing must not be lost
+  if (!woken) return false;  // a wake between the reading and the writing must not be lost
   woken = false;
   return true;
 }

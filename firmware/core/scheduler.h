@@ -1,4 +1,4 @@
-// What is due at a clock: a list of timers, sorted, run by the alarm in timer context.
+// Timers by clock: a sorted list, run by the alarm in timer context.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -10,7 +10,7 @@
 struct timer {
   struct timer *next;
   uint32_t wake;
-  // Timer context. True if it is to run again at the `wake` it has set, which may be past.
+  // Timer context. True if it has to run again at the `wake` it has set, which may be past.
   bool (*run)(struct timer *timer);
   bool lasting;  // runs on through a shutdown
 };

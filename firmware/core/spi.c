@@ -25,7 +25,7 @@ static uint8_t exchange(const struct spi *spi, uint8_t byte) {
 }
 
 void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size) {
-  hal_output_write(&spi->clock, spi->clock_rest);  // another device may want it otherwise
+  hal_output_write(&spi->clock, spi->clock_rest);  // another device may need it otherwise
   if (spi->has_select) hal_output_write(&spi->select, spi->select_level);
   for (; size > 0; --size, ++bytes) *bytes = exchange(spi, *bytes);
   if (spi->has_select) hal_output_write(&spi->select, !spi->select_level);

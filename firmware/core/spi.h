@@ -18,7 +18,7 @@ struct spi {
   bool second_phase;  // data are taken at the clock's second edge (CPHA)
 };
 
-// What is sent when the board shuts down.
+// The bytes that are sent when the board shuts down.
 struct spi_shutdown {
   struct object object;
   const struct spi *spi;
@@ -29,7 +29,7 @@ struct spi_shutdown {
 
 // The device if it has its bus, or null after a shutdown. Foreground.
 struct spi *spi_get(uint32_t oid);
-// Sends bytes and puts what comes back in their place. Foreground.
+// Sends bytes and puts the received ones in their place. Foreground.
 void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size);
-// Sends what a shutdown has asked for. Foreground.
+// Sends the bytes for a shutdown. Foreground.
 void spi_send_last(void);

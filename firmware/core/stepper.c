@@ -59,7 +59,7 @@ static struct move *move_of(const uint32_t *args, uint8_t direction) {
   int16_t add = (int16_t)args[3];
   struct move *move = move_take();
   if (move == NULL) return NULL;
-  // The last interval must not be negative, nor any that a clock of 32 bits cannot tell from one.
+  // The last interval must not be negative, nor any that looks negative in a clock of 32 bits.
   uint32_t change = (uint32_t)(add < 0 ? -(int32_t)add : add) * (uint16_t)(count - 1);
   if (count > 0 && ((int32_t)interval < 0 || (count > 1 && interval == 0) ||
                     (add < 0 ? change > interval : (int32_t)(interval + change) < 0))) {
@@ -88,8 +88,8 @@ static void set_clock(struct stepper *stepper, uint32_t clock) {
   hal_irq_restore(irq);
 }
 
-// A step has come too late. While axes home, all motors stop, and the host is told: true. False if
-// it is a reason to shut down.
+// A step has come too late. While axes home, all motors stop, and the host is informed: true. False
+// if it is a reason to shut down.
 static bool stop_homing(void) {
   struct stepper *stepper;
   if (!survive_is_homing()) return false;

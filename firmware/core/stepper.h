@@ -1,4 +1,4 @@
-// Motors: what the host queues for the step generator.
+// Motors: the host's queue for the step generator.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
@@ -38,11 +38,11 @@ void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
 bool stepper_give_staged(struct stepper *stepper);
 // The next tail takes the place of the tail.
 void stepper_take_tail(struct stepper *stepper);
-// Whether the motor stands, and the first step that is staged, or of the next tail, is past, or so
-// near that it may be before a commit is done.
+// Whether the motor is at standstill, and the first step that is staged, or of the next tail, is
+// past, or so near that it may be before a commit is done.
 bool stepper_is_late(const struct stepper *stepper);
-// The tail takes the place of what is staged.
+// The tail takes the place of the staged moves.
 void stepper_stage_tail(struct stepper *stepper);
-// Drops what is staged and the next tail. With `tail` that as well, and clocks that were staged are
-// set: the host takes over.
+// Drops the staged moves and the next tail. If `tail` is true, also drops the active tail and
+// applies staged clocks: the host takes over.
 void stepper_forget(struct stepper *stepper, bool tail);

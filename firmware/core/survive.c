@@ -27,7 +27,7 @@ DECL_ENUMERATION("survive", "lost", 6);
 // The decision falls so long before the commit's clock: time enough to queue all tails, or all
 // moves of the commit that comes just in time.
 #define GUARD (HAL_CLOCK_HZ / 200)
-// So many seconds an output may be kept.
+// The maximum time that an output may be kept, in seconds.
 #define LONGEST 60
 
 static bool decide(struct timer *timer);
@@ -100,11 +100,11 @@ void survive_task(void) {
       stepper_stage_tail(stepper);
     give_staged();
   }
-  // A host that was only late must hear of it.
+  // A host that was only late must be informed.
   if (survive.report_pending) survive.report_pending = !report_state();
 }
 
-// The host takes over, from motors that stand: what was staged is void.
+// The host takes over, with motors at standstill: staged moves are void.
 static void begin(uint8_t to) {
   struct stepper *stepper;
   if (!check_finalized()) return;

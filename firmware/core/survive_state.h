@@ -46,5 +46,5 @@ uint32_t survive_in_time(uint32_t clock);
 bool survive_is_homing(void);
 // A step came too late while axes homed, and all motors have been halted. Foreground.
 void survive_lose(void);
-// What the next commit's moves need came too late: it will be refused. Foreground.
+// The moves of the next commit came too late: it will be refused. Foreground.
 void survive_miss(void);

@@ -17,8 +17,8 @@ DECL_REPORT("thermocouple_result oid=%c next_clock=%u value=%u fault=%c");
 
 #define NO_REGISTER 0xff
 
-// How a converter is asked: the register of its word, if it has registers, and the bytes of that;
-// the register of its faults, or the bit of the word that stands for all of them.
+// How a converter is read: the register of its word, if it has registers, and its bytes; the
+// register of its faults, or the bit of the word for all of them.
 static const struct converter {
   uint8_t word_register, word_bytes, fault_register;
   uint32_t fault_bit;

@@ -1,6 +1,6 @@
-// Converters of thermocouples and platinum resistors on an SPI bus, asked at regular times. Words
-// outside their range, or with a fault, several times in a row shut the board down, and with it
-// every heater. A range of all words watches neither.
+// Thermocouple and RTD interfaces on an SPI bus, read at regular times. Words outside their range,
+// or with a fault, several times in a row shut the board down, and with it every heater. A range of
+// all words watches neither.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>

@@ -10,11 +10,11 @@ DECL_SHUTDOWN_REASON(TMCUART_TOO_LONG, "tmcuart data too large");
 DECL_SHUTDOWN_REASON(TMCUART_PINS, "Pins cannot make a driver's UART");
 DECL_REPORT("tmcuart_response oid=%c read=%*s");
 
-#define REST_US 200       // the line rests high so long, at least, before a datagram
-#define TURN_BITS 4       // from the end of a datagram until an answer is looked for
-#define LOOKS_A_BIT 4     // for its beginning, which so is found within a quarter of a bit
-#define PATIENCE_BITS 64  // until there is none
-#define SYNC_EDGES 5      // of a start bit and 1010: four bits from the first to the last
+#define REST_US 200      // minimum time that the line is high before a datagram
+#define TURN_BITS 4      // from the end of a datagram until an answer is looked for
+#define LOOKS_A_BIT 4    // for its beginning, which so is found within a quarter of a bit
+#define TIMEOUT_BITS 64  // until there is none
+#define SYNC_EDGES 5     // of a start bit and 1010: four bits from the first to the last
 #define BEGINS_WITH_SYNC(byte) (((byte) & 0x3f) == 0x2a)
 
 static struct tmcuart *of(struct timer *timer) {
@@ -66,7 +66,7 @@ static bool look(struct timer *timer) {
     return true;
   }
   uart->was_high |= high;
-  if (++uart->looks <= PATIENCE_BITS * LOOKS_A_BIT) return true;
+  if (++uart->looks <= TIMEOUT_BITS * LOOKS_A_BIT) return true;
   uart->read_bits = 0;
   return finish(uart);
 }

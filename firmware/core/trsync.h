@@ -10,9 +10,9 @@ struct stepper;
 
 struct trsync {
   struct object object;
-  struct timer report, timeout;  // the first goes on until trsync_trigger
+  struct timer report, timeout;  // the first continues until trsync_trigger
   struct stepper *motors;        // the foreground's, under hal_irq_save()
-  uint32_t report_ticks;         // the foreground's, while `report` stands still
+  uint32_t report_ticks;         // the foreground's, while `report` does not run
   // Written by foreground and timer under hal_irq_save().
   uint32_t clock;  // of the last event
   uint8_t reason;

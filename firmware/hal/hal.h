@@ -53,7 +53,7 @@ void hal_alarm(uint32_t clock);
 hal_irq_t hal_irq_save(void);
 void hal_irq_restore(hal_irq_t state);
 
-// Starts the chip anew, as if powered on; does not return. Foreground.
+// Restarts the chip, as if powered on; does not return. Foreground.
 _Noreturn void hal_reset(void);
 
 // ---- Console: foreground only

@@ -96,7 +96,7 @@ def test_decoded_frames_read_as_text():
         "queue_step oid=0 interval=1234 count=10 add=-3",
         "get_clock",
         "(acknowledge 2)",
-        "(bytes that are no frame)",
+        "(bytes that are not a frame)",
     ]
 
 

@@ -42,7 +42,7 @@ def assert_blamed(bench: Bench, cause: Cause, least: int, most: int) -> Slack:
     assert slack.cause == cause
     assert least <= slack.slack <= most
     assert late(bench).keys() == {cause}
-    assert bench.link.least_slack.slack == slack.slack
+    assert bench.link.min_slack.slack == slack.slack
     assert not bench.link.take_slack().known
     return slack
 
@@ -51,7 +51,7 @@ def test_without_trouble_no_frame_is_late():
     bench = Bench()
     wire, base = running(bench, long_plan(3.0), delay=MS)
     wire.run(base + 3 * HZ)
-    least = bench.link.least_slack
+    least = bench.link.min_slack
     assert 122 * MS <= least.slack <= 124 * MS  # the way there and that of the answer
     assert late(bench) == {}
 

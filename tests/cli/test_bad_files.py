@@ -153,7 +153,7 @@ def test_a_stop_in_a_file_ends_its_print(capsys, tmp_path, line, sentence):
     result = json.loads(capsys.readouterr().out)
     assert result["moves"] == 2
     assert result["warnings"] == [
-        f"{path}:3: {code} stops a print; the plan goes on behind it (1 time)"
+        f"{path}:3: {code} stops a print; the plan continues after it (1 time)"
     ]
 
 

@@ -19,7 +19,7 @@ def test_policies(capsys, tmp_path):
     assert result["final_position_mm"]["x"] == 250.0
     assert [w.partition(": ")[2] for w in result["warnings"]] == [
         "G777 is unknown and was skipped (1 time)",
-        "M0 waits for a person; nobody is here, so it took no time (2 times)",
+        "M0 waits for the user; without a console it took no time (2 times)",
         "tool T5 does not exist and was ignored (1 time)",
         "X 300.000 mm is beyond the limit of 250.000 mm; such targets were moved to the limit"
         " (1 time)",

@@ -28,8 +28,8 @@ def actions(host: Host) -> list[str]:
         ("M0 Close TOPS9 lid", "Close TOPS9 lid", None),
         ("M1 S5 Look at P20", "Look at P20", 5.0),
         ("M0 P2500 S3 Two words", "Two words", 3.0),
-        ("M0 P2500", "Waiting; go on with M108", 2.5),
-        ("M0", "Waiting; go on with M108", None),
+        ("M0 P2500", "Waiting; continue with M108", 2.5),
+        ("M0", "Waiting; continue with M108", None),
         ("M0 Stop", "Stop", None),
     ],
 )
@@ -105,8 +105,8 @@ def test_hosts_know_of_a_pause_in_a_file(tmp_path, command, answer):
         s.host.expect("^// action:paused$", 20)
         s.passes(10)
         text = {
-            "M600": "Change the filament, then go on with M24",
-            "M601": "Paused; go on with M24",
+            "M600": "Change the filament, then continue with M24",
+            "M601": "Paused; continue with M24",
         }
         asked = [f"prompt_begin {text[command]}", *ASKED] if command in text else []
         assert actions(s.host) == ["paused", *asked]

@@ -391,7 +391,7 @@ def test_motors_go_off_by_axis_and_forget_where_they_are(s):
     s.host.ok("M84 S5")
     s.passes(4)
     assert s.board.output_value("x-enable") == 0
-    s.host.expect("Motors off after standing idle", 3)
+    s.host.expect("Motors off after an idle time", 3)
     s.passes(0.1)
     assert s.board.output_value("x-enable") == 1
 
@@ -400,7 +400,7 @@ def test_heaters_go_off_after_half_an_hour(s):
     s.host.ok("M140 S40")
     s.passes(1790)
     assert s.printer.connection.heaters["bed"].target == 40
-    s.host.expect("Heater bed off after standing idle", 30)
+    s.host.expect("Heater bed off after an idle time", 30)
 
 
 def test_filament_changes_wait_for_a_person(s):

@@ -91,7 +91,7 @@ def test_a_print_that_stands_at_it_is_offered_after_a_power_cut(tmp_path, meanwh
         for stepper in "xyz":
             s.board.place(stepper, left[stepper])
         s.host.ok("M302 P1")
-        assert "a.g was interrupted at line 15. M1000 goes on" in s.printer.state.greeting()
+        assert "a.g was interrupted at line 15. M1000 resumes" in s.printer.state.greeting()
         s.host.send("M1000")
         s.host.expect("echo:Printing a.g from line 15$", 600)
         assert s.board.temperature("hotend") > 57

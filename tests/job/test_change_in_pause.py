@@ -101,7 +101,7 @@ def test_resume_ends_filament_change_too(s, own, answer):
 
 
 def test_m600_of_a_console_pauses_a_file_that_is_printed(s):
-    assert "echo:Change the filament, then go on with M24" in s.host.ok("M600 Z7", 20)
+    assert "echo:Change the filament, then continue with M24" in s.host.ok("M600 Z7", 20)
     s.passes(10)
     assert way(s.begin, at(s))[2] == pytest.approx(7, abs=0.02)
     s.host.silent(30, "Done")

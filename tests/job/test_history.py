@@ -235,7 +235,7 @@ def test_two_printers_do_not_share_a_folder(places):
             Scenario("i3", **places)
         assert "SD printing" in s.host.ok("M27")[0]
     with Scenario("i3", **places) as s:
-        assert "M1000 goes on" in s.printer.state.greeting()
+        assert "M1000 resumes" in s.printer.state.greeting()
 
 
 def test_print_aborted_by_host_stays_in_history(tmp_path):

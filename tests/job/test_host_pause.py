@@ -105,7 +105,7 @@ def test_the_new_filament_has_its_own_temperature(s):
     s.host.send("M600 T0 U80 L50 S80 B3")
     s.passes(60)
     assert hotend.target == 60
-    assert "echo:M600 beeps not: there is no beeper" in s.host.heard
+    assert "echo:M600 does not beep: there is no beeper" in s.host.heard
     s.host.send("M108")
     s.passes(1)
     assert hotend.target == 80
@@ -179,7 +179,7 @@ def test_a_laser_is_dark_while_its_file_pauses(tmp_path):
         full = s.printer.connection.full_scale("laser")
         s.host.ok("M23 a.g")
         s.host.ok("M24")
-        s.host.expect("Paused; go on with M24", 10)
+        s.host.expect("Paused; continue with M24", 10)
         s.passes(1)
         for _ in range(20):
             s.passes(0.5)

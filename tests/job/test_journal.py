@@ -190,7 +190,7 @@ def test_print_cut_off_before_first_move_restarts(places, tmp_path):
         (tmp_path / "card" / "wall.gcode").write_text(text)
         with Scenario("i3", **arguments) as s:
             offer = s.printer.state.greeting()
-            assert "was interrupted at its beginning. M1000 goes on with it from there" in offer
+            assert "was interrupted at its beginning. M1000 resumes it from there" in offer
             assert (answer or "is not the file that was printed") in s.host.ok("M1000")[0]
             if answer:
                 s.host.expect("Done printing file", 200)
@@ -428,9 +428,7 @@ def test_journal_resumes_after_shutdown_without_survive(places):
         s.host.send("M999")
         s.host.expect("ready again", 10)
         line = journal_of(state)[1].line
-        s.host.expect(
-            f"wall.gcode was interrupted at line {line}. M1000 goes on with it, M1000 C", 1
-        )
+        s.host.expect(f"wall.gcode was interrupted at line {line}. M1000 resumes it, M1000 C", 1)
         s.host.ok("M302 P1")
         before = s.positions()["e"]
         assert f"from line {line}" in s.host.ok("M1000", 600)[-2]

@@ -45,7 +45,7 @@ def test_a_long_pause_cools_the_nozzle_and_warms_it_again(s, what, on):
     assert targets(s) == {"hotend": 180, "bed": 40}
     s.passes(LONG_S - OFF_S + 20)
     assert targets(s) == {"hotend": 0, "bed": 40}
-    s.host.expect("Heater hotend off in a long pause; it warms up before all goes on")
+    s.host.expect("Heater hotend off in a long pause; it warms up before the print resumes")
     s.passes(60)
     at = s.positions()
     other = Host(s)

@@ -263,7 +263,7 @@ def test_limits_changed_just_before_link_loss(tmp_path, changes, seconds):
             s.host.ok(changes[i % 2])
             s.passes(seconds)
             break_link(s, 0.2)
-            s.host.expect("The board is back, and stands where it was told to stop", 10)
+            s.host.expect("The board is back, at the position where it stopped", 10)
             s.passes(0.8)
         s.host.expect("Done printing", 100)
         assert steps(s) == {"x": 0, "y": 0, "z": 0, "e": 0}

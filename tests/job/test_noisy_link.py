@@ -85,7 +85,7 @@ def test_fallen_sensor_is_noticed_despite_repeated_link_loss(printer):
     for _ in range(100):
         silences(s, 4.2, 1)
         most = max(most, s.board.temperature("bed"))
-    assert s.host.heard.count("echo:The board is back, and stands where it was told to stop") > 15
+    assert s.host.heard.count("echo:The board is back, at the position where it stopped") > 15
     assert "bed" in s.printer.halted and "did not reach" in s.printer.halted
     assert most < 88
 

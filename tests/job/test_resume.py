@@ -455,9 +455,7 @@ def test_a_machine_without_switches_goes_on_from_home(tmp_path):
         s.host.ok("M32 a.g")
         s.passes(4)
     with Scenario("cnc", **places) as s:
-        assert (
-            "goes on with it from X 0 Y 0: without switches it must" in s.printer.state.greeting()
-        )
+        assert "resumes it from X 0 Y 0: without switches it must" in s.printer.state.greeting()
         s.host.ok("M1000", 60)
         s.host.expect("Done printing", 60)
         assert (s.positions()["x"], s.positions()["y"]) == pytest.approx((10, 40), abs=0.02)

@@ -135,7 +135,7 @@ def test_laser_stays_on_during_dwell(s):
     s.passes(9.5)
     assert share(s) == pytest.approx(0.5, abs=0.005)
     s.passes(1.0 + LASER_OFF_S)
-    s.host.expect("Laser off after standing idle", 1)
+    s.host.expect("Laser off after an idle time", 1)
     assert share(s) == 0.0
 
 

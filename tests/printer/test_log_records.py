@@ -92,7 +92,7 @@ def test_a_lost_link_is_a_warning_and_its_return_is_information(log):
     ((logger, text, code),) = records(log, logging.WARNING)
     assert (logger, code) == ("printer.recovery.reconnect", "machine.closed")
     assert text.startswith("The machine waits: ")
-    back = "The board is back, and stands where it was told to stop"
+    back = "The board is back, at the position where it stopped"
     assert (logger, back, "") in records(log, logging.INFO)
 
 

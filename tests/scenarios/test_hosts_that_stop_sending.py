@@ -48,7 +48,7 @@ def test_print_with_lost_position_is_paused_by_first_move(s):
     print_ = begun(s)
     s.passes(31 * MINUTE_S)
     assert s.printer.motors.on == set()
-    assert "echo:Heater hotend off after standing idle" in s.host.heard
+    assert "echo:Heater hotend off after an idle time" in s.host.heard
     refused = print_.ok("G1 X60 E1")
     assert refused[0].startswith("echo:")
     assert "G28" in refused[0]

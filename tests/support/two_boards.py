@@ -85,9 +85,7 @@ def printed(
         name: [(clock - job.base, value) for clock, value in job.board.take_changes(name)]
         for name in names
     }
-    slack = {
-        c.name: c.link.least_slack.slack / c.board.clock_hz for c in job.connection.connections
-    }
+    slack = {c.name: c.link.min_slack.slack / c.board.clock_hz for c in job.connection.connections}
     return Edges(result, steps, outputs, slack)
 
 

@@ -149,7 +149,7 @@ def test_a_cortex_m_board_tells_its_layer_about_its_pins() -> None:
     )
     assert lines[8].startswith("#define CHIP_ANALOG(X) X(66, 4) X(97, 5) ")
     assert lines[9].startswith("#define CHIP_PULSES(X) X(65, FTM0, 0) ")
-    with pytest.raises(avr.FirmwareError, match="PTF0 is no pin of MK20DX128"):
+    with pytest.raises(avr.FirmwareError, match="PTF0 is not a pin of MK20DX128"):
         pin_number(it, "PTF0")
 
 

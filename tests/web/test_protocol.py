@@ -25,7 +25,7 @@ from passo.web.server import configuration
 
 FILES = "/api/v1/files/content"
 PART = b'--x\r\nContent-Disposition: form-data; name="file"; filename="a.gcode"\r\n\r\nG1 X'
-_MOST_UNREAD = 1 << 16  # bytes that asyncio keeps until it pauses a protocol
+_MAX_UNREAD = 1 << 16  # bytes that asyncio keeps until it pauses a protocol
 
 
 class Connection(asyncio.Transport):
@@ -47,7 +47,7 @@ class Connection(asyncio.Transport):
 
     def write(self, data):
         before, self.sent = len(self.sent), self.sent + bytes(data)
-        if not self.reads and before <= _MOST_UNREAD < len(self.sent):
+        if not self.reads and before <= _MAX_UNREAD < len(self.sent):
             self.protocol.pause_writing()
 
     def read_all(self):
@@ -207,7 +207,7 @@ def test_websocket_that_does_not_read_is_dropped_and_others_go_on():
             bridge.tell(Message(f"{number} {'x' * 400}"))
         await asyncio.sleep(UNREAD_MESSAGES_S + 1)
         assert slow.ended_s == pytest.approx(start + UNREAD_MESSAGES_S)
-        assert len(slow.sent) < _MOST_UNREAD + 1000
+        assert len(slow.sent) < _MAX_UNREAD + 1000
         assert all(b"%d xxx" % number in fast.sent for number in range(300))
         assert fast.ended_s is None
         fast.close()

@@ -1,4 +1,4 @@
-// SysTick as the alarm of whoever is due first.
+// SysTick as the alarm for the earliest event.
 #pragma once
 
 void alarm_start(void);

@@ -1,4 +1,4 @@
-// The converter, one conversion at a time for whoever asks first.
+// The converter, one conversion at a time in the order of requests.
 #include "hal.h"
 #include "layer.h"
 

@@ -17,13 +17,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// Right after a reset, before variables have their values. From then on the chip starts anew,
+// Right after a reset, before variables have their values. From then on the chip restarts, with
 // outputs as after power-on, if a second or so passes without watchdog_feed().
 void watchdog_start(void);
 void watchdog_feed(void);  // foreground
 
-// Clocks, and the power of what is used. No flag of an oscillator is waited for without end: a chip
-// whose clock is wrong speaks at a wrong rate, so that nobody can set it to work.
+// Clocks, and the power of the used modules. No wait for a flag of an oscillator is endless: a chip
+// whose clock is wrong sends at a wrong rate, so that it cannot be put to work.
 void chip_start(void);
 _Noreturn void chip_reset(void);
 

@@ -13,7 +13,7 @@
 extern uint32_t data_begin[], data_end[], data_load[], bss_begin[], bss_end[], stack_top[];
 extern uint32_t image_end[];
 
-// An interrupt that nobody wanted, or a fault: the board starts anew, outputs as after power-on.
+// An unexpected interrupt, or a fault: the board restarts, with outputs as after power-on.
 static void unexpected(void) { chip_reset(); }
 
 typedef void (*handler)(void);

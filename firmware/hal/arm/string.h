@@ -1,4 +1,4 @@
-// What the core uses of the standard's <string.h>, which some compilers come without.
+// The functions of the standard's <string.h> that the core uses; some compilers have none.
 #pragma once
 #include <stddef.h>
 

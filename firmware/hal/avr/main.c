@@ -46,7 +46,7 @@ int main(void) {
   analog_start();
   stepgen_start();
   core_start(0);
-  // A board whose foreground or timers hang, or have no time left, starts anew with its pins as
+  // A board whose foreground or timers hang, or have no time left, restarts with its pins as
   // inputs.
   wdt_enable(WDTO_1S);
   sei();

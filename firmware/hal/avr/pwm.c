@@ -7,7 +7,7 @@
 
 struct channel {
   uint8_t pin, connect;
-  volatile uint8_t *compare, *mode;  // OCRnx; TCCRnA, with TCCRnB behind it
+  volatile uint8_t *compare, *mode;  // OCRnx; TCCRnA, with TCCRnB after it
 };
 
 static const struct channel channels[] PROGMEM = {

@@ -22,7 +22,7 @@
 // Ticks that it takes to set a unit going: a first step that is closer is refused.
 #define SOONEST 250
 // How long a pulse is at least without waiting loops.
-#define PULSE_FIXED 34  // the build knows it too: src/passo/toolchain/avr.py
+#define PULSE_FIXED 34  // src/passo/toolchain/avr.py has the same value
 #define PULSE_FREE 38
 #define PULSE_MAX 480  // 30 µs at 16 MHz
 #define PIECE 32768UL

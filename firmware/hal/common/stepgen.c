@@ -19,8 +19,8 @@ static struct axis {
   struct move *oldest, *waiting, *newest;
 } axes[HAL_STEPPERS];
 static struct axis *soonest;  // of those that move, by their next steps
-// Steps that are late do not begin before `low_until`: drivers want the pin to be low between two
-// pulses for as long as a pulse takes.
+// Late steps do not begin before `low_until`: drivers need the pin to be low between two pulses for
+// the length of a pulse.
 static bool late;
 static uint32_t low_until;
 
@@ -96,7 +96,7 @@ bool stepgen_interrupt(uint32_t now, uint32_t *again) {
   if (due != NULL) {
     uint32_t end = hal_clock() + pulse_ticks;
     int32_t low = INT32_MAX;  // ticks from the pulses to the next step of one of them
-    // What comes next is reckoned while the pulses last; but directions stay until they are over.
+    // The next step is computed while the pulses last; but directions stay until they are over.
     for (struct axis *axis = due; axis != NULL; axis = axis->also) {
       if (--axis->count == 0) continue;
       advance(axis);

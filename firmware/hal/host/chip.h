@@ -15,7 +15,7 @@ extern uint16_t host_dictionary_size;
 #define HAL_SHORTEST_PERIOD 100
 #define HAL_ANALOG_WAIT 100
 #define HAL_PWM_MAX 255
-#define HAL_WAIT(ticks) ((void)(ticks))  // the clock stands still while the core works
+#define HAL_WAIT(ticks) ((void)(ticks))  // the clock stops while the core works
 
 #define HAL_CONST
 #define hal_const8(p) (*(const uint8_t *)(p))

@@ -100,7 +100,7 @@ bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t v
   pwm->pin = pin;
   return pin < PINS;
 }
-// What the chip's PWM does with its pin is heard of by host_watch_output().
+// host_watch_output() sees the chip's PWM on its pin.
 void hal_pwm_write(const struct hal_pwm *pwm, uint16_t value) {
   (void)pwm;
   (void)value;

@@ -36,13 +36,13 @@ struct host_state {
 struct host_functions {
   // Powers the board on.
   void (*start)(const struct host_options *options, const struct host_surroundings *surroundings);
-  // Runs to `now`, then takes what came over the wire.
+  // Runs to `now`, then takes the received bytes.
   void (*feed)(const uint8_t *data, size_t size, int64_t now);
   // Does all that is due until `now`.
   void (*run)(int64_t now);
-  // When the board next does something that may be heard; steps are not. INT64_MAX: never.
+  // When the board next does something that can be observed; steps do not count. INT64_MAX: never.
   int64_t (*next)(void);
-  // What the board has to say: `size` bytes, forgotten at the next call of any of these.
+  // The messages of the board: `size` bytes, valid until the next call of any of these.
   const uint8_t *(*take)(size_t *size);
   struct host_state (*state)(void);
   // The dictionary that the build made, without pins and clock.

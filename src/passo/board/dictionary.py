@@ -133,8 +133,8 @@ def _expand(names: Mapping[str, Any]) -> dict[str, int]:
 def decode(data: bytes, dictionary: Dictionary, *, from_board: bool = False) -> list[str]:
     """Every message in the frames of `data`, one line each, as text.
 
-    Acknowledgements and bytes that are no frame appear as such. `from_board` reads reports instead
-    of commands. Raises ValueError for a message that the dictionary does not have.
+    Acknowledgements and bytes that are not a frame appear as such. `from_board` reads reports
+    instead of commands. Raises ValueError for a message that the dictionary does not have.
     """
     formats = _core.Formats(list(dictionary.reports if from_board else dictionary.commands))
     lines: list[str] = []
@@ -152,7 +152,7 @@ def frame_lines(
     no frame. `labels` explain values of parameters: ("oid", 3) is perhaps the stepper x. Raises
     ValueError for a message that is not among the formats."""
     if frame is None:
-        return ["(bytes that are no frame)"]
+        return ["(bytes that are not a frame)"]
     sequence, payload = frame
     if not payload:
         return [f"(acknowledge {sequence})"]

@@ -46,7 +46,7 @@ def summary(connection: Connection) -> str:
     """`Link: least slack 123 ms; late frames: 3 of 1200 (3 stalls); …`, since the board was
     configured."""
     hz, link = connection.board.clock_hz, connection.link
-    least = link.least_slack
+    least = link.min_slack
     slack = f"{least.slack / hz * 1e3:.0f} ms" if least.known else "unknown"
     late = {cause: n for cause, n in link.late_frames.items() if n}
     causes = ", ".join(f"{n} {_NAMES[cause]}" for cause, n in late.items())

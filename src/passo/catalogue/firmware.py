@@ -23,7 +23,7 @@ FIRMWARE: Mapping[str, Entry] = {
         "firmware is being built already", "Wait until it is done, or cancel it"
     ),
     "firmware.image": _firmware(
-        "{value} is no image for {axis}: expected {limit}",
+        "{value} is not an image for {axis}: expected {limit}",
         "Build one (`passo firmware build`), or name the right file",
     ),
     "firmware.port": _firmware(

@@ -116,7 +116,7 @@ INPUT: Mapping[str, Entry] = {
     ),
     "input.point": bad_input(
         "heat",
-        "{value!r} is no pair of temperatures from 0 to 400 °C",
+        "{value!r} is not a pair of temperatures from 0 to 400 °C",
         "Write the shown and the true temperature as 200:187",
     ),
     "input.point-far": bad_input(

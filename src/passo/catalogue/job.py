@@ -41,7 +41,7 @@ JOB: Mapping[str, Entry] = {
     ),
     "job.objects-and-laser": bad_input(
         "job",
-        "objects cannot be cancelled on a machine with a laser, which would burn where it stands",
+        "objects cannot be cancelled on a machine with a laser, which would burn at standstill",
         "Cancel the print (M524)",
     ),
     "job.other-macros": bad_input(

@@ -113,7 +113,7 @@ WEB: Mapping[str, Entry] = {
     ),
     "upload.offset": bad_input(
         "upload",
-        "the upload goes on at byte {limit}, not at {value}",
+        "the upload continues at byte {limit}, not at {value}",
         "Ask for its offset, and send what follows it",
     ),
     "console.unopened": Entry(

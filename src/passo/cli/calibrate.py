@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     answers = Answers(Path(f"thermistor-{arguments.heater}.txt"), of)
     print(_GUIDE.format(there=_THERE[heater.kind], end=end_c, file=answers.path))
     if answers.again:
-        print(f"It holds {answers.again} answers. To begin anew, delete it.")
+        print(f"It holds {answers.again} answers. To start again, delete it.")
     for step in _ROUNDS_C:
         ladder = range(_START_C[heater.kind], end_c + 1, step)
         points, ended = _round(answers, _heats(heater, number), ladder)

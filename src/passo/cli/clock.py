@@ -17,7 +17,7 @@ def add_clock(parser: argparse.ArgumentParser) -> None:
         type=_scale,
         default=None,
         metavar="virtual|real|SCALE",
-        help="virtual: as fast as it goes (default); real; or so many times as fast as real",
+        help="virtual: as fast as possible (default); real; or a factor of real time",
     )
 
 

@@ -34,7 +34,7 @@ def add_policy(parser: argparse.ArgumentParser) -> None:
         "--missing-tool",
         choices=("stop", "ignore"),
         default="stop",
-        help="tools that the machine lacks: stop (default), or go on with the tool in place",
+        help="tools that the machine lacks: stop (default), or continue with the current tool",
     )
 
 

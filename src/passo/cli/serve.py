@@ -159,7 +159,7 @@ def _path(text: str) -> str:
 
 def _clients(text: str) -> int:
     if not (text.isascii() and text.isdigit() and 0 < int(text) < 1 << 16):
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of clients from 1 to 65535")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of clients from 1 to 65535")
     return int(text)
 
 

@@ -80,7 +80,7 @@ def _check_extruder_axis(data: Raw, name: str, axis: Raw) -> Iterator[Finding]:
     path, heater = ("axes", name), axis.get("heater")
     if axis.get("extruder") is not True:
         if heater is not None:
-            limit = "no heater: this axis is no extruder"
+            limit = "no heater: this axis is not an extruder"
             yield Finding("config.conflict", (*path, "heater"), heater, limit)
         return
     if name in ("x", "y", "z"):

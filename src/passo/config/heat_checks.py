@@ -97,8 +97,7 @@ def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
         rows = sensor_table(heater.sensor)
         if not reads_within(rows, heater.min_c, heater.max_c):
             limit = (
-                f"values with which it tells temperatures from {heater.min_c:g} to"
-                f" {heater.max_c:g} °C apart"
+                f"values with distinct readings from {heater.min_c:g} to {heater.max_c:g} °C apart"
             )
             yield Finding("config.value", ("heaters", name, "sensor"), heater.sensor.kind, limit)
         elif heater.max_c > rows[-1][0]:

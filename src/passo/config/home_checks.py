@@ -23,7 +23,7 @@ def check_home(machine: MachineConfig) -> Iterator[Finding]:
         arms = [name for name in machine.geometry.arms if name in machine.homing]
         switches = arms or [name for name in "zyx" if name in machine.homing]
         if switches:
-            limit = f"a place where the nozzle can be: {error}"
+            limit = f"a position that the nozzle can reach: {error}"
             value = machine.homing[switches[0]].position
             yield Finding("config.value", ("homing", switches[0], "position"), value, limit)
         else:

@@ -194,8 +194,8 @@ class JobCommands:
                 limit = f"{hotend.min_c:g} to {hotend.max_c:g} C"
                 raise CommandError.bad_value("S", words["S"], limit)
         if "B" in words and self._printer.machine.beeper is None:
-            reply.note("M600 B", "M600 beeps not: there is no beeper")
-        return self._stand_by("Change the filament, then go on with M108", words, reply)
+            reply.note("M600 B", "M600 does not beep: there is no beeper")
+        return self._stand_by("Change the filament, then continue with M108", words, reply)
 
     @command(
         "M601",
@@ -207,7 +207,7 @@ class JobCommands:
     )
     def _pause(self, _: Command, reply: Reply) -> Wait | None:
         by_file = self._runner.printing_from(reply)
-        return self._stand_by("Paused; go on with M108", {}, reply, by_file=by_file)
+        return self._stand_by("Paused; continue with M108", {}, reply, by_file=by_file)
 
     def _stand_by(
         self, text: str, words: Mapping[str, float], reply: Reply, *, by_file: bool = False

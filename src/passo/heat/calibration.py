@@ -12,7 +12,7 @@ from passo.levelling.least_squares import RankError, solve
 MIN_BETA_K, MAX_BETA_K = 1000.0, 10_000.0
 MAX_C_PER_K = 1e-5
 FAR = 1 / 3  # of the reading: no real β is further off
-_LEAST_POINTS = 4  # of the three coefficients, so that a residual is left
+_MIN_POINTS = 4  # of the three coefficients, so that a residual is left
 _INVERSE_GOLDEN = (sqrt(5) - 1) / 2
 
 
@@ -71,7 +71,7 @@ def by_steinhart_hart(ntc: Ntc, points: Sequence[Point]) -> Calibration | None:
     Steinhart, S. R. Hart, 1968); None with fewer than four points, with points too close to each
     other, or where the result is not that of an NTC resistor. It holds between the points, and less
     beyond them."""
-    if len(points) < _LEAST_POINTS:
+    if len(points) < _MIN_POINTS:
         return None
     rows: list[tuple[float, float, float]] = []
     for point in points:

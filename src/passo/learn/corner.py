@@ -24,15 +24,15 @@ _SAME = 1e-6  # fraction by which two equal speeds may differ
 def corner(a: _core.Move | None, b: _core.Move | None, machine: MachineConfig) -> str:
     """The speed between `a` and `b` and its limit; None stands for no move."""
     if a is None or b is None:
-        return f"the machine stands there: there is no move {'before' if a is None else 'after'} it"
+        return f"the machine stops there: there is no move {'before' if a is None else 'after'} it"
     if "dwell" in (a.kind, b.kind):
-        return "the machine stands there, for it waits"
+        return "the machine stops there, because it waits"
     turn = _turn(a, b)
     path = "one of the moves has no X, Y or Z" if turn is None else f"the path turns by {turn:.1f}°"
     if b.inner:
-        path = "the same path goes on"
+        path = "the same path continues"
     if b.start_cap < _STILL_MM_S:
-        return f"{path}; the machine stands there{_why_it_stands(a, b, turn, machine)}"
+        return f"{path}; the machine stops there{_why_it_stands(a, b, turn, machine)}"
     unit = path_unit(machine)
     text = f"{path}, at most {b.start_cap:.2f} {unit}/s, taken at {b.start_speed:.2f} {unit}/s"
     if b.start_speed < b.start_cap * (1 - _SAME):

@@ -69,5 +69,5 @@ def _near(places: dict[int, float], machine: MachineConfig) -> dict[int, float]:
 
 
 def _nowhere(command: Command, error: Unreachable) -> CommandError:
-    limit = f"a place within reach, but {error}"
+    limit = f"a position within reach, but {error}"
     return CommandError.of("command.value", axis="G92", value=command.text.strip(), limit=limit)

@@ -52,7 +52,7 @@ class ColdExtrusion:
             if words["S"] < 0:
                 raise CommandError.bad_value("S", words["S"], "0 C or more")
             if "T" in words:
-                raise CommandError.bad_value("S", words["S"], "no S beside T: it is of all tools")
+                raise CommandError.bad_value("S", words["S"], "no S with T: S is for all tools")
             self.cold_c = words["S"]
             self._allowed = set(self.hotends) if self.cold_c == 0 else set()
         if "P" in words:

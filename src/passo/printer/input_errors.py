@@ -79,12 +79,12 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem(code, path, line, {"value": int(value)})
     if fault == faults.WORD:
         return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
-    return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})
+    return Problem("input.garbage", path, line, {"value": "it holds bytes that are not text"})
 
 
 _CALLS = {  # why a call fails
     _core.CallFault.UNREADABLE: "expected a number P, and at most 9999 repeats L",
-    _core.CallFault.MISSING: "the file has no such O number behind the end of its main program",
+    _core.CallFault.MISSING: "the file has no such O number after the end of its main program",
     _core.CallFault.NESTED: "10 sub-programs are under way within each other already",
     _core.CallFault.UNENDED: "no M99 ends the sub-program",
     _core.CallFault.IDLE: "it repeats 100,000 calls without a move",

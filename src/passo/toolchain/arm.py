@@ -81,7 +81,7 @@ def pin_number(chip: Chip, pin: str) -> int:
     """A pin's number: 32 a port, counted from port A. Raises FirmwareError if it is invalid."""
     match = _PIN.fullmatch(pin)
     if match is None or pin not in chip.pins:
-        raise FirmwareError(f"{pin} is no pin of {chip.name}")
+        raise FirmwareError(f"{pin} is not a pin of {chip.name}")
     port, n, alone = match.groups()
     return int(alone) if port is None else (ord(port) - ord("A")) * 32 + int(n)
 
@@ -251,6 +251,6 @@ def flash_content(parts: list[Segment], chip: Chip) -> bytes:
             continue
         at = part.load - chip.flash_start
         if at < len(data):
-            raise FirmwareError(f"0x{part.load:08x} is no place in the flash of {chip.name}")
+            raise FirmwareError(f"0x{part.load:08x} is not an address in the flash of {chip.name}")
         data += b"\xff" * (at - len(data)) + part.content
     return bytes(data)

@@ -128,7 +128,7 @@ def board_header(board: AvrBoard) -> str:
 def _pin(name: str) -> str:
     match = re.fullmatch(r"P([A-L])([0-7])", name)
     if match is None:
-        raise FirmwareError(f"{name} is no pin of an AVR chip")
+        raise FirmwareError(f"{name} is not a pin of an AVR chip")
     return f"{match[1]}, {match[2]}"
 
 

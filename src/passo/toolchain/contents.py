@@ -14,7 +14,7 @@ from passo.toolchain import arm, avr
 Parts: TypeAlias = list[tuple[int, bytes]]
 
 _UF2_BLOCK = 512
-_UF2_MOST = 476  # bytes of content in a block
+_UF2_MAX = 476  # bytes of content in a block
 _UF2_MAGIC = (0x0A324655, 0x9E5D5157, 0x0AB16F30)
 _UF2_NOT_FLASH = 1
 _ALIGNMENT = 8
@@ -50,7 +50,7 @@ def _of_hex(data: bytes) -> Iterator[tuple[int, bytes]]:
         if row[:1] != b":" or len(record) < 5 or len(record) != record[0] + 5 or sum(record) % 256:
             raise ValueError("a damaged record")
         if kind == 1:
-            raise ValueError("a record behind the last one")
+            raise ValueError("a record after the last one")
         at, kind, content = int.from_bytes(record[1:3]), record[3], record[4:-1]
         if kind == 0:
             yield base + at, content
@@ -64,7 +64,7 @@ def _of_uf2(data: bytes) -> Iterator[tuple[int, bytes]]:
     for at in range(0, len(data), _UF2_BLOCK):
         first, second, flags, address, count, _, blocks = struct.unpack_from("<7I", data, at)
         (end,) = struct.unpack_from("<I", data, at + _UF2_BLOCK - 4)
-        if (first, second, end) != _UF2_MAGIC or count > _UF2_MOST:
+        if (first, second, end) != _UF2_MAGIC or count > _UF2_MAX:
             raise ValueError("a damaged block")
         if blocks * _UF2_BLOCK > len(data):
             raise ValueError("blocks are missing")

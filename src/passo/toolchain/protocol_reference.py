@@ -79,9 +79,9 @@ def _reports(found: Declarations) -> Iterator[str]:
 def _rest(found: Declarations) -> Iterator[str]:
     yield "## Reasons for a shutdown\n"
     yield (
-        "Told by number; the dictionary's `static_string_id` has the words. A shutdown stops all"
-        " motors, sets all\noutputs to their defaults and tells SPI devices. Where hosts explain a"
-        " reason, its words are the usual ones.\n"
+        "Reported by number; the dictionary's `static_string_id` has the texts. A shutdown stops"
+        " all motors, sets all\noutputs to their defaults and informs SPI devices. Where hosts explain"
+        " a reason, its words are the usual ones.\n"
     )
     rows = [(text, _meaning(name.lower(), SHUTDOWNS[name])) for name, text in _in_order(found)]
     yield from _table(("reason", "when"), rows)

@@ -10,10 +10,10 @@ COMMANDS = {
         "get_uptime": "Asks for the clock in 64 bits.",
         "get_config": "Asks whether the board is configured, and for its move slots.",
         "allocate_oids": "Begins a configuration with so many objects.",
-        "finalize_config": "Ends it: what is left of the memory becomes move slots.",
+        "finalize_config": "Ends it: the rest of the memory becomes the move queue.",
         "emergency_stop": "Shuts down.",
-        "clear_shutdown": "Goes back to work; what was queued is lost.",
-        "reset": "Starts the chip anew, unconfigured.",
+        "clear_shutdown": "Resumes work; queued commands are lost.",
+        "reset": "Restarts the chip, unconfigured.",
         "get_counters": "Asks how the link fares.",
         "debug_nop": "Does nothing.",
         "debug_ping": "Asks for the same bytes back.",
@@ -70,8 +70,11 @@ COMMANDS = {
         " shuts down at the `max_invalid_count`-th value in a row that is a fault or out of range.",
         "config_buttons": "Up to eight inputs that the board reports when they change.",
         "buttons_add": "One of them.",
-        "buttons_query": "Looks from `clock` on; tells again after so many looks unacknowledged.",
-        "buttons_ack": "So many states have arrived.",
+        "buttons_query": (
+            "Samples from `clock` on; reports again after so many samples without an"
+            " acknowledgement."
+        ),
+        "buttons_ack": "The number of states that have arrived.",
     },
     "Buses and drivers": {
         "config_spi": "A device with a select pin.",
@@ -93,9 +96,10 @@ COMMANDS = {
         "survive_tail": "A move of the motor's brake tail, which waits for its commit.",
         "survive_commit": (
             "All moves and tails since the last commit hold, until `clock`; if nothing newer has"
-            " come shortly before, the tails run. `rest`: the motors stand there anyway."
+            " come shortly before, the tails run. `rest`: the motors are at standstill then in any"
+            " case."
         ),
-        "survive_output": "What an output keeps, for so many seconds, when nobody renews it.",
+        "survive_output": "What an output keeps, for so many seconds, if it is not renewed.",
         "survive_query": "Asks for the state.",
     },
 }
@@ -122,10 +126,10 @@ REPORTS = {
     "uptime": "The clock, all of it.",
     "config": "Configured or not, with which sum; shut down or not; move slots.",
     "stats": "Rounds of the main loop in 5 s, their ticks, and the sum of the squares of these.",
-    "counters": "Frames taken, frames refused, and reports for which there was no room.",
+    "counters": "Frames accepted, frames refused, and reports for which there was no space.",
     "pong": "The bytes of `debug_ping`.",
     "shutdown": "It has shut down at this clock, for this reason.",
-    "is_shutdown": "It is shut down, and does not obey.",
+    "is_shutdown": "It is shut down, and ignores commands.",
     "stepper_position": "Where a motor is, in steps.",
     "trsync_state": "Whether a group is still armed; if not, why, and when that was.",
     "endstop_state": "Whether it still looks, when next, and the level.",
@@ -133,7 +137,7 @@ REPORTS = {
     "thermocouple_result": "What a converter said, and whether it sees a fault.",
     "buttons_state": "The inputs as they changed, one byte each time.",
     "spi_transfer_response": "What came back.",
-    "i2c_response": "What was read, or why not.",
+    "i2c_response": "The bytes that were read, or the reason why not.",
     "tmcuart_response": "What a driver said; nothing if it was silent.",
     "survive_state": "The state, and serial number and clock of the last commit that holds.",
 }
@@ -141,8 +145,8 @@ REPORTS = {
 SHUTDOWNS = {
     "EMERGENCY_STOP": "the host asked for it",
     "BAD_COMMAND": "a command that is unknown, cut short, or out of its type's range",
-    "TIMER_TOO_CLOSE": "what is to be done has come after its time",
-    "OVERLOADED": "the chip does not keep up with what it is to do at given clocks",
+    "TIMER_TOO_CLOSE": "a command has arrived after its time",
+    "OVERLOADED": "the chip does not keep up with its scheduled events",
     "OID_TAKEN": "an object's number is used twice, or was not allocated",
     "INVALID_OID": "no object of this kind has the number",
     "ARENA_FULL": "the objects do not fit the memory",
@@ -161,12 +165,12 @@ SHUTDOWNS = {
     "ADC_PIN": "",
     "PIN_CONFIGURED": "a command for a pin without object names one with",
     "OUTPUT_BUSY": "",
-    "MISSED_DIGITAL": "nobody renewed an output within its maximum duration",
+    "MISSED_DIGITAL": "an output was not renewed within its maximum duration",
     "MISSED_PWM": "the same for a pin that hardware pulses",
     "DURATION_TOO_LONG": "",
     "NOT_AT_DEFAULT": "",
     "ADC_RANGE": "a sensor is cut, short, or too hot",
-    "ADC_SILENT": "the converter gives no value: nobody would watch the heat",
+    "ADC_SILENT": "the converter gives no value, so the heat would not be monitored",
     "THERMOCOUPLE_TYPE": "",
     "THERMOCOUPLE_RANGE": "a thermocouple is too hot or too cold",
     "THERMOCOUPLE_FAULT": "a thermocouple is cut or short, or its converter silent",

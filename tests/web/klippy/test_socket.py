@@ -86,7 +86,7 @@ def test_changes_are_pushed_while_another_client_sends_rubbish(tmp_path):
 
 
 def test_client_that_does_not_read_is_dropped_and_others_go_on(tmp_path, monkeypatch):
-    monkeypatch.setattr(server, "_PATIENCE_S", 0.3)
+    monkeypatch.setattr(server, "_TIMEOUT_S", 0.3)
     monkeypatch.setattr(server, "PUSH_S", 0.05)
 
     async def test(path, bridge):

@@ -2,7 +2,7 @@
 #include "hal.h"
 #include "layer.h"
 
-#define PATIENCE 1000000  // looks at a flag
+#define TIMEOUT_LOOPS 1000000  // looks at a flag
 #define NONE 31u
 #define DONE (1u << 7)
 #define MODE (3u << 5 | 1u << 4 | 1u << 2 | 1u)
@@ -15,7 +15,7 @@ void converter_start(void) {
   ADC_CFG1 = MODE;
   ADC_CFG2 = INPUTS_B;
   ADC_SC3 = CALIBRATE | MEAN_OF_32;
-  for (uint32_t i = 0; i < PATIENCE && (ADC_SC3 & CALIBRATE); ++i) continue;
+  for (uint32_t i = 0; i < TIMEOUT_LOOPS && (ADC_SC3 & CALIBRATE); ++i) continue;
   // The gain that the chip has found (reference manual, calibration function).
   uint32_t sum = 0;
   for (uint32_t i = 0; i < ADC_CLPS_WORDS; ++i) sum += ADC_CLPS[i];

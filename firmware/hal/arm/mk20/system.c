@@ -1,7 +1,7 @@
 #include "hal.h"
 #include "layer.h"
 
-#define PATIENCE 1000000  // looks at a flag
+#define TIMEOUT_LOOPS 1000000  // looks at a flag
 #define S_CRYSTAL (1u << 1)
 #define S_SOURCE (3u << 2)
 #define S_INTERNAL (1u << 4)
@@ -16,14 +16,14 @@
 #define WATCHDOG_ON 0x01D1u                       // as after a reset, but with the clock of 1 kHz
 #define WATCHDOG_MS 1000
 
-// What the chip reads of the flash at 0x400 before it starts: not protected, not secured, no NMI
-// pin, no EzPort.
+// The configuration that the chip reads from the flash at 0x400 before it starts: not protected,
+// not secured, no NMI pin, no EzPort.
 __attribute__((section(".configuration"), aligned(0x400),
                used)) static const uint8_t configuration[16] = {
     0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFE, 0xF9, 0xFF, 0xFF};
 
 static bool comes(uint8_t mask, uint8_t value) {
-  for (uint32_t i = 0; i < PATIENCE; ++i)
+  for (uint32_t i = 0; i < TIMEOUT_LOOPS; ++i)
     if ((MCG_S & mask) == value) return true;
   return false;
 }

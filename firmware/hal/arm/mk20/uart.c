@@ -21,8 +21,8 @@ void uart_start(void) {
   UART_C2 = C2_ON;
 }
 
-// Reading status and data takes the flag back, and that of an overrun if the status had it. One
-// that comes between the two stays alone, and until it is taken back nothing more is received.
+// Reading status and data clears the flag, and that of an overrun if the status had it. One that
+// comes between the two stays set, and until it is cleared nothing more is received.
 bool uart_take(uint8_t *byte) {
   uint8_t status = UART_S1;
   if (!(status & (S1_RECEIVED | S1_OVERRUN))) return false;

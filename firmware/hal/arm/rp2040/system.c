@@ -1,7 +1,7 @@
 #include "hal.h"
 #include "layer.h"
 
-#define PATIENCE 1000000  // looks at a flag
+#define TIMEOUT_LOOPS 1000000  // looks at a flag
 #define STABLE (1u << 31)
 #define LOCKED (1u << 31)
 #define PWR_FRACTIONS_OFF (1u << 2)
@@ -18,7 +18,7 @@
    RESET_UART0)
 
 static bool comes(volatile uint32_t *place, uint32_t mask, uint32_t value) {
-  for (uint32_t i = 0; i < PATIENCE; ++i)
+  for (uint32_t i = 0; i < TIMEOUT_LOOPS; ++i)
     if ((*place & mask) == value) return true;
   return false;
 }

@@ -12,12 +12,12 @@
 #define MCKR_PLLA 2u
 #define MCKR_HALF (1u << 4)
 #define PLLA (1u << 29 | (CHIP_PLL_FACTOR - 1u) << 16 | 0x3Fu << 8 | 1u)
-#define PATIENCE 1000000  // looks at a flag
-#define SECOND 256        // of the watchdog's clock
+#define TIMEOUT_LOOPS 1000000  // looks at a flag
+#define SECOND 256             // of the watchdog's clock
 #define WDT_RESETS (1u << 13)
 
 static void await(uint32_t flag) {
-  for (uint32_t i = 0; i < PATIENCE && !(PMC_SR & flag); ++i) continue;
+  for (uint32_t i = 0; i < TIMEOUT_LOOPS && !(PMC_SR & flag); ++i) continue;
 }
 
 // Its mode can be written once. 0.7 s to 1.7 s: its clock has 20 kHz to 44 kHz.

@@ -11,10 +11,10 @@
 #define CFGR_BUSES (5u << 10 | 4u << 13)  // APB1: a quarter, APB2: a half
 #define CFGR_PLL 2u
 #define ACR_READY (5u | 7u << 8)  // five wait states; prefetch and both caches
-#define PATIENCE 100000           // looks at a flag: tens of milliseconds
+#define TIMEOUT_LOOPS 100000      // looks at a flag: tens of milliseconds
 
 static bool comes(volatile uint32_t *place, uint32_t mask, uint32_t value) {
-  for (uint32_t i = 0; i < PATIENCE; ++i)
+  for (uint32_t i = 0; i < TIMEOUT_LOOPS; ++i)
     if ((*place & mask) == value) return true;
   return false;
 }

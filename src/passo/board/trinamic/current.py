@@ -8,7 +8,7 @@ from passo.config.trinamic import CHIPS, ChipName, full_scale_a
 
 _STEPS = 32  # of IRUN and IHOLD: 0 is a 32nd of full scale
 _SCALER_FULL = 256
-_SCALER_LEAST = 32  # below, the TMC5160 is not specified
+_SCALER_MIN = 32  # below, the TMC5160 is not specified
 
 
 class CurrentNumbers(NamedTuple):
@@ -34,7 +34,7 @@ def current_numbers(
     full_a = full_scale_a(chip, resistor_ohm, volts)
     scaler = _SCALER_FULL
     if chip == "TMC5160":
-        scaler = min(max(round(_SCALER_FULL * most_a / full_a), _SCALER_LEAST), _SCALER_FULL)
+        scaler = min(max(round(_SCALER_FULL * most_a / full_a), _SCALER_MIN), _SCALER_FULL)
         full_a *= scaler / _SCALER_FULL
     irun, ihold = _share(run_a, full_a), _share(hold_a, full_a)
     return CurrentNumbers(

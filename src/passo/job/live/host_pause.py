@@ -100,7 +100,7 @@ class HostPause:
                 text = f"Print still paused: {error}"
                 printer.state.announce(_log, logging.WARNING, text, error.problems[0])
                 printer.state.ended, rearms = False, True
-                printer.prompts.ask(f"{error} Go on with M108")
+                printer.prompts.ask(f"{error} Continue with M108")
         self._raise_if_stopped()
 
     async def _answered(self, gone: Callable[[], bool]) -> None:
@@ -156,6 +156,6 @@ class HostPause:
                 except Stopped:
                     pass  # the source of the stop has been notified
                 except PassoError as error:
-                    printer.halt(error, f"the print could not stand aside: {error}")
+                    printer.halt(error, f"the print could not be paused: {error}")
         finally:
             printer.state.host_paused = False

@@ -10,11 +10,11 @@ class JobState(Enum):
 
     NONE = "no file is selected"
     READY = "a file is selected"
-    APPROACHING = "the machine goes to the place where the print resumes"
+    APPROACHING = "the machine moves to the position where the print resumes"
     PRINTING = "printing"
     PAUSED = "paused"
     RETURNING = "the pause is over, and the nozzle returns to the print"
-    FAILED = "the print has stopped at a line, and can be resumed behind it"
+    FAILED = "the print has stopped at a line, and can be resumed after it"
 
     @property
     def prints(self) -> bool:

@@ -71,7 +71,7 @@ class JournalKeeper:
             way = " from where the board has stopped" if held else self._by_hand()
         return (
             f"echo:The print of {program.path} was interrupted at {where}."
-            f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
+            f" M1000 resumes it{way}, M1000 C forgets it{self.instead}"
         )
 
     def _by_hand(self) -> str:

@@ -98,7 +98,7 @@ class ProbeDeploymentCommands:
         f"Sends a command to a BLTouch: {', '.join(COMMANDS)}.",
         kind=Kind.SERVED,
         bare=None,
-        lacks="The probe of this machine is no BLTouch.",
+        lacks="The probe of this machine is not a BLTouch.",
     )
     def _debug(self, command: Command, _: Reply) -> Wait | None:
         name = command.pairs().get("COMMAND", "")

@@ -53,7 +53,7 @@ class UserPrompts:
         head = found[0] if found else ""
         words = dict(words_of(head))
         seconds = words.get("S", words.get("P", 0.0) / 1000)
-        text = command.text[len(head) :].strip() or "Waiting; go on with M108"
+        text = command.text[len(head) :].strip() or "Waiting; continue with M108"
         return WaitForUser(text, max(seconds, 0.0))
 
     def ask(self, text: str, *, awaited: bool = True) -> None:

@@ -95,7 +95,7 @@ class _Attempt:
         """A description of what the boards do meanwhile."""
         who = "The board" if len(self._connections) == 1 else "Each board"
         if not self._rig.queue.commits:
-            return f"Axes were homing: their place is lost. {who} keeps warm for a minute"
+            return f"Axes were homing: their positions are lost. {who} keeps warm for a minute"
         return f"{who} stops by itself and keeps warm for a minute"
 
     def look_for_silent(self) -> None:
@@ -145,9 +145,9 @@ class _Attempt:
         state.announce(
             _log,
             logging.INFO,
-            "The boards are back, and stand where they were told to stop"
+            "The boards are back, at the positions where they stopped"
             if both
-            else "The board is back, and stands where it was told to stop",
+            else "The board is back, at the position where it stopped",
         )
         heaters = rig.connection.heaters.values()
         # A heater may be switched off meanwhile.

@@ -55,11 +55,11 @@ class IdleWatch:
         motors_off = 0 < self._motors.idle_s < idle_s and bool(self._motors.on) and not warm
         if rig.commands.outputs.lit and (idle_s > LASER_OFF_S or motors_off):
             self._laser.off()
-            self._note("Laser off after standing idle; M3 switches it on again")
+            self._note("Laser off after an idle time; M3 switches it on again")
             return
         if motors_off:
             self._motors.all_off()
-            self._note("Motors off after standing idle; home before the next move")
+            self._note("Motors off after an idle time; home before the next move")
         if 0 < self._prompts.kill_s < idle_s:
             idle = MachineError.of("machine.idle", value=self._prompts.kill_s)
             self._halt(idle, idle.problems[0].sentence)
@@ -67,7 +67,7 @@ class IdleWatch:
             for name, heater in heaters.items():
                 if heater.target > 0:
                     self._targets.set_target(name, 0.0, at_once=True)
-                    self._note(f"Heater {name} off after standing idle")
+                    self._note(f"Heater {name} off after an idle time")
 
     def _cool_hotends(self) -> None:
         """The pause is long: hotends go off so that filament does not degrade; the bed holds the
@@ -75,7 +75,9 @@ class IdleWatch:
         for name, config in self._rig.machine.heaters.items():
             if config.kind == "hotend" and self._rig.connection.heaters[name].target > 0:
                 self._targets.cool(name)
-                self._note(f"Heater {name} off in a long pause; it warms up before all goes on")
+                self._note(
+                    f"Heater {name} off in a long pause; it warms up before the print resumes"
+                )
 
     def _note(self, text: str) -> None:
         self._state.announce(_log, logging.INFO, text)

@@ -8,8 +8,8 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-_MOST_THUMBNAILS = 16
-_MOST_OBJECTS = 1000
+_MAX_THUMBNAILS = 16
+_MAX_OBJECTS = 1000
 _SLICER = re.compile(
     r";\s*(?:G-Code )?(?:generated (?:by|with)|sliced by)\s+(.{1,80}?)(?:\s+on\s.*|\s+at\s.*)?$",
     re.IGNORECASE,
@@ -62,11 +62,11 @@ def read_comments(lines: Iterable[str]) -> Comments:
             else:
                 text.append(line.lstrip("; ").rstrip())
         elif line.startswith(";"):
-            if len(thumbnails) < _MOST_THUMBNAILS and (begun := _BEGIN.match(line)):
+            if len(thumbnails) < _MAX_THUMBNAILS and (begun := _BEGIN.match(line)):
                 text = []
             elif not slicer and (found := _SLICER.match(line.rstrip())):
                 slicer = found[1].strip()
-        elif len(objects) < _MOST_OBJECTS and (found := _OBJECT.match(line)):
+        elif len(objects) < _MAX_OBJECTS and (found := _OBJECT.match(line)):
             name = next(group for group in found.groups() if group is not None)
             objects[name.strip().strip('"')] = None
     thumbnails.sort(key=lambda picture: picture.width * picture.height)

@@ -31,7 +31,7 @@ class MetadataCache:
         try:
             self._base = _opened(":memory:" if folder is None else folder / "files.sqlite")
         except (sqlite3.Error, OSError) as error:
-            _log.warning("What is known of files is not kept: %s", error)
+            _log.warning("Facts about files are not kept: %s", error)
             self._base = _opened(":memory:")
 
     def get(self, path: str, entry: Entry) -> bytes | None:
@@ -42,7 +42,7 @@ class MetadataCache:
             try:
                 found = self._base.execute(words, key).fetchone()
             except sqlite3.Error as error:
-                _log.warning("What is known of files cannot be read: %s", error)
+                _log.warning("Facts about files cannot be read: %s", error)
                 return None
         return found and found[0]
 
@@ -56,7 +56,7 @@ class MetadataCache:
                     self._base.execute("REPLACE INTO known VALUES (?, ?, ?, ?, ?)", row)
                     self._base.execute(old, (_MOST,))
             except sqlite3.Error as error:
-                _log.warning("What is known of files is not kept: %s", error)
+                _log.warning("Facts about files are not kept: %s", error)
 
     def close(self) -> None:
         """Closes the cache."""

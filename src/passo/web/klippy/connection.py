@@ -14,7 +14,7 @@ from passo.web.klippy.wire import Frames, Request, frame_of, request_of
 
 _log = logging.getLogger(__name__)
 
-_MOST_UNDERWAY = 1000  # requests of a client
+_MAX_PENDING = 1000  # requests of a client
 
 
 class TooManyRequestsError(Exception):
@@ -52,7 +52,7 @@ class Connection:
             except ValueError as error:
                 _log.warning("A request on Klipper's socket is not answered: %s", error)
                 continue
-            if len(self._tasks) >= _MOST_UNDERWAY:
+            if len(self._tasks) >= _MAX_PENDING:
                 raise TooManyRequestsError
             task = asyncio.get_running_loop().create_task(self._serve(request))
             self._tasks.add(task)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 PUSH_S = 0.25  # between two messages about objects
-_PATIENCE_S = 5.0  # with a client that does not read
-_MOST_WAITING = 32 << 20  # bytes for such a client
+_TIMEOUT_S = 5.0  # with a client that does not read
+_MAX_WAITING = 32 << 20  # bytes for such a client
 _BACKLOG = 16
 
 
@@ -122,7 +122,7 @@ class _Client(asyncio.Protocol):
             self._waits_since_s = None
         elif self._waits_since_s is None:
             self._waits_since_s = now_s
-        elif now_s - self._waits_since_s > _PATIENCE_S or waiting > _MOST_WAITING:
+        elif now_s - self._waits_since_s > _TIMEOUT_S or waiting > _MAX_WAITING:
             self._drop(f"it has left {waiting} bytes unread")
 
     def close(self) -> None:
