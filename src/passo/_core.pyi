@@ -680,7 +680,7 @@ class Link:
         """The least since this was last asked."""
 
     @property
-    def least_slack(self) -> Slack: ...
+    def min_slack(self) -> Slack: ...
 
     @property
     def late_frames(self) -> dict[Cause, int]:

@@ -80,8 +80,8 @@ def _rest(found: Declarations) -> Iterator[str]:
     yield "## Reasons for a shutdown\n"
     yield (
         "Reported by number; the dictionary's `static_string_id` has the texts. A shutdown stops"
-        " all motors, sets all\noutputs to their defaults and informs SPI devices. Where hosts explain"
-        " a reason, its words are the usual ones.\n"
+        " all motors, sets all\noutputs to their defaults and informs SPI devices. Where hosts"
+        " explain a reason, its words are the usual ones.\n"
     )
     rows = [(text, _meaning(name.lower(), SHUTDOWNS[name])) for name, text in _in_order(found)]
     yield from _table(("reason", "when"), rows)

@@ -66,7 +66,7 @@ def test_motors_get_the_units_that_are_left_and_three_stay_free():
         (replace(MELZI, motors=(*MELZI.motors, Motor("PA0", "PA1"))), "at most 4 motors"),
         (replace(MELZI, slow_motors=1), "at most 4 motors"),
         (AvrBoard("atmega2560", (Motor("PF0", "PF1", "TIMER5C"),)), "TIMER5C is taken"),
-        (AvrBoard("atmega2560", (Motor("X", "PF1"),)), "X is no pin"),
+        (AvrBoard("atmega2560", (Motor("X", "PF1"),)), "X is not a pin"),
     ],
 )
 def test_a_board_that_cannot_be_built_is_refused(board, reason):
