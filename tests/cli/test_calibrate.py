@@ -46,7 +46,7 @@ def test_the_guide(capsys, monkeypatch):
     assert out.count("M104 S180") == 2  # asked again after what is no number
     assert out.count("M104 S170") == 1  # the second round ends here
     assert "M104 S250" not in out
-    assert "'180:warm' is no pair of temperatures" in out
+    assert "'180:warm' is not a pair of temperatures" in out
     first, second = out.split("Round in steps of 10 °C")
     assert "   220.0    204.0" in first
     assert "   160.0    160.0      +0.0      +0.0" in second
@@ -77,8 +77,8 @@ def test_the_guide_says_how_each_heater_is_heated(
     [
         (["--heater", "hotnd"], 3, "Did you mean 'hotend'"),
         (["--beta", "4"], 3, "a β from 1000 to 10000 K"),
-        (["--points", "180"], 4, "'180' is no pair of temperatures"),
-        (["--points", "180:nan"], 4, "'180:nan' is no pair of temperatures"),
+        (["--points", "180"], 4, "'180' is not a pair of temperatures"),
+        (["--points", "180:nan"], 4, "'180:nan' is not a pair of temperatures"),
         (["--points", "180:400"], 4, "400 °C is too far from the 180 °C that is shown: expected 1"),
         (["--points", "180:100"], 4, "expected 120 to 240"),
         (["--points", "200:169", "180:177"], 4, "169 °C where 200 °C is shown is no more than the"),
@@ -94,7 +94,7 @@ def test_answers_that_cannot_be_are_asked_for_again(capsys, monkeypatch):
     assert guide(monkeypatch, answers) == 0
     out = capsys.readouterr().out
     assert out.count("M104 S160,") == 3
-    assert "'160:1600' is no pair of temperatures" in out
+    assert "'160:1600' is not a pair of temperatures" in out
     assert "from 0 to 400 °C. Type the true one alone, as 187.\n" in out
     assert "16 °C is too far from the 160 °C that is shown: expected 107 to 213" in out
     assert "149.5 °C where 180 °C is shown is no more than the 150 °C at 160 °C" in out

@@ -72,7 +72,7 @@ def test_loaded_segments_lie_in_flash() -> None:
     start = it.flash_start
     code, data = Segment(start, start, b"ab", 2), Segment(start + 4, it.ram_start, b"cd", 2)
     assert flash_content([data, code, Segment(0, it.ram_start, b"", 9)], it) == b"ab\xff\xffcd"
-    with pytest.raises(avr.FirmwareError, match="0x0007fffe is no place in the flash"):
+    with pytest.raises(avr.FirmwareError, match="0x0007fffe is not an address in the flash"):
         flash_content([Segment(start - 2, start - 2, b"ab", 2)], it)
     with pytest.raises(avr.FirmwareError, match="no ELF file"):
         segments(b"MZ")
