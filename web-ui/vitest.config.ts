@@ -27,7 +27,7 @@ export default defineConfig({
           hookTimeout: 40_000,
           expect: { poll: { timeout: 15_000 } },
           maxWorkers: 2,
-          isolate: false, // files of a worker share a printer where they can
+          isolate: false, // a worker keeps what it has loaded
         },
       },
     ],

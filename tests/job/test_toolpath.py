@@ -84,3 +84,16 @@ def test_layers_are_ranges_of_rows_and_of_time(path):
     assert [layer["z_mm"] for layer in layers[-2:]] == [0.2, 0.4]
     assert header["end_s"] == pytest.approx(estimate.moving_s, abs=1e-6)
     assert columns["time"][-1] == pytest.approx(header["end_s"], abs=1e-4)
+
+
+def test_targets_of_heaters_have_the_time_of_the_plan():
+    program = b"G28\nM104 S200\nG1 X100 F6000\nM104 S210\nG1 X150 F6000\n"
+    taken = []
+    estimate_open(
+        config.load("i3"), io.BytesIO(program), len(program), "a.gcode", take_path=taken.append
+    )
+    header, columns = decoded(*taken)
+    first, second = header["targets"]
+    assert (first["heater"], first["celsius"], second["celsius"]) == ("hotend", 200, 210)
+    assert first["time_s"] < second["time_s"]
+    assert second["time_s"] == pytest.approx(columns["time"][-2], abs=0.01)

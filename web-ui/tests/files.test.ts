@@ -1,7 +1,7 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
 import { expectAccessible, expectFits, picture } from "./browser";
-import { sharedTest as test } from "./fixtures";
+import { test } from "./fixtures";
 
 test.beforeEach(({ page }) => page.getByRole("link", { name: "Files" }).click());
 

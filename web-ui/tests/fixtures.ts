@@ -1,19 +1,18 @@
-/** A printer that is served for tests, and for each test a page of it. */
+/** A printer that is served for the tests of a file, and for each test a page of it. */
 
 import { expect, test as base } from "vitest";
 import { launch, visit } from "./browser";
 import { Served, type ServedOptions } from "./served";
 
-/** A test whose printer is served with these options: for its file alone, or for all files of the
- * worker, which leave the printer as they find it. */
-export const testOf = (options: ServedOptions, scope: "file" | "worker" = "file") => base
-  .extend("served", { scope }, async ({}, { onCleanup }) => {
+/** A test whose printer is served with these options. */
+export const testOf = (options: ServedOptions) => base
+  .extend("served", { scope: "file" }, async ({}, { onCleanup }) => {
     const served = new Served(options);
     onCleanup(() => served.remove());
     await served.start();
     return served;
   })
-  .extend("browser", { scope }, async ({}, { onCleanup }) => {
+  .extend("browser", { scope: "file" }, async ({}, { onCleanup }) => {
     const browser = await launch();
     onCleanup(() => browser.close());
     return browser;
@@ -30,5 +29,3 @@ export const testOf = (options: ServedOptions, scope: "file" | "worker" = "file"
   .extend("page", ({ visit }) => visit.page);
 
 export const test = testOf({});
-/** For files whose tests read, upload, print and explain, but leave nothing changed. */
-export const sharedTest = testOf({}, "worker");

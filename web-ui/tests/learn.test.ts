@@ -1,5 +1,5 @@
 import { expectAccessible, expectFits, picture } from "./browser";
-import { sharedTest as test } from "./fixtures";
+import { test } from "./fixtures";
 
 test("a line is explained through its stages, also one of a file", async ({ page }) => {
   await page.getByRole("link", { name: "Learn" }).click();

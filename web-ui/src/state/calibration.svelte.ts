@@ -72,14 +72,16 @@ class Calibration {
   }
 
   async cancel(): Promise<void> {
-    this.cancelled = await attempt(call("POST", "console/end-wait"));
+    this.cancelled = true; // before the task goes on with its next step
+    if (!(await attempt(call("POST", "console/end-wait")))) this.cancelled = false;
   }
 
-  /** Sets what it was before the task. */
+  /** Sets what it was before the task, and stores that if the result was stored. */
   async undo(): Promise<void> {
     const { changes } = this;
     const back = async () => {
       for (const change of changes) await setValue(change, Number(change.before));
+      if (changes.some(({ source }) => source === "stored")) await call("POST", "settings/store");
       await this.load();
     };
     if (await attempt(back())) this.changes = [];

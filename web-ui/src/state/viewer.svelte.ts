@@ -4,6 +4,7 @@ import { call, Refusal } from "../api/client";
 import type { FaultStatus, Metadata } from "../api/schema";
 import { colouring, type Colouring, type Mode } from "../viewer/colours";
 import { query } from "./files.svelte";
+import { machine } from "./machine.svelte";
 import { readToolpath, type Toolpath } from "../viewer/toolpath";
 
 const KEPT = "passo-filament-mm";
@@ -43,7 +44,7 @@ class Viewer {
   hidden = $state.raw<ReadonlySet<number>>(new Set());
   #reading: AbortController | undefined;
 
-  colours: Colouring | undefined = $derived(this.path && colouring(this.path, this.mode, (Math.PI * this.filament_mm ** 2) / 4));
+  colours: Colouring | undefined = $derived(this.path && colouring(this.path, this.mode, (Math.PI * this.filament_mm ** 2) / 4, machine.tools.map(({ heater }) => heater ?? "")));
   layer = $derived(this.path ? this.path.layerOf(Math.max(this.last - 1, 0)) : 0);
   first = $derived(this.only ? (this.path?.header.layers[this.layer]?.row ?? 0) : 0);
 

@@ -2,7 +2,7 @@
 
 import { PRINT, type Toolpath } from "./toolpath";
 
-export const MODES = ["feature", "speed", "flow", "layer-time", "speed_limit", "acceleration", "acceleration_limit"] as const;
+export const MODES = ["feature", "speed", "flow", "layer-time", "speed_limit", "acceleration", "acceleration_limit", "temperature"] as const;
 export type Mode = (typeof MODES)[number];
 
 export type Colour = readonly [number, number, number];
@@ -23,6 +23,7 @@ export interface Colouring {
   range?: { low: number; high: number; unit: string };
 }
 
+const SAME_S = 0.002; // by which a target's time may seem to be after the move before it
 const RAMP: readonly Colour[] = [
   [58, 110, 224],
   [31, 178, 203],
@@ -54,8 +55,8 @@ export function ramp(fraction: number): Colour {
   return [mix(0), mix(1), mix(2)];
 }
 
-/** `filament_mm2` is the area of the filament's section. */
-export function colouring(path: Toolpath, mode: Mode, filament_mm2: number): Colouring {
+/** `filament_mm2` is the area of the filament's section; `heaters` are those of the tools. */
+export function colouring(path: Toolpath, mode: Mode, filament_mm2: number, heaters: readonly string[]): Colouring {
   switch (mode) {
     case "feature":
       return named(path, "feature", path.header.features);
@@ -68,6 +69,8 @@ export function colouring(path: Toolpath, mode: Mode, filament_mm2: number): Col
       return ranged(path, column(path, "flow", filament_mm2), "mm³/s");
     case "acceleration":
       return ranged(path, column(path, "acceleration"), "mm/s²");
+    case "temperature":
+      return ranged(path, temperatures(path, heaters), "°C");
     case "layer-time":
       return ranged(path, layerTimes(path), "s");
   }
@@ -83,6 +86,21 @@ function layerTimes(path: Toolpath): (row: number) => number {
   const times = new Float32Array(path.rows);
   path.header.layers.forEach((layer, index) => times.fill(path.seconds(index), layer.row, path.endOf(index)));
   return (row) => times[row] ?? 0;
+}
+
+/** The target of the tool's heater at each row. */
+function temperatures(path: Toolpath, heaters: readonly string[]): (row: number) => number {
+  const values = new Float32Array(path.rows);
+  const times = path.column("time");
+  const targets = path.header.targets ?? [];
+  const now = new Map<string, number>();
+  let next = 0;
+  for (let row = 0; row < path.rows; row++) {
+    const begun_s = row ? (times[row - 1] ?? 0) : 0;
+    for (let set = targets[next]; set && set.time_s <= begun_s + SAME_S; set = targets[++next]) now.set(set.heater, set.celsius);
+    values[row] = now.get(heaters[path.tool(row)] ?? "") ?? 0;
+  }
+  return (row) => values[row] ?? 0;
 }
 
 function ranged(path: Toolpath, value: (row: number) => number, unit: string): Colouring {

@@ -15,6 +15,11 @@ function encoded(): ArrayBuffer {
     ],
     features: ["other", "Perimeter", "Infill"],
     limits: ["feedrate"],
+    targets: [
+      { time_s: 0, heater: "left", celsius: 200 },
+      { time_s: 1, heater: "right", celsius: 220 },
+      { time_s: 6, heater: "left", celsius: 190 },
+    ],
     columns: [
       { name: "at", type: "u2", numbers: 4, unit: 1 },
       { name: "time", type: "f4", numbers: 1, unit: 1 },
@@ -59,17 +64,23 @@ test("rows are found by layer, by time and by line", () => {
 });
 
 test("numbers are coloured from the lowest to the highest of the printing moves", () => {
-  const { range, values, palette } = colouring(path, "speed", 1);
+  const { range, values, palette } = colouring(path, "speed", 1, []);
   expect(range).toEqual({ low: 20, high: 40, unit: "mm/s" });
   expect([...values]).toEqual([0, 255, 0, 255]);
   expect(palette[255]).toEqual(ramp(1));
-  expect(colouring(path, "layer-time", 1).range).toEqual({ low: 4, high: 6, unit: "s" });
+  expect(colouring(path, "layer-time", 1, []).range).toEqual({ low: 4, high: 6, unit: "s" });
 });
 
 test("the legend names the features that are printed", () => {
-  const { entries } = colouring(path, "feature", 1);
+  const { entries } = colouring(path, "feature", 1, []);
   expect(entries.map(({ text, index }) => [text, index])).toEqual([
     ["Perimeter", 1],
     ["Infill", 2],
   ]);
+});
+
+test("the temperature of a move is the target of its tool's heater when it begins", () => {
+  const { range, values } = colouring(path, "temperature", 1, ["left", "right"]);
+  expect(range).toEqual({ low: 190, high: 220, unit: "°C" });
+  expect([values[2], values[3]]).toEqual([255, 0]);
 });

@@ -30,6 +30,8 @@ interface Header {
   layers: Layer[];
   features: string[];
   limits: string[];
+  /** Missing in a path that an older Passo has planned. */
+  targets?: { time_s: number; heater: string; celsius: number }[];
   columns: Column[];
 }
 
@@ -83,6 +85,10 @@ export class Toolpath {
     let count = 0;
     for (let row = 0; row < this.rows; row++) if (this.kind(row) !== JUMP) count++;
     return count;
+  }
+
+  tool(row: number): number {
+    return (this.column("at")[row * 4 + 3] ?? 0) >> 8;
   }
 
   /** X, Y or Z of the end of a row, in mm. */

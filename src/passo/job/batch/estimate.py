@@ -90,7 +90,8 @@ def estimate_open(
     ):
         pass
     if take_path:
-        take_path(encoded_toolpath(job))
+        heating.finish()
+        take_path(encoded_toolpath(job, heating.targets))
     plan = job.statistics()
     layers, layers_s = plan["layers"], plan["layer_s"]
     # Moves before the first layer mark belong to no layer once there are marks.

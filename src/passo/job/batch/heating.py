@@ -48,17 +48,24 @@ class Heating:
         self._now_s = 0.0  # of the plan alone
         self.seconds = 0.0
         self.unreached: dict[str, float] = {}
+        self.targets: list[tuple[float, str, float]] = []
+        """Each target that was set: the time of the plan in s, the heater, °C."""
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a target when the moves so far are done, or at once."""
         if at_once:
             self._bodies[heater].heater.target = celsius
+            self.targets.append((self._now_s, heater, celsius))
         else:
             self._job.mark(self._names.index(heater), round(celsius * 100))
 
     def settle(self, wait: Wait, commands: Commands) -> None:
         """Ends a wait of the plan: lets the time for the temperatures pass."""
         heated(self._job, lambda heaters: self._wait(heaters, commands))(wait)
+
+    def finish(self) -> None:
+        """The plan is complete: lets the rest of its time pass."""
+        self._pass()
 
     def warnings(self, file: str) -> list[str]:
         """One sentence for each of `unreached`."""
@@ -94,6 +101,7 @@ class Heating:
             clock, heater, centi = mark
             self._until(clock / self._hz)
             self._bodies[self._names[heater]].heater.target = centi / 100
+            self.targets.append((clock / self._hz, self._names[heater], centi / 100))
         self._until(self._job.clock / self._hz)
 
     def _until(self, plan_s: float) -> None:

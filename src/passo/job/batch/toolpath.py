@@ -6,6 +6,8 @@ import json
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from passo import _core
 
 _MAGIC = b"PASSOTP1"
@@ -23,8 +25,9 @@ _COLUMNS = (
 )
 
 
-def encoded_toolpath(job: _core.Job) -> bytes:
-    """The path of a job with `keep_toolpath`, all of whose moves are planned."""
+def encoded_toolpath(job: _core.Job, targets: Sequence[tuple[float, str, float]]) -> bytes:
+    """The path of a job with `keep_toolpath`, all of whose moves are planned, with the `targets` of
+    its heaters as `Heating.targets` has them."""
     taken = job.take_toolpath()
     if taken is None:
         raise ValueError("the job does not keep its path")
@@ -40,6 +43,10 @@ def encoded_toolpath(job: _core.Job) -> bytes:
         ],
         "features": [name or "other" for name in job.feature_names],
         "limits": job.limit_names,
+        "targets": [
+            {"time_s": round(time_s, 3), "heater": heater, "celsius": celsius}
+            for time_s, heater, celsius in targets
+        ],
         "columns": [
             {"name": name, "type": kind, "numbers": numbers, "unit": unit}
             for name, kind, numbers, unit in _COLUMNS
