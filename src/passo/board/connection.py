@@ -1,4 +1,4 @@
-"""A connection to one board: identify, configure, run a job, ask how it is."""
+"""A connection to one board: identify and configure it, run a job, read its state."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from passo.errors import MachineError
 
 _SQUARES = 256  # ticks² of a unit in reports of load, where the board does not specify it
 _FAREWELL_S = 0.6
-ABSOLUTE_ZERO_C = -273.15  # hosts read it as a number, and it is clearly no temperature
+ABSOLUTE_ZERO_C = -273.15  # hosts parse it as a number, and it is clearly not a temperature
 
 
 class Connection(Exchange):
@@ -48,22 +48,22 @@ class Connection(Exchange):
     def connect(self, *, adopt: bool = False) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
 
-        A board that was in use is reset first, since its state is unknown. With `adopt` one that
-        outlived its host, and has the very configuration, stays as it is, but for outputs other
-        than heaters and motors; then `adopted` is true.
+        A board that was in use is reset first, because its state is unknown. With `adopt`, a board
+        that has survived the loss of its host, and has exactly this configuration, keeps its state,
+        except for outputs other than heaters and motors; then `adopted` is true.
         """
         self.begin(adopt=adopt and self.left_alone())
 
     def left_alone(self) -> bool:
-        """Identifies the board, and tells whether it has outlived its host, and has the very
-        configuration; its motors stand then."""
+        """Identifies the board. Returns whether it has survived the loss of its host, and has
+        exactly this configuration; its motors are at standstill then."""
         self._identify()
         state = self.ask("get_config", "config")
         same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
         return bool(same) and self.survives and stood_alone(self)
 
     def begin(self, *, adopt: bool) -> None:
-        """As `connect`; to adopt it if it was `left_alone`."""
+        """As `connect`; adopts the board if it was `left_alone`."""
         self._identify()
         self.adopted = adopt
         try:
@@ -75,7 +75,7 @@ class Connection(Exchange):
         add_parts(self, self.move_count)
         self.renew()
         if self.adopted:
-            # It takes orders again, and counts this host's commits from 0 on.
+            # It accepts commands again, and counts this host's commits from 0 on.
             self.command("survive_off")
             self.command("survive_arm")
             self._switch_off_loads()
@@ -91,7 +91,7 @@ class Connection(Exchange):
             raise MachineError.of("machine.dictionary", value=str(error)) from None
 
     def keep_frames(self) -> None:
-        """Frames of both directions are kept from now on, for `recorded_frames`."""
+        """Keeps frames of both directions from now on, for `recorded_frames`."""
         self.link.keep_record(KEPT_BYTES, KEPT_PARTS)
 
     @property
@@ -119,19 +119,20 @@ class Connection(Exchange):
             self.link.set_apart(target, float(s.apart_ticks), float(s.turning_ticks))
 
     def main_clock(self, clock: int) -> int:
-        """The main board's clock when this one's reads `clock`, of which the low 32 bits count, not
-        long ago."""
+        """The main board's clock when this one's reads `clock`, of which the low 32 bits count, a
+        short time ago."""
         now = self.board_clock
         ago = (now - clock) & 0xFFFFFFFF
         return self.link.main_clock(now - ago + (1 << 32 if ago >= 1 << 31 else 0))
 
     @property
     def survives(self) -> bool:
-        """The board can stop by itself when it is left alone (docs/decisions/0013-survive.md)."""
+        """Whether the board can stop by itself when its link is lost
+        (docs/decisions/0013-survive.md)."""
         return self.dictionary.number("SURVIVE") > 0
 
     def use_commits(self, horizon_s: float) -> None:
-        """The job comes in commits, and leaves so long ahead. Only if the board `survives`."""
+        """Sends the job in commits, which leave so long ahead. Only if the board `survives`."""
         self.link.use_commits(self.ticks(horizon_s))
         for o in self._unheated():
             if o.max_duration_ticks > 0:
@@ -140,23 +141,23 @@ class Connection(Exchange):
                 self.command(f"survive_output oid={oid} value={off} seconds=0")
 
     async def reopen(self) -> None:
-        """`open_again`, and the board has gone on alone.
+        """As `open_again`, for a board that has run without the host.
 
-        Raises LinkLostError if it cannot be reached, BoardResetError if it does not know any more
-        what it did, MachineError if it has shut down.
+        Raises LinkLostError if it cannot be reached, BoardResetError if it has lost its state,
+        MachineError if it has shut down.
         """
         await self.open_again()
         state = self.ask_for("get_config", [], "config", {}, tries=1)
         if state["is_shutdown"]:
-            # The refusal tells why.
+            # The refusal has the reason.
             self.ask_for("survive_off", [], "is_shutdown", {}, tries=1)
             raise self.shutdown_error()
         if not state["is_config"] or state["crc"] != self._crc:
             raise BoardResetError(self.name)
 
     async def open_again(self) -> None:
-        """Opens the port again after the link was lost, while the loop goes on. The job stands
-        until `link.go_on`. Raises LinkLostError."""
+        """Opens the port again after the link was lost, while the loop runs. The job waits until
+        `link.go_on`. Raises LinkLostError."""
         self.forget_late_answers()
         if self.port.live:
             await asyncio.to_thread(self.port.open)
@@ -168,26 +169,27 @@ class Connection(Exchange):
                 self.wire.join(self._timeline)
 
     def order_stop(self) -> None:
-        """Tells the board to shut down, and asks it whether it has; it leaves when time next
-        passes."""
+        """Sends the board the command to shut down, and the question whether it has; they leave
+        when time next passes."""
         self.command("emergency_stop")
         self.command("get_config")
 
     def has_shut_down(self) -> bool:
-        """The board has told that it is shut down, or has answered so since `order_stop`."""
+        """Whether the board has reported its shutdown, or has answered so since `order_stop`."""
         answers = self.take_responses("config")
         return self.link.shut_down or any(state["is_shutdown"] for _, state in answers)
 
     def renew(self) -> None:
-        """Tells how the board is to sample its sensors, which it may not have heard when the link
-        was lost."""
+        """Sends the sampling commands of the sensors again, which the board may have missed when
+        the link was lost."""
         for line in queries(self.board, self.dictionary, self.clock_after(LEAD_S)):
             self.command(line)
         for heater in self.heaters.values():
             heater.asked_anew()
 
     def main_loop(self) -> MainLoop | None:
-        """The load of the board by its last report; None before the first. Asks no board."""
+        """The load of the board by its last report; None before the first. Does not ask the
+        board."""
         for _, report in self.take_responses("stats"):
             unit = int(self.dictionary.constants.get("STATS_SUMSQ_BASE", _SQUARES))
             self._main_loop = MainLoop.of(report, unit, float(self.board.clock_hz))
@@ -208,14 +210,14 @@ class Connection(Exchange):
         return base
 
     def reading(self, heater: str) -> float:
-        """What a heater's sensor says now, °C; absolute zero while the board tells nothing of it.
-        KeyError if there is no such heater."""
+        """The current reading of a heater's sensor, °C; absolute zero while the board has not
+        reported any. KeyError if there is no such heater."""
         loop = self.heaters[heater]
         silent = not loop.heard or self.link.shut_down or self.lost
         return ABSOLUTE_ZERO_C if silent else loop.celsius
 
     def set_target(self, heater: str, celsius: float) -> None:
-        """Sets a heater's target; 0 turns it off. One that has failed keeps it for when it is
+        """Sets a heater's target; 0 turns it off. A heater that has failed keeps it until it is
         rearmed. KeyError if there is no such heater."""
         self.heaters[heater].target = celsius
 
@@ -227,9 +229,9 @@ class Connection(Exchange):
         )
 
     def tone(self, output: str, hz: float, seconds: float, after_s: float) -> None:
-        """Pulses an output with a cycle, off so far, at `hz` and half of its power, for so many
-        seconds, `after_s` from now; the board has its end with its beginning. KeyError if there is
-        no such output."""
+        """Pulses an output with a cycle, which is off so far, at `hz` and half of its power, for so
+        many seconds, `after_s` from now; the board gets its end together with its begin. KeyError
+        if there is no such output."""
         pin = next(o.pin for o in self.board.outputs if o.name == output)
         oid = self.oids.outputs[output]
         cycle = round(self.board.clock_hz / hz)
@@ -254,8 +256,8 @@ class Connection(Exchange):
             self.command(f"queue_digital_out oid={oid} clock={clock & 0xFFFFFFFF} on_ticks={ticks}")
 
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
-        """Another idea of a heater's sensor: its table and its range, from the next report on. Name
-        and pin stay. KeyError if there is no such heater."""
+        """Changes a heater's sensor: its table and its range, from the next report on. Name and pin
+        stay. KeyError if there is no such heater."""
         loop = self.heaters[heater]
         entry = next(h for h in self.board.heaters if h.name == heater)
         sensors = (
@@ -266,12 +268,12 @@ class Connection(Exchange):
         loop.set_sensor(heater_options(self.board, entry, self.dictionary))
 
     def close(self) -> None:
-        """Switches heaters and the laser off and lets go of the board. Raises nothing."""
+        """Switches heaters and the laser off and releases the board. Raises nothing."""
         if isinstance(self.wire, _core.LiveWire):
             for heater in self.heaters.values():
                 heater.target = 0.0
             self.link.stop_job()
-            # What the board has already is over by then; each heater is set anew with the next
+            # The board's earlier commands are over by then; each heater is set again with the next
             # report of its sensor.
             with suppress(MachineError):
                 self.run(self.now + self.ticks(_FAREWELL_S))
@@ -302,7 +304,7 @@ class Connection(Exchange):
                 self.command(f"queue_pwm_out oid={oid} clock={clock} value={off}")
 
     def net_steps(self, stepper: str) -> int:
-        """Steps forward less steps backward that the board has made since it was configured. Lets
+        """Steps forward minus steps backward that the board has made since it was configured. Lets
         time pass; raises MachineError."""
         oid = self.oids.steppers[stepper]
         answer = self.ask(f"stepper_get_position oid={oid}", "stepper_position")

@@ -23,7 +23,7 @@ from passo.errors import MachineError
 
 Values: TypeAlias = dict[str, int | bytes]
 
-LEAD_S = 0.25  # from a word to what it begins
+LEAD_S = 0.25  # from a command to what it begins
 TIMEOUT_S = 0.5  # until a question is asked again
 TRIES = 5
 STEP_S = 0.01  # between two looks for an answer
@@ -56,8 +56,8 @@ class Exchange:
 
     @property
     def now(self) -> int:
-        """The main board's clock; on a live port each board's own, as far as it is known, and
-        before that this computer's."""
+        """The main board's clock. On a live port it is the board's own clock as far as that is
+        known, and before that this computer's."""
         return self.wire.now
 
     @property
@@ -70,7 +70,7 @@ class Exchange:
         return int(seconds * self.wire.hz)
 
     def clock_after(self, seconds: float) -> int:
-        """What the board's own clock will read."""
+        """The expected reading of the board's own clock."""
         return self.board_clock + int(seconds * self.board.clock_hz)
 
     def command(self, text: str) -> None:
@@ -83,8 +83,8 @@ class Exchange:
     def ask(self, text: str, answer: str) -> Values:
         """Sends a command and returns the values of the report `answer`.
 
-        Reports are not repeated by the board, so the question is. An object's report is that of the
-        very object in the question.
+        The board does not repeat reports, so the question is repeated. The report must be that of
+        the object in the question.
         """
         name, values = self.dictionary.values(text)
         oid = re.search(r" oid=(\d+)", text)
@@ -109,7 +109,7 @@ class Exchange:
         tries: int = TRIES,
     ) -> Values:
         """The report `answer` in which the values of `same` are these. Raises BoardSilentError, or
-        the reason for which the board has shut down by itself."""
+        the reason why the board has shut down by itself."""
         self._collect()
         until, end = self.now, self.now + self.ticks(tries * TIMEOUT_S)
         repeat = until
@@ -137,9 +137,9 @@ class Exchange:
         return taken
 
     def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
-        """Lets time pass until `until_clock`, or until no heater is on its way any more.
+        """Lets time pass until `until_clock`, or until no heater is heating to its target any more.
 
-        Returns False if it came to `until_clock`, True if the heaters were first.
+        Returns False if it reached `until_clock`, True if the heaters were first.
         """
         stop = self.pass_time(until_clock, until_heaters)
         if self.link.shut_down:
@@ -151,7 +151,7 @@ class Exchange:
         return stop == _core.Stop.HEATERS
 
     def pass_time(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
-        """As `run`, but a board that is shut down or silent is no error."""
+        """As `run`, but a board that is shut down or silent is not an error."""
         while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
             self.take_faults()
         if stop == _core.Stop.CLOSED:
@@ -162,7 +162,7 @@ class Exchange:
         return stop
 
     def take_faults(self) -> None:
-        """Tells of the heaters that have failed since the last call."""
+        """Reports the heaters that have failed since the last call."""
         for name, heater in self.heaters.items():
             fault = heater.fault
             if fault is None or self._told.get(name) == fault.clock:
@@ -176,7 +176,7 @@ class Exchange:
 
     @property
     def lost(self) -> bool:
-        """The board cannot be heard any more: it is silent, or its port is closed."""
+        """Whether the board cannot be reached any more: it is silent, or its port is closed."""
         try:
             self.pass_time(self.now)
         except LinkLostError:
@@ -184,12 +184,13 @@ class Exchange:
         return self.link.lost
 
     def silence(self, question: str) -> LinkLostError:
-        """The board has left a question unanswered, perhaps because it has begun anew."""
+        """The error of a board that has left a question unanswered, perhaps because it has
+        restarted."""
         reset = self.link.begun_anew
         return BoardResetError(self.name) if reset else BoardSilentError(self.named(question))
 
     def shutdown_error(self) -> MachineError:
-        """Why the board has shut down."""
+        """The error that says why the board has shut down."""
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
         return shutdown_error(reason, self.named(reason), time_scale())
 

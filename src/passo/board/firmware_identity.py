@@ -53,8 +53,8 @@ def _chunk(exchange: Exchange, offset: int, size: int, tries: int) -> Values:
 
 
 def _first_part(exchange: Exchange) -> Values:
-    """What the board had said to another link may come first. It misleads about the number that
-    the board expects, which is asked for anew then."""
+    """Drops the first bytes, which may be answers to another link. They mislead about the number
+    that the board expects, which is requested again then."""
     for _ in range(TRIES - 1):
         with suppress(BoardSilentError):
             return _chunk(exchange, 0, _CHUNK, tries=1)

@@ -12,9 +12,9 @@ from passo.board.firmware_identity import read_dictionary
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 
-_RESET_S = 0.05  # a board that was sent `reset` has begun to restart by then
+_RESET_S = 0.05  # a board that got `reset` has begun to restart by then
 _REOPEN_S = 5.0  # and its port is back by then
-_SLOTS_RENEWED = 4  # of each output that is told its value again and again
+_SLOTS_RENEWED = 4  # of each output that is renewed regularly
 
 
 def configure(exchange: Exchange, lines: Sequence[str], crc: int, *, adopt: bool) -> int:

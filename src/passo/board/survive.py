@@ -8,20 +8,20 @@ from passo.board.description import inverted
 from passo.board.exchange import LEAD_S, Exchange, Values
 
 BRAKING_S = 10.0  # no machine brakes for longer
-LOOK_S = 0.05  # between two looks whether it stands
+LOOK_S = 0.05  # between two checks whether it is at standstill
 _MAX_STEPS = 0xFFFF  # of one command
 
 
 def stopped(exchange: Exchange) -> Values | None:
-    """The `survive_state` of a board that was left alone, once its motors stand. Asks the
-    board."""
+    """The `survive_state` of a board whose link was lost, once its motors are at standstill. Asks
+    the board."""
     states = exchange.dictionary.enumerations["survive"]
     state = exchange.ask("survive_query", "survive_state")
     return None if state["state"] in (states["moving"], states["braking"]) else state
 
 
 def stood_alone(exchange: Exchange) -> bool:
-    """Whether the board has outlived its host, and its motors stand."""
+    """Whether the board has survived the loss of its host, and its motors are at standstill."""
     states = exchange.dictionary.enumerations["survive"]
     for _ in range(int(BRAKING_S / LOOK_S)):
         if (state := stopped(exchange)) is not None:
@@ -31,9 +31,9 @@ def stood_alone(exchange: Exchange) -> bool:
 
 
 def move_evenly(exchange: Exchange, steps: Mapping[str, int], seconds: float, serial: int) -> None:
-    """Motors that stand make so many steps each, forward if more than 0, in so many seconds and
-    at an even pace, and stand behind the commit `serial` then: all of it, or nothing. The board
-    is armed, and no job is under way."""
+    """Motors at standstill make so many steps each, forward if more than 0, in so many seconds and
+    at an even pace, and stop at the end of the commit `serial`: all of it, or nothing. The board is
+    armed, and no job is running."""
     clock = exchange.clock_after(2 * LEAD_S) & 0xFFFFFFFF
     for entry in exchange.board.steppers:
         left = abs(net := steps.get(entry.name, 0))

@@ -20,7 +20,7 @@ Point = tuple[float, float, float]
 @dataclass(frozen=True, slots=True)
 class Fit:
     """c(x, y) = c0 + cx x + cy y + cxx x² + cxy x y + cyy y², in mm; the squares are 0 in a linear
-    fit. `residual_rms`: what the points deviate from the last fit, mm."""
+    fit. `residual_rms`: deviation of the points from the last fit, mm."""
 
     c0: float = 0.0
     cx: float = 0.0

@@ -1,4 +1,4 @@
-"""Offsets that live motion has in addition to the plan: of home positions, and of babysteps."""
+"""Offsets that a live printer adds to the plan: of home positions, and of babysteps."""
 
 from __future__ import annotations
 

@@ -9,9 +9,9 @@ from passo.probes.base import Head, Mechanism, SensingProbe, not_deployed, not_s
 
 
 class DockProbe(SensingProbe):
-    """A probe that magnets hold. The head fetches it before a run: at `dock_height_mm` to
-    `approach_mm`, into the dock, and back with the probe. After the run it brings it to the dock by
-    the same way, and leaves to `leave_mm` without it."""
+    """A probe that magnets hold. Before a run the head fetches it: at `dock_height_mm` it moves to
+    `approach_mm`, into the dock, and back with the probe. After the run the head brings the probe
+    to the dock on the same path, and leaves without it to `leave_mm`."""
 
     travels_to_deploy: ClassVar[bool] = True
     kind: Literal["dock"]

@@ -113,9 +113,9 @@ class Park:
             self._printer.queue.move({E: at + mm}, speed_mm_s)
 
     async def come_back(self) -> None:
-        """Returns to that position: first above it, then down. A babystep meanwhile moves the
-        position, also without parking. Raises CommandError if a heater fails, or is off, or arms do
-        not reach the position from where they are; it may be tried again."""
+        """Returns to the position that the nozzle left: first above it, then down. A babystep
+        meanwhile moves this position, also without parking. Raises CommandError if a heater fails,
+        or is off, or arms cannot reach the position; it may be tried again."""
         printer = self._printer
         park = printer.machine.park
         await self._wait_for_moves()  # also until a queued target has reached its heater

@@ -46,7 +46,7 @@ class BedCorrectionCommands:
 
     @property
     def fade(self) -> Fade | None:
-        """The fade that a new correction keeps."""
+        """The fade of the current correction, which a new one takes over; None without one."""
         correction = self._correction.correction
         return correction.fade if correction else None
 
