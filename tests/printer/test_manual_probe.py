@@ -144,3 +144,14 @@ def test_babystep_without_a_correction_stays():
         said = answers(s, "Z_OFFSET_APPLY_PROBE")[0]
         assert "no correction of the bed follows the probe, which could take over the 0.100" in said
         assert s.printer.offsets.babysteps_mm["z"] == 0.1
+
+
+@pytest.mark.parametrize(
+    "line", ["G30", "M48", "QUERY_PROBE", "M401", "PROBE_CALIBRATE", "G38.2 Z0"]
+)
+def test_paper_measures_nothing_by_itself(line):
+    with homed((PROBE, 'kind = "manual"')) as s:
+        before = s.positions()
+        assert "a sheet of paper, which measures nothing by itself" in answers(s, line)[-1]
+        assert s.positions() == before
+        assert "z_probe" not in " ".join(s.host.ok("M119"))

@@ -106,8 +106,8 @@ class Prober:
     def probe(self) -> SensingProbe:
         """The probe of the machine, as M558 has set it. Raises CommandError without one, or with a
         sheet of paper."""
-        if self._sensing is None:
-            raise CommandError.of("probe.none" if self._machine.probe is None else "probe.paper")
+        self._require_sensor()
+        assert self._sensing is not None
         return self._sensing
 
     @property
@@ -197,9 +197,15 @@ class Prober:
             await self._head.move(self.carried.lift_mm_s, z=self.carried.start_mm)
 
     def triggered(self) -> bool:
-        """Asks the board whether the probe is triggered. Lets time pass; raises MachineError."""
+        """Asks the board whether the probe is triggered. Lets time pass; raises MachineError, and
+        CommandError of a sheet of paper."""
+        self._require_sensor()
         self.last_triggered = self._head.triggered()
         return self.last_triggered
+
+    def _require_sensor(self) -> None:
+        if self._sensing is None:
+            raise CommandError.of("probe.none" if self._machine.probe is None else "probe.paper")
 
     def check(self, places: Sequence[Place]) -> None:
         """Raises CommandError unless X, Y and Z are homed, and nozzle and probe get to all these
@@ -239,6 +245,7 @@ class Prober:
 
     async def deploy(self) -> None:
         """M401: the probe stays deployed until M402. Raises as `measure`."""
+        self._require_sensor()
         self.check([])
         async with self._session():
             await self._get_down()
@@ -246,6 +253,7 @@ class Prober:
 
     async def stow(self) -> None:
         """M402. Raises as `measure`."""
+        self._require_sensor()
         self.check([])
         self._deployed = False
         async with self._session():
@@ -286,6 +294,8 @@ class Prober:
         self._head.heeds_stops = False
         await self._lift(self.probe.start_mm)
         self._deployed = False
+        if self._interrupts.halted:
+            return
         try:
             await self.probe.stow(self._head)
         except CommandError as further:
@@ -310,6 +320,7 @@ class Prober:
         """The heights at these places, in this order; `report` is called with each at once. The
         nozzle ends at the start height above the last one, or `above_mm` above where the probe
         triggered. Raises CommandError, Stopped after M108 or M410, and MachineError."""
+        self._require_sensor()
         self.check(places)
         found: list[Measured] = []
         async with self._session():
@@ -355,6 +366,7 @@ class Prober:
 
     async def samples(self, place: Place, count: int) -> list[float]:
         """The heights of so many measured descents to one place. Raises as `measure`."""
+        self._require_sensor()
         self.check([place])
         async with self._session():
             await self._first(place)

@@ -34,6 +34,7 @@ _SPAN = re.compile(r"([XY])\s*(-?[\d.]+)\s*:\s*(-?[\d.]+)", re.ASCII)
 _PAIR = re.compile(r"([SP])\s*([\d.]+)(?:\s*:\s*([\d.]+))?", re.ASCII)
 
 Done = Callable[[Sequence[Measured], Reply], None]
+_ShownPoints = tuple[tuple[BedPoint, ...], float | None, float | None]
 
 
 class LevellingCommands:
@@ -61,6 +62,10 @@ class LevellingCommands:
         self.job_area: Callable[[], Area | None] = lambda: None
         self._measured: list[tuple[Place, float]] = []  # with the height of the trigger
         self._progress = (0, 0)  # places that were measured, of so many, in a run
+        self._shown: tuple[tuple[object, object, object], _ShownPoints] = (
+            (None, None, None),
+            ((), None, None),
+        )
         self._drawn: tuple[Correction | None, BedSurface | None] = (None, None)
 
     # -- points -----------------------------------------------------------------------------------
@@ -207,7 +212,8 @@ class LevellingCommands:
             offset=number(pairs, "OFFSET", point.offset),
             enabled=number(pairs, "ENABLED", float(point.enabled)) != 0,
         )
-        self._prober.check_place(Place(changed.x, changed.y, f"point {n}"))
+        if changed.enabled:
+            self._prober.check_place(Place(changed.x, changed.y, f"point {n}"))
         self.points[n - 1] = changed
         return None
 
@@ -446,16 +452,7 @@ class LevellingCommands:
         """The bed as pages show it."""
         now = self._correction
         correction = now.correction
-        below = self._prober.trigger_height_mm
-        points = tuple(
-            BedPoint(place.x, place.y, round(z - below + place.offset_mm, 6))
-            for place, z in self._measured
-        )
-        heights = [point.height_mm for point in points]
-        left = [
-            point.height_mm - (correction.plain(point.x_mm, point.y_mm) if correction else 0.0)
-            for point in points
-        ]
+        points, rms_mm, left_rms_mm = self._shown_points(correction)
         fade = correction.fade if correction else None
         dx, dy = self._prober.offset_mm
         return BedStatus(
@@ -463,8 +460,8 @@ class LevellingCommands:
             on=now.on,
             profile=self._corrections.profile,
             points=points,
-            rms_mm=round(pstdev(heights), 6) if heights else None,
-            left_rms_mm=round(fmean(x * x for x in left) ** 0.5, 6) if left else None,
+            rms_mm=rms_mm,
+            left_rms_mm=left_rms_mm,
             surface=self._surface(),
             fade_mm=fade.end_mm if fade else None,
             probe=self._prober.kind,
@@ -474,9 +471,32 @@ class LevellingCommands:
             to_measure=self._progress[1],
             manual=self._manual.status,
             mesh=correction.mesh if correction else None,
-            meshes=self._corrections.meshes.all,
+            meshes=dict(self._corrections.meshes.all),
             triggered=self._prober.last_triggered,
         )
+
+    def _shown_points(self, correction: Correction | None) -> _ShownPoints:
+        """The points that were measured last, what they deviate from their mean, and from the
+        correction, mm rms; made anew only after a change."""
+        below = self._prober.trigger_height_mm
+        key = self._measured, correction, below
+        if all(now is then for now, then in zip(key, self._shown[0], strict=True)):
+            return self._shown[1]
+        points = tuple(
+            BedPoint(place.x, place.y, round(z - below + place.offset_mm, 6))
+            for place, z in self._measured
+        )
+        if not points:
+            found: _ShownPoints = (), None, None
+        else:
+            left = [
+                p.height_mm - (correction.plain(p.x_mm, p.y_mm) if correction else 0.0)
+                for p in points
+            ]
+            rms = pstdev(p.height_mm for p in points)
+            found = points, round(rms, 6), round(fmean(x * x for x in left) ** 0.5, 6)
+        self._shown = key, found
+        return found
 
     def _surface(self) -> BedSurface | None:
         """What the correction adds to Z, sampled over the bed; made anew only after a change."""

@@ -11,6 +11,7 @@ from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.endstops import switches
 from passo.printer.wait_requests import Reply, Wait
+from passo.probes.base import SensingProbe
 from passo.version import __version__
 
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ class Reports:
         homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
         for name, pressed in self._printer.homer.states().items():
             reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
-        if machine.probe is not None:
+        if isinstance(machine.probe, SensingProbe):
             triggered = self._printer.prober.triggered()
             reply.say(f"z_probe: {'TRIGGERED' if triggered else 'open'}")
         return None
