@@ -118,7 +118,7 @@ def test_each_hotend_is_checked_for_its_tool(capsys, program):
 UNKNOWN = [
     "PRINT_START BED=60", "START_PRINT", "_PURGE_LINE", "print_end",
     "G84 X1 Z-1 R1",
-    "G38.2 Z-5", "G5 X1 Y1 I0 J1 P0 Q1", "G41 D1", "G51 X2", "O100 call", "O5 while [1]",
+    "G5 X1 Y1 I0 J1 P0 Q1", "G41 D1", "G51 X2", "O100 call", "O5 while [1]",
     "G90 G68 X0 Y0 R45",
 ]  # fmt: skip
 
@@ -135,6 +135,15 @@ def test_unknown_command_that_may_move_stops_first(capsys, program, line):
     status, errors, result = outcome(capsys, path, "--unknown", "skip")
     assert (status, errors, result["final_position_mm"]["x"]) == (0, [], 20)
     assert "is unknown and was skipped (2 times)" in result["warnings"][0]
+
+
+def test_probing_move_without_a_probe_stops_first(capsys, program):
+    path = program(f"{START}G1 X10 F600\nG38.2 Z-5\nG1 X20\n")
+    status, (error,), result = outcome(capsys, path)
+    assert status == 4
+    assert error.startswith("4: ")
+    assert "G38.2 is unknown here" in error
+    assert result["moves"] == 0
 
 
 HARMLESS = [

@@ -189,6 +189,9 @@ def test_klippers_objects_show_the_bed():
         assert probe["last_query"] is False
         assert probe["last_z_result"] == pytest.approx(heights[-1][-1])
         assert found["manual_probe"]()["is_active"] is False
+        settings = found["configfile"]()["settings"]
+        assert settings["bed_mesh"]["probe_count"] == [4, 3]
+        assert settings["probe"]["z_offset"] == 1.2
         # What Klipper has no word for is shown as a mesh of its method.
         assert status.bed.left_rms_mm == pytest.approx(0, abs=1e-6)
         assert status.bed.rms_mm == pytest.approx(0.157, abs=1e-3)

@@ -21,6 +21,7 @@ _MOVES = {5, 6, 13, 16, 26, 33, *range(35, 40), 41, 42, 46, 47, 51, 52, 65, 66, 
 }
 _CALLS = {96, 97, 98}  # M codes that call a sub-program
 PROBING = frozenset({"G29", "G32", "BED_MESH_CALIBRATE"})
+PROBE_MOVES = frozenset({"G38.2", "G38.3", "G38.4", "G38.5"})
 OF_DELTAS = frozenset({"G33", "DELTA_CALIBRATE"})
 OF_Z_MOTORS = frozenset({"G34", "Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"})
 LEVELLING = PROBING | OF_DELTAS | OF_Z_MOTORS | {"G80", "BED_TILT_CALIBRATE"}
@@ -52,7 +53,7 @@ class Skips(NamedTuple):
             return self
         of_delta = OF_DELTAS if machine.geometry.kind == "delta" else frozenset[str]()
         of_motors = OF_Z_MOTORS if machine.levelling.motors else frozenset[str]()
-        return self._replace(levels=PROBING | of_delta | of_motors)
+        return self._replace(levels=PROBING | PROBE_MOVES | of_delta | of_motors)
 
 
 NOTHING = Skips()
@@ -66,7 +67,8 @@ def unfit(command: Command, skips: Skips) -> Problem | None:
         if skips.levelling or code in skips.levels:
             return None
         return Problem("input.no-levelling", line=command.line, values={"value": code})
-    if skips.unknown or row_of(code) is not None or not _may_move(command):
+    known = row_of(code) is not None and code not in PROBE_MOVES - skips.levels
+    if skips.unknown or known or not _may_move(command):
         return None
     unknown = "input.no-macro" if _MACRO.match(command.name) else "input.unknown-moves"
     return Problem(unknown, line=command.line, values={"value": code})

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
@@ -15,25 +14,9 @@ from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
-_Method = TypeVar("_Method", bound=Callable[..., Any])
 _SLOTS = {"X": 0, "Y": 1, "Z": 2}
 _SHORTEST_MM = 0.0275  # as Marlin has it
-_TEXTS = {
-    "G38.2": "Moves straight until the probe triggers; an error if it does not.",
-    "G38.3": "As G38.2, without the error.",
-    "G38.4": "Moves straight until the probe opens; an error if it does not.",
-    "G38.5": "As G38.4, without the error.",
-}
-
-
-def _declared(method: _Method) -> _Method:
-    for code, text in _TEXTS.items():
-        method = command(
-            *(code, Subject.LEVELLING, When.EXCLUSIVE, "X Y Z (mm) F(mm/min)", text),
-            kind=Kind.SERVED,
-            lacks=NO_PROBE,
-        )(method)
-    return method
+_WORDS = "X Y Z (mm) F(mm/min)"
 
 
 class ProbeMoveCommands:
@@ -42,7 +25,42 @@ class ProbeMoveCommands:
     def __init__(self, rig: Rig, prober: Prober) -> None:
         self._rig, self._prober = rig, prober
 
-    @_declared
+    @command(
+        "G38.2",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        _WORDS,
+        "Moves straight until the probe triggers; an error if it does not.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    @command(
+        "G38.3",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        _WORDS,
+        "As G38.2, without the error.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    @command(
+        "G38.4",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        _WORDS,
+        "Moves straight until the probe opens; an error if it does not.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
+    @command(
+        "G38.5",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        _WORDS,
+        "As G38.4, without the error.",
+        kind=Kind.SERVED,
+        lacks=NO_PROBE,
+    )
     def _seek(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         given = {letter: words[letter] for letter in _SLOTS if letter in words}

@@ -8,6 +8,8 @@ from passo.config.motor_roles import axis_order
 from passo.geometry.delta import Delta
 from passo.printer.cold_extrusion import COLD_C
 from passo.printer.klipper.names import fan_object, heater_object
+from passo.probes.base import SensingProbe
+from passo.probes.bltouch import BLTouch
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,6 +39,7 @@ def configfile(
             fan_object(machine, n): {"max_power": f.max_power, "off_below": f.off_below}
             for n, f in machine.fans.items()
         },
+        **_bed(machine),
         **_macros(machine),
         **_NEEDED,
         "exclude_object": {},
@@ -87,6 +90,34 @@ def _axes(machine: MachineConfig) -> dict[str, Object]:
             **({"endstop_pin": homing.pin} if homing is not None and homing.pin else {}),
         }
     return sections
+
+
+def _bed(machine: MachineConfig) -> dict[str, Object]:
+    """Clients show the height map only if there is a section bed_mesh."""
+    probe, levelling = machine.probe, machine.levelling
+    if probe is None:
+        return {}
+    x0, y0, x1, y1 = levelling.area or machine.bed_area_mm
+    mesh = {
+        "speed": probe.travel_mm_s,
+        "horizontal_move_z": probe.start_mm,
+        "mesh_min": [x0, y0],
+        "mesh_max": [x1, y1],
+        "probe_count": list(levelling.count),
+        "mesh_pps": [3, 3],
+        "algorithm": "bicubic" if levelling.interpolation == "bicubic" else "direct",
+    }
+    if not isinstance(probe, SensingProbe):
+        return {"bed_mesh": mesh}
+    dx, dy = probe.offset_mm
+    sensor = {
+        "x_offset": dx,
+        "y_offset": dy,
+        "z_offset": probe.trigger_height_mm,
+        "speed": probe.slow_mm_s,
+        "samples": probe.samples,
+    }
+    return {"bed_mesh": mesh, "bltouch" if isinstance(probe, BLTouch) else "probe": sensor}
 
 
 def _heater(part: Heater, machine: MachineConfig) -> Object:
