@@ -72,7 +72,7 @@ def test_each_row_happens(row):
 async def check(printer, does):
     """The state that the third column describes."""
     status, board = printer.status, printer._printer.board
-    if "goes on" in does:
+    if "continues" in does:
         assert (status.state, status.halted) == (PrinterState.IDLE, "")
         if "every step" in does:
             assert status.homed == {"x", "y", "z"}
