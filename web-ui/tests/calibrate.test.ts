@@ -11,7 +11,7 @@ test.beforeEach(async ({ page }) => {
 });
 
 const open = (page: Page, task: string) => page.getByRole("link", { name: task }).click();
-const result = (page: Page) => page.getByRole("region", { name: "Changed settings" });
+const result = (page: Page) => page.getByRole("region", { name: "Changed settings", exact: true });
 
 test("a heater is tuned with its curve, undone, and a tune is cancelled", async ({ page }) => {
   await page.getByRole("button", { name: "Start" }).click();
