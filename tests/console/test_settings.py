@@ -65,7 +65,7 @@ def test_the_report_sent_back_gives_the_same_state(s):
 def test_idle_times_and_the_stop_at_endstops_are_settings(tmp_path):
     """They are stored, come back at the next start and go with M502."""
     with Scenario("i3", state=str(tmp_path)) as s:
-        assert [x for x in report(s) if x.startswith(("M84", "M85", "M540"))] == [
+        assert [x for x in report(s) if x.startswith(("M84 ", "M85 ", "M540 "))] == [
             "M84 S600",
             "M85 S0",
             "M540 S0",

@@ -256,8 +256,10 @@ class Dispatch:
             raise InputError([problem])
         wait = self._carried_out(handler, command, reply)
         if self._from_console and (problem := unfit(command, self._skips)):
+            lacks = row.lacks if row is not None else ""
+            unknown = lacks or f'Unknown command: "{command.code}"'
             levels = problem.code == "input.no-levelling"
-            reply.fail(problem.sentence if levels else f'Unknown command: "{command.code}"')
+            reply.fail(problem.sentence if levels else unknown)
             return wait
         if handler is None:
             _note(command.code, reply)
