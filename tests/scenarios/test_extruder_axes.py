@@ -118,7 +118,7 @@ def test_settings_of_extruder_axes_are_reported(s):
         ("[axes.v]\nextruder = true", "[axes.v]\nextruder = true\nmax_mm = 5.0", "no limits"),
         ("[axes.v]\nextruder = true", "[axes.v]", "max_mm"),
         ("[axes.x]\n", "[axes.x]\nextruder = true\n", "a further axis"),
-        ("[axes.x]\n", '[axes.x]\nheater = "bed"\n', "no extruder"),
+        ("[axes.x]\n", '[axes.x]\nheater = "bed"\n', "not an extruder"),
         ("[homing.x]\n", '[homing.v]\npin = "^X_MAX"\n[homing.x]\n', "no home"),
     ],
 )

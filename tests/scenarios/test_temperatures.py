@@ -198,7 +198,7 @@ def test_cold_filament_is_allowed_to_one_tool_alone(two):
     assert two.host.ok("G1 E2 F600") == ["ok"]
     two.host.ok("M302 P0")
     assert "cold extrusion prevented" in two.host.ok("G1 E3 F600")[0]
-    assert two.host.ok("M302 T1 S0")[0].startswith("echo:S is 0: expected no S beside T")
+    assert two.host.ok("M302 T1 S0")[0].startswith("echo:S is 0: expected no S with T: ")
     assert "cold extrusion prevented" in two.host.ok("G1 E3 F600")[0]
     assert two.host.ok("M302 T5 P1")[0].startswith("echo:there is no hotend with number 5")
     assert "cold extrusion prevented" in two.host.ok("G1 E3 F600")[0]

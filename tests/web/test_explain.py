@@ -35,7 +35,7 @@ def test_line_of_a_file_has_moves_steps_and_bytes(tmp_path):
 def test_typed_line_is_explained_and_nothing_moves(tmp_path):
     answer = asked(tmp_path, lambda web: web.post(API, json={"line": "G1 X10 F3000"})).json()
     assert answer["moves"][0]["end_mm"][0] == 10
-    assert answer["junction_before"].startswith("the machine stands there")
+    assert answer["junction_before"].startswith("the machine stops there")
 
 
 def test_line_that_the_file_does_not_have_is_named(tmp_path):
