@@ -37,9 +37,13 @@ double Row::* place_of(const std::string& what) {
   throw nb::key_error(what.c_str());
 }
 
-void check_flow(const JobView& self, size_t extruder, double flow) {
+void check_extruder(const JobView& self, size_t extruder) {
   if (extruder >= self.job.motion.machine().extruders.size())
     throw nb::index_error("no such extruder");
+}
+
+void check_flow(const JobView& self, size_t extruder, double flow) {
+  check_extruder(self, extruder);
   if (!(flow > 0 && flow < kInfinity)) throw nb::value_error("a flow must be above 0");
 }
 
@@ -86,6 +90,55 @@ void bind_job_settings(JobClass& job) {
             self.job.set_height_map(std::move(map));
           },
           "first"_a, "spacing"_a, "heights"_a, "fade"_a = nb::none(), kHeightMapText)
+      .def(
+          "set_shaper",
+          [](JobView& self, int axis, const std::vector<std::pair<double, double>>& impulses) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            self.job.motion.flush();
+            self.job.motion.set_shaper(axis, shaper_of(impulses));
+          },
+          "axis"_a, "impulses"_a,
+          "The shaper of X, Y or Z while the machine stands: (weight, seconds) of each impulse; "
+          "none: the axis is not shaped.")
+      .def(
+          "set_smoothing",
+          [](JobView& self, size_t extruder, double half_s) {
+            check_extruder(self, extruder);
+            self.job.motion.flush();
+            self.job.motion.set_smoothing(extruder, half_s);
+          },
+          "extruder"_a, "half_s"_a,
+          "Half of the width over which an advance is smoothed, s, while the machine stands; 0: "
+          "the "
+          "extruder has no advance.")
+      .def(
+          "smoothing",
+          [](JobView& self, size_t extruder) {
+            const std::vector<double>& all = self.job.motion.machine().filters.smooth_s;
+            return extruder < all.size() ? all[extruder] : 0.0;
+          },
+          "extruder"_a, "What set_smoothing has set, s.")
+      .def(
+          "set_advance",
+          [](JobView& self, size_t extruder, double seconds) {
+            check_extruder(self, extruder);
+            self.job.motion.planner().advance[extruder] = seconds;
+          },
+          "extruder"_a, "seconds"_a, "Pressure advance of the moves that follow.")
+      .def(
+          "pressure_advance",
+          [](JobView& self, size_t extruder) {
+            check_extruder(self, extruder);
+            return self.job.motion.planner().advance[extruder];
+          },
+          "extruder"_a, "What set_advance has set, s.")
+      .def(
+          "use_filters",
+          [](JobView& self, bool on) {
+            self.job.motion.flush();
+            self.job.motion.use_filters(on);
+          },
+          "on"_a, "Shapers and advance act from now on, or do not; only while the machine stands.")
       .def(
           "plan_z",
           [](JobView& self, double x, double y, double height) {

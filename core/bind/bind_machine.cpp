@@ -60,6 +60,15 @@ Machine machine_of(const nb::dict& spec) {
     m.boards = get<size_t>(spec, "boards");
     m.output_boards = get<std::vector<uint16_t>>(spec, "output_boards");
   }
+  if (spec.contains("filters")) {
+    nb::dict filters = get<nb::dict>(spec, "filters");
+    const auto shapers =
+        get<std::vector<std::vector<std::pair<double, double>>>>(filters, "shapers");
+    for (size_t j = 0; j < 3; ++j) m.filters.shapers[j] = shaper_of(shapers.at(j));
+    m.filters.smooth_s = get<std::vector<double>>(filters, "smooth_s");
+    const auto advance = get<std::vector<double>>(filters, "advance_s");
+    for (size_t i = 0; i < m.extruders.size(); ++i) m.extruders[i].advance_s = advance.at(i);
+  }
   nb::dict limits = get<nb::dict>(spec, "limits");
   m.limits = {get<double>(limits, "print_accel"),
               get<double>(limits, "travel_accel"),

@@ -2,10 +2,12 @@
 // the configuration has validated all values before.
 #pragma once
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/registry.hpp"
@@ -31,6 +33,14 @@ inline GeometryParams geometry_params(const nb::dict& dict) {
       params[name] = {nb::cast<double>(nb::float_(value))};
   }
   return params;
+}
+
+// (weight, seconds) of each impulse.
+inline std::vector<Impulse> shaper_of(const std::vector<std::pair<double, double>>& impulses) {
+  std::vector<Impulse> shaper;
+  for (const auto& [weight, at] : impulses) shaper.push_back({weight, at});
+  if (shaper.size() > 5) throw nb::value_error("a shaper has 5 impulses at most");
+  return shaper;
 }
 
 // The machine that the dict describes.

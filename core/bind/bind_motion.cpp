@@ -215,6 +215,12 @@ void bind_motion(nb::module_& m) {
             });
           },
           "accel"_a, "live"_a = true)
+      .def(
+          "set_advance",
+          [](RecordedMotion& self, size_t extruder, double seconds) {
+            self.motion.planner().advance.at(extruder) = seconds;
+          },
+          "extruder"_a, "seconds"_a, "Pressure advance of moves to come.")
       .def_prop_ro(
           "clock", [](RecordedMotion& self) { return self.motion.planner().clock(); },
           "End of the last settled move, ticks.")

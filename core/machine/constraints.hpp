@@ -23,6 +23,7 @@ enum FixedLimit : LimitId {
   kBoard,
   kLink,
   kLaserPower,
+  kAdvance,
 };
 
 struct Row {
@@ -46,7 +47,8 @@ struct Constraints {
                                  "junction",
                                  "board",
                                  "link",
-                                 "laser power"};
+                                 "laser power",
+                                 "pressure advance"};
   std::vector<Row> rows;       // for XYZ and further axes
   std::vector<Row> extruders;  // one per extruder
   std::vector<Row> actuators;  // nonlinear geometries: limits of each actuator, c unused

@@ -10,6 +10,7 @@
 
 #include "base/types.hpp"
 #include "geometry/geometry.hpp"
+#include "machine/filters.hpp"
 #include "machine/height_map.hpp"
 
 namespace passo {
@@ -31,6 +32,7 @@ struct Extruder {  // one motor that pushes filament
   std::string name;
   double speed, accel, jerk;
   double cornering_steps = 40;
+  double advance_s = 0;  // pressure advance
 };
 
 struct Tool {
@@ -98,6 +100,7 @@ struct Machine {
   std::vector<uint16_t> output_boards;  // board of each output; those not named are the main one's
   std::shared_ptr<const Geometry> geometry;
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
+  Filters filters;
   Macros macros;
   bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
 

@@ -13,8 +13,9 @@ namespace passo {
 Motion::Motion(const Machine& machine, bool with_steps, double (*cpu_clock)())
     : machine_(machine), planner_(machine_), with_steps_(with_steps), cpu_clock_(cpu_clock),
       stream_(machine_, with_steps,
-              [this](int64_t clock, std::vector<Move>& moves) {
+              [this](int64_t clock, std::vector<Move>& past, std::vector<Move>& moves) {
                 brake_from(clock, history_, planner_, machine_.clock_hz, moves);
+                if (memory() > 0) past = history_.before(double(clock), memory());
               }),
       history_(machine_.clock_hz), lines_(machine_.clock_hz) {
   plan_.filament_mm.resize(machine_.extruders.size());
@@ -54,7 +55,7 @@ void Motion::record(uint16_t target, uint32_t value) {
   }
   records_.push_back({target, value, 0});
   ++unattached_;
-  if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0), true);
+  if (planner_.queued() == 0) place_at_end();
 }
 
 void Motion::record_at(double ticks, uint16_t target, uint32_t value) {
@@ -261,7 +262,7 @@ void Motion::release() {
   planner_.rules().renumber(held.moves);
   records_.insert(records_.end(), held.records.begin(), held.records.end());
   unattached_ += held.at_end;
-  if (held.moves.empty()) place(planner_.clock(), std::exchange(unattached_, 0), true);
+  if (held.moves.empty()) place_at_end();
   resume_plan(held.moves, 0, planner_.clock());
   process(false);
 }
@@ -272,7 +273,7 @@ std::optional<size_t> Motion::stopped_tool() const {
 
 std::optional<std::array<double, kAxes>> Motion::position_at(double ticks) const {
   const double* next = held() > 0 ? held_.moves.front().p0 : planner_.next_start();
-  return history_.position_at(ticks, next);
+  return history_.position_at(ticks - delay(), next);
 }
 
 void Motion::suspend() {
@@ -315,7 +316,9 @@ void Motion::resume_plan(std::vector<Move>& moves, double speed2, double clock) 
 
 void Motion::continue_plan(std::vector<Move>& moves, double speed2) {
   resume_plan(moves, speed2, ticks_of_cut_);
-  held() > 0 ? flush() : process(false);
+  // Filters may still be moving what the plan has brought to rest.
+  const bool settling = planner_.queued() == 0 && planner_.rests() && settles_at_ > 0;
+  held() > 0 || settling ? flush() : process(false);
 }
 
 void Motion::change_from(double ticks, const std::function<void(std::vector<Move>&)>& change) {
@@ -334,24 +337,30 @@ void Motion::stand_before(const HeldPlan& held) {
 }
 
 void Motion::process(bool still) {
-  auto light = [this](double ticks, uint32_t value) {
-    stream_.set_output(laser_.target(), value, ticks);
+  const double delay = this->delay();
+  auto light = [this, delay](double ticks, uint32_t value) {
+    stream_.set_output(laser_.target(), value, ticks + delay);
   };
   double start = now();
   std::vector<Move>& moves = planner_.settled();
   for (const Move& m : moves) {
+    if (delay > 0 && m.kind != MoveKind::dwell) settles_at_ = m.end() + memory();
     plan_.add(m, machine_.clock_hz, 1);
-    place(m.start, m.records, false);
+    place(m.start + delay, m.records, false);
     if (with_steps_) laser_.follow(m, machine_.clock_hz, light);
     if (on_move) on_move(m);
-    lines_.add(m.start, m.main_line, m.layer);
+    lines_.add(m.start + delay, m.main_line, m.layer);
   }
   if (still) {
     laser_.off(planner_.clock(), light);
-    place(planner_.clock(), std::exchange(unattached_, 0), true);
+  }
+  const double known = planner_.clock();
+  if (still) {
+    if (settles_at_ > 0) planner_.wait_until(std::exchange(settles_at_, 0));
+    place_at_end();
   }
   if (with_steps_) {
-    stream_.solve(moves);
+    stream_.solve(moves, known, still);
     double solved = now();
     cpu_.steps += solved - start;
     stream_.compress(planner_.clock(), still);
@@ -366,6 +375,8 @@ void Motion::process(bool still) {
   }
   moves.clear();
 }
+
+void Motion::place_at_end() { place(planner_.clock(), std::exchange(unattached_, 0), true); }
 
 uint32_t Motion::last_light() const {
   uint32_t value = light_before_;
@@ -403,6 +414,7 @@ void Motion::forget() {
   double past = std::max(double(stream_.taken_until()), passed_);
   past -= kKeptSeconds * machine_.clock_hz;
   if (stream_.commits()) past = std::min(past, double(stream_.oldest_commit()));
+  past -= memory();
   history_.forget(past);
   for (; !placed_.empty() && double(placed_.front().clock) < past; placed_.pop_front())
     if (placed_.front().target == laser_.target()) light_before_ = placed_.front().value;
@@ -424,8 +436,9 @@ double Motion::cut(double ticks, std::vector<Move>& rest) {
     return speed2;
   }
   stream_.revoke(at, planner_.clock());
-  lines_.cut(ticks_of_cut_);
-  while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
+  const int64_t late = at + int64_t(delay());  // for what filters delay
+  lines_.cut(double(late));
+  while (!marks_.empty() && marks_.back().clock > late) marks_.pop_back();
   rest = history_.cut(ticks_of_cut_);
   for (const Move& m : rest) plan_.add(m, machine_.clock_hz, -1);
   bool under_way = !rest.empty() && rest[0].start < ticks_of_cut_;
@@ -433,7 +446,18 @@ double Motion::cut(double ticks, std::vector<Move>& rest) {
     plan_.add(history_.divide(rest[0], ticks_of_cut_, speed2), machine_.clock_hz, 1);
   else if (!rest.empty())
     speed2 = rest[0].v0 * rest[0].v0;
-  uint32_t at_the_end = take_back(at, rest, under_way);
+  if (delay() > 0) {
+    settles_at_ = 0;
+    const std::vector<Move> past = history_.before(ticks_of_cut_, memory());
+    for (const Move& m : past)
+      if (m.kind != MoveKind::dwell) settles_at_ = m.end() + memory();
+    stream_.restart_filters(ticks_of_cut_, past);
+  }
+  uint32_t at_the_end = take_back(late, rest, under_way);
+  if (late > at)
+    for (Record& r : placed_)  // of moves before the cut, and not executed yet
+      if (r.clock > at && r.target < kMark)
+        r.clock = stream_.set_output(r.target, r.value, double(r.clock));
   if (!planner_.attach(at_the_end)) unattached_ += at_the_end;
   laser_.cut(under_way ? rest[0].duty > 0 : still_following());
   planner_.rewind_budget(rest);
@@ -450,7 +474,7 @@ uint32_t Motion::take_back(int64_t at, std::vector<Move>& rest, bool under_way) 
   for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
     // Records of this move come before records after it, also within half a tick.
     auto after_move = [&] {
-      return rest[i].records > 0 || double(placed_.back().clock) > rest[i].start + 0.5;
+      return rest[i].records > 0 || double(placed_.back().clock) > rest[i].start + delay() + 0.5;
     };
     for (; later() && placed_.back().alone && after_move(); ++*next) back();
     // A record that is due at the very clock of the cut is executed, before this move.

@@ -94,7 +94,28 @@ class Motion {
   void let_rest(const std::vector<size_t>& motors);
   // While `on`, X, Y and Z of all positions are the positions of the first three actuators of a
   // nonlinear geometry, and each moves by itself. Only at rest; set_position must follow.
-  void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
+  void use_joints(bool on) {
+    machine_.joints = on && planner_.constraints().actuators.size() >= 3;
+    use_filters(filters_wanted_);
+  }
+  // Motion is filtered from now on, or not. Only at rest.
+  void use_filters(bool on) {
+    filters_wanted_ = on;
+    machine_.filters.suspended = !on || machine_.joints;
+    remember_nothing();
+  }
+  // The shaper of X, Y or Z from now on; none: the axis is not shaped. Only at rest.
+  void set_shaper(int j, std::vector<Impulse> shaper) {
+    machine_.filters.shapers[j] = std::move(shaper);
+    remember_nothing();
+  }
+  // Half of the width in s over which the advance of an extruder is smoothed; 0: it has none. Only
+  // at rest.
+  void set_smoothing(size_t extruder, double half_s) {
+    machine_.filters.smooth_s.resize(machine_.extruders.size());
+    machine_.filters.smooth_s[extruder] = half_s;
+    remember_nothing();
+  }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
   // See StepStream::use_commits. Only after flush.
@@ -184,8 +205,10 @@ class Motion {
   LaserLight laser_;
   uint32_t light_before_ = 0;  // of records forgotten
   double ticks_of_cut_ = 0;
+  bool filters_wanted_ = true;
   bool in_pieces_ = false;  // the last motion was pieces: more may follow without a stop
   double pieces_end_ = 0;   // ticks
+  double settles_at_ = 0;   // clock at which filters let the machine rest; 0: at rest, or no filter
 
   static void change_flow(std::vector<Move>& moves, size_t extruder, FlowChange& change);
   void resume_plan(std::vector<Move>& moves, double speed2, double clock);
@@ -199,6 +222,16 @@ class Motion {
   void stand_before(const HeldPlan& held);
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
   void process(bool still);
+  // Ticks by which the motors follow the plan, and from a clock of the plan until no filter
+  // remembers it.
+  double delay() const { return machine_.filters.delay(machine_.clock_hz); }
+  double memory() const { return machine_.filters.memory(machine_.clock_hz); }
+  // After a change of filters: the next move begins when they remember no earlier one.
+  void remember_nothing() {
+    if (memory() > 0) planner_.wait_until(planner_.clock() + memory());
+  }
+  // The records that wait for a move are due where the plan ends.
+  void place_at_end();
 
   // The power that the last record has set; 0 where the power follows the speed.
   uint32_t last_light() const;

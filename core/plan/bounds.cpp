@@ -70,10 +70,25 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
     if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
     double way = row.axis >= 0 ? delta[row.axis]
                                : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
+    if (row.axis < 0 && machine_.filters.differ()) {
+      way = 0;  // the axes reach their highest speeds at different times
+      for (int j = 0; j < 3; ++j) way += std::fabs(row.c[j] * delta[j]);
+    }
     double lift = std::fabs(row.c[kZ]);
     tighten(row, std::fabs(way) + lift * bed.slope * m.d, lift * bed.bend);
   }
   if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
+  if (m.advance > 0 && machine_.filters.advances(m.extruder)) {
+    // Smoothed by a triangle of half width h, the advance adds A a to the filament's speed, and
+    // A a / h to its acceleration, at most. Half of the speed is left for the speed itself.
+    const Row& row = constraints.extruders[m.extruder];
+    const double part = std::fabs(delta[kE]) * inverse, h = machine_.filters.smooth_s[m.extruder];
+    const double hardest =
+        std::min(row.accel / (part * (1 + m.advance / h)), 0.5 * row.speed / (part * m.advance));
+    if (a > hardest) a = hardest, accel_id = kAdvance;
+    const double fastest = row.speed / part - m.advance * a;
+    if (v > fastest) v = fastest, speed_id = kAdvance;
+  }
   if (m.radius < kInfinity) {
     if (v * v > a * m.radius * per_mm) v = std::sqrt(a * m.radius * per_mm), speed_id = kArc;
     const Turn turn = turn_of(m);

@@ -72,10 +72,12 @@ inline void MoveBudget::charge(Move& m, double start2) {
 
 inline MoveBudget::Asked MoveBudget::ask(const Move& m, const Shape& s, double saving) const {
   Asked sum{double(m.records)};  // one each, about as long
+  const double more = machine_.filters.on() ? kFiltered : 1;
   for (const Need& need : needs_) {
     double least = std::min(kMaxPerTurn, need.turn / saving) + kPerSecond * s.seconds;
     double own = need.motors * least + (need.bends + need.per_ramp_s * s.ramp_s) / saving;
-    if (own < need.steps) sum.per_ramp_s += need.per_ramp_s / saving;
+    own *= more;
+    if (own < need.steps) sum.per_ramp_s += more * need.per_ramp_s / saving;
     double brake = budget_.commits * s.seconds * (need.motors + need.brake * s.peak);
     sum.commands += std::min(own, need.steps) + std::min(brake, need.steps);
   }

@@ -31,6 +31,9 @@ class MoveBudget {
   // root of its steps/mm by the acceleration, times the speed, so many. Nine were measured with two
   // motors at 60 mm/s, 22 with one at 250 mm/s, and 33 on a delta.
   static constexpr double kPerBrake = 0.5;
+  // So many times the commands with motion filters, which change the acceleration more often. 1.22
+  // were measured on a print with shapers and advance, 1.27 on one of a CoreXY.
+  static constexpr double kFiltered = 1.3;
 
   explicit MoveBudget(const Machine& machine);
 

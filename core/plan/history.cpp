@@ -39,6 +39,12 @@ std::optional<std::array<double, kAxes>> History::position_at(double clock,
   return p;
 }
 
+std::vector<Move> History::before(double clock, double memory) const {
+  std::vector<Move> found;
+  for (auto m = at(clock - memory); m != moves_.end() && m->start < clock; ++m) found.push_back(*m);
+  return found;
+}
+
 std::vector<Move> History::cut(double clock) {
   size_t first = moves_.size();
   while (first > begin_ && moves_[first - 1].end() > clock) --first;

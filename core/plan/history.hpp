@@ -27,6 +27,8 @@ class History {
   std::optional<std::array<double, kAxes>> position_at(double clock,
                                                        const double* planned_to) const;
 
+  // The moves that begin before `clock` and end at most `memory` ticks before it.
+  std::vector<Move> before(double clock, double memory) const;
   // Removes and returns the moves after `clock`. A move that is under way at `clock` stays, and is
   // the first of the result.
   std::vector<Move> cut(double clock);

@@ -28,6 +28,7 @@ struct Move : MoveOrigin {
   double curved_steps;  // steps of the nonlinear actuators, at most
   double curved_bends;  // of these at constant speed: sum of √(steps/s²), by speed, at most
   double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
+  double advance;       // pressure advance of its filament, s
   double step_load, command_load;  // share of the board's budget; ≤ 1: kept
   double steps, commands;  // of all motors together, as the budget calculates; 0 without one
   double ahead0, ahead1;   // commands ahead of the board's rate at its start and end, at most

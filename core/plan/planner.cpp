@@ -123,6 +123,10 @@ inline void Planner::fill(Move& m, const MoveRequest& r) {
   m.radius = r.radius_mm;
   m.arc_axis = r.arc_axis;
   m.from_faster = 0;
+  m.advance = 0;
+  const bool prints = r.kind == MoveKind::print && m.p1[kE] > m.p0[kE];
+  if (prints && (m.p1[kX] != m.p0[kX] || m.p1[kY] != m.p0[kY]) && !advance.empty())
+    m.advance = advance[r.extruder];
   m.flow = r.flow;
   m.owed = r.owed_mm;
   m.rules = rules_.use();

@@ -25,13 +25,16 @@ class Planner {
 
   explicit Planner(const Machine& machine)
       : clock_hz_(machine.clock_hz), rules_(machine), bounds_(machine), junction_(machine),
-        budget_(machine), extruder_(machine.extruders.size(), 0.0) {}
+        budget_(machine), extruder_(machine.extruders.size(), 0.0) {
+    for (const Extruder& e : machine.extruders) advance.push_back(e.advance_s);
+  }
 
   // Rules of later moves; earlier ones keep theirs.
   RuleBook& rules() { return rules_; }
   const RuleBook& rules() const { return rules_; }
   const Constraints& constraints() const { return *rules_.now().constraints; }
-  double laser_share = 0;  // of full power, at the feedrate of later moves
+  double laser_share = 0;       // of full power, at the feedrate of later moves
+  std::vector<double> advance;  // pressure advance of later moves, s, by extruder
 
   // Settled moves that the caller has not taken yet; it clears the vector.
   std::vector<Move>& settled() { return settled_; }

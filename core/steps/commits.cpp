@@ -6,9 +6,11 @@ namespace passo {
 
 Commits::Commits(const Machine& machine, int64_t period, size_t most)
     : period_(period), most_(std::max<size_t>(most, 1)),
-      widest_(std::max(kTailTolerance * machine.clock_hz, machine.widest_tolerance())) {
+      widest_(std::max(kTailTolerance * machine.clock_hz, machine.widest_tolerance())),
+      machine_(machine) {
   for (size_t i = 0; i < machine.steppers.size(); ++i) {
     solvers_.emplace_back(machine, machine.steppers[i]);
+    filtered_.emplace_back(machine, machine.steppers[i]);
     compressors_.emplace_back(machine, machine.steppers[i], uint16_t(i));
   }
 }
@@ -122,7 +124,7 @@ void Commits::advance(int64_t known, int64_t end, const std::vector<int64_t>& or
       begin = std::max(begin, next_clock());
     }
     if (end != kNoMessage && !moving()) {
-      if (!points_.back().rest) commit(std::max(end, begin), true, origin, {}, out);
+      if (!points_.back().rest) commit(std::max(end, begin), true, origin, false, out);
       for (; !waiting_.empty(); waiting_.pop()) out(waiting_.front());
       return;
     }
@@ -132,41 +134,53 @@ void Commits::advance(int64_t known, int64_t end, const std::vector<int64_t>& or
     clock = std::max(clock, begin + 1);
     if (clock >= std::min(known, end)) {
       if (end == kNoMessage) return;
-      commit(std::max(end, last_end()), true, origin, {}, out);
+      commit(std::max(end, last_end()), true, origin, false, out);
       continue;
     }
+    past_.clear();
     moves_.clear();
-    brake(clock, moves_);
-    commit(clock, moves_.empty() && next_clock() > clock + period_, origin, moves_, out);
+    brake(clock, past_, moves_);
+    const bool braking = !past_.empty() || !moves_.empty();
+    commit(clock, !braking && next_clock() > clock + period_, origin, braking, out);
   }
 }
 
-void Commits::commit(int64_t clock, bool rest, const std::vector<int64_t>& origin,
-                     const std::vector<Move>& moves, const Out& out) {
-  Point p{++serial_, clock, rest, length_of(moves)};
+void Commits::commit(int64_t clock, bool rest, const std::vector<int64_t>& origin, bool braking,
+                     const Out& out) {
+  Point p{++serial_, clock, rest, braking ? length_of(moves_) : 0};
   divide(clock);
   // A link hands each out when its end is near enough: none may wait for one that lasts longer.
   std::stable_sort(within_.begin(), within_.end(),
                    [](const Message& a, const Message& b) { return a.end_clock < b.end_clock; });
   for (const Message& m : within_) out(m);
-  if (!moves.empty()) tail(clock, origin, moves, out);
+  if (braking) tail(clock, origin, out);
   out({clock, clock, p.serial, 0, 0, 0, MessageKind::commit, uint8_t(rest)});
   points_.push_back(std::move(p));
 }
 
-void Commits::tail(int64_t clock, const std::vector<int64_t>& origin,
-                   const std::vector<Move>& moves, const Out& out) {
+double Commits::solve_tail(size_t i, int64_t clock, Steps& out) {
+  for (Move& m : past_) m.tolerance = widest_;
+  for (Move& m : moves_) m.tolerance = widest_;
+  double end = double(clock);
+  if (!machine_.filters.on()) {
+    for (const Move& m : moves_) solvers_[i].solve(m, out);
+    return std::max(end, moves_.back().end());
+  }
+  filtered_[i].restart(double(clock), past_, solvers_[i]);
+  filtered_[i].solve(moves_, kInfinity, true, solvers_[i], out);
+  for (const std::vector<Move>* moves : {&past_, &moves_})
+    for (const Move& m : *moves) end = std::max(end, m.end());
+  return end + machine_.filters.memory(machine_.clock_hz);
+}
+
+void Commits::tail(int64_t clock, const std::vector<int64_t>& origin, const Out& out) {
   for (size_t i = 0; i < solvers_.size(); ++i) {
     Compressor& c = compressors_[i];
     c.restart(last_[i], {});
     c.not_before(clock);
     c.renew(renew_[i]);
     solvers_[i].set_count(origin[i] + net_[i]);
-    for (Move m : moves) {
-      m.tolerance = widest_;
-      solvers_[i].solve(m, c.steps());
-    }
-    c.advance(moves.back().end(), true, clock);
+    c.advance(solve_tail(i, clock, c.steps()), true, clock);
     // None of it is ever revoked: whether the clock must be set again is known here, for messages
     // that do not wait.
     c.forget_resets(kNoMessage);

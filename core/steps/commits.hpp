@@ -9,6 +9,7 @@
 
 #include "plan/braking.hpp"
 #include "steps/compressor.hpp"
+#include "steps/filtered_solver.hpp"
 #include "steps/message_queue.hpp"
 #include "steps/step_solver.hpp"
 
@@ -16,8 +17,10 @@ namespace passo {
 
 class Commits {
  public:
-  // Sets `moves` to those on which the machine would stop from `clock` on.
-  using Brake = std::function<void(int64_t clock, std::vector<Move>& moves)>;
+  // Sets `moves` to those on which the machine would stop from `clock` on, and `past` to those
+  // before it that filters still remember.
+  using Brake =
+      std::function<void(int64_t clock, std::vector<Move>& past, std::vector<Move>& moves)>;
   using Out = std::function<void(const Message&)>;
   struct Point {
     uint32_t serial;
@@ -63,13 +66,15 @@ class Commits {
   int64_t period_;
   size_t most_;
   double widest_;
+  const Machine& machine_;
   std::deque<StepSolver> solvers_;
+  std::deque<FilteredSolver> filtered_;
   std::deque<Compressor> compressors_;
   MessageQueue waiting_;
   std::deque<Point> points_;
   std::vector<int64_t> last_, net_;  // of each motor, without steps that wait
   std::vector<bool> renew_;          // its clock must be sent again before its next step
-  std::vector<Move> moves_;
+  std::vector<Move> past_, moves_;
   std::vector<Message> within_, behind_;
   std::vector<std::vector<Message>> ahead_;  // directions and clocks belong to the steps after them
 
@@ -77,14 +82,16 @@ class Commits {
   bool moving() const { return next_clock() != kNoMessage; }
   int64_t last_end() const;
 
-  void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin,
-              const std::vector<Move>& moves, const Out& out);
+  // `braking`: with the way of a stop from there, of past_ and moves_.
+  void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin, bool braking,
+              const Out& out);
 
   // Takes the messages up to a clock from those that wait, and splits commands across it.
   void divide(int64_t clock);
 
-  void tail(int64_t clock, const std::vector<int64_t>& origin, const std::vector<Move>& moves,
-            const Out& out);
+  void tail(int64_t clock, const std::vector<int64_t>& origin, const Out& out);
+  // The steps of motor i on this way. Returns their end.
+  double solve_tail(size_t i, int64_t clock, Steps& out);
 };
 
 }  // namespace passo

@@ -13,6 +13,7 @@ StepStream::StepStream(const Machine& machine, bool with_steps, Brake brake)
     : machine_(machine), brake_(std::move(brake)) {
   for (size_t i = 0; with_steps && i < machine_.steppers.size(); ++i) {
     solvers_.emplace_back(machine_, machine_.steppers[i]);
+    filtered_.emplace_back(machine_, machine_.steppers[i]);
     compressors_.emplace_back(machine_, machine_.steppers[i], uint16_t(i));
   }
   for (size_t i = 0; i < machine_.boards; ++i) {
@@ -53,10 +54,20 @@ void StepStream::solve(const Piece& piece) {
   for (size_t i = 0; i < solvers_.size(); ++i) solvers_[i].solve(piece, compressors_[i].steps());
 }
 
-void StepStream::solve(const std::vector<Move>& moves) {
+void StepStream::solve(const std::vector<Move>& moves, double known, bool last) {
+  if (machine_.filters.on()) {
+    for (size_t i = 0; i < solvers_.size(); ++i)
+      if (!rests_[i]) filtered_[i].solve(moves, known, last, solvers_[i], compressors_[i].steps());
+    return;
+  }
   for (size_t i = 0; i < solvers_.size(); ++i)
     if (!rests_[i])
       for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
+}
+
+void StepStream::restart_filters(double clock, const std::vector<Move>& past) {
+  for (size_t i = 0; i < solvers_.size(); ++i)
+    if (!rests_[i]) filtered_[i].restart(clock, past, solvers_[i]);
 }
 
 void StepStream::compress(double clock, bool still) {

@@ -11,6 +11,7 @@
 #include "machine/machine.hpp"
 #include "steps/commits.hpp"
 #include "steps/compressor.hpp"
+#include "steps/filtered_solver.hpp"
 #include "steps/message_queue.hpp"
 #include "steps/step_solver.hpp"
 
@@ -58,7 +59,11 @@ class StepStream {
   void renew();
 
   void solve(const Piece& piece);
-  void solve(const std::vector<Move>& moves);
+  // The steps of moves, as far as they are certain when all moves up to `known` are; `last`: the
+  // machine comes to rest after them.
+  void solve(const std::vector<Move>& moves, double known, bool last);
+  // After a cut at `clock`: filters continue after the moves `past`.
+  void restart_filters(double clock, const std::vector<Move>& past);
   // Makes commands of steps: no further one comes before `clock`; `still`: none is under way there.
   void compress(double clock, bool still);
   // An output's value, from `ticks` on. Returns its clock, which is not before the messages handed
@@ -105,8 +110,9 @@ class StepStream {
   const Machine& machine_;
   Brake brake_;
   std::vector<StepSolver> solvers_;
-  std::vector<bool> rests_;         // motors that make no step of later moves
-  std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
+  std::deque<FilteredSolver> filtered_;  // of the same motors, used while filters are on
+  std::vector<bool> rests_;              // motors that make no step of later moves
+  std::vector<int64_t> set_apart_;       // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
   std::deque<MessageQueue> messages_;  // by board
   MessageQueue outputs_;

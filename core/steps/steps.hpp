@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <deque>
 #include <vector>
 
 #include "base/uninitialised_vector.hpp"
@@ -43,6 +44,32 @@ struct Steps {
       if (w.first > from) w.first = std::max(w.first - std::min(n, w.first), from);
     while (widenings.size() > 1 && widenings[1].first <= 1) widenings.erase(widenings.begin());
   }
+};
+
+// Tolerances by clock, for steps that are solved apart from the moves that they belong to.
+class TimedTolerances {
+ public:
+  void add(double ticks, double tolerance) {
+    if (tolerance == last_) return;
+    changes_.push_back({ticks, last_ = tolerance});
+    if (changes_.size() == 1) next_ = ticks;
+  }
+  // The next steps in `out` are due from `ticks` on.
+  void apply(double ticks, Steps& out) {
+    if (ticks < next_) [[likely]]
+      return;
+    for (; !changes_.empty() && changes_.front().ticks <= ticks; changes_.pop_front())
+      out.set_tolerance(changes_.front().tolerance);
+    next_ = changes_.empty() ? kNever : changes_.front().ticks;
+  }
+
+ private:
+  struct Change {
+    double ticks, tolerance;
+  };
+  static constexpr double kNever = 1e300;
+  std::deque<Change> changes_;
+  double last_ = 0, next_ = kNever;
 };
 
 }  // namespace passo

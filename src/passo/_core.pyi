@@ -1257,6 +1257,9 @@ class Motion:
 
     def set_accel(self, accel: float, live: bool = True) -> None: ...
 
+    def set_advance(self, extruder: int, seconds: float) -> None:
+        """Pressure advance of moves to come."""
+
     @property
     def clock(self) -> float:
         """End of the last settled move, ticks."""
@@ -1829,6 +1832,30 @@ class Job:
     def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]], fade: tuple[float, float, float] | None = None) -> None:
         """
         What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. With a `fade` of start, end and target, mm: in full up to the start in Z, then evenly less, until the target alone is added from the end on. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
+        """
+
+    def set_shaper(self, axis: int, impulses: Sequence[tuple[float, float]]) -> None:
+        """
+        The shaper of X, Y or Z while the machine stands: (weight, seconds) of each impulse; none: the axis is not shaped.
+        """
+
+    def set_smoothing(self, extruder: int, half_s: float) -> None:
+        """
+        Half of the width over which an advance is smoothed, s, while the machine stands; 0: the extruder has no advance.
+        """
+
+    def smoothing(self, extruder: int) -> float:
+        """What set_smoothing has set, s."""
+
+    def set_advance(self, extruder: int, seconds: float) -> None:
+        """Pressure advance of the moves that follow."""
+
+    def pressure_advance(self, extruder: int) -> float:
+        """What set_advance has set, s."""
+
+    def use_filters(self, on: bool) -> None:
+        """
+        Shapers and advance act from now on, or do not; only while the machine stands.
         """
 
     def plan_z(self, x: float, y: float, height: float) -> float:

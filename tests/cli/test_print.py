@@ -44,7 +44,7 @@ def test_the_example_on_the_i3(capsys, unpacked):
 
 GOLDEN = {
     ("demo", "i3"): "cd534b5fa7fabc46",
-    ("gear_arcs", "mk3s"): "eaa9b37e5604e29f",
+    ("gear_arcs", "mk3s"): "45a56f91535fa0dc",
     ("plate_toolchanger", "dual-extruder"): "79c65a015ad8b038",
 }
 
@@ -63,6 +63,7 @@ def test_arcs_and_warnings(capsys, unpacked):
         "G80 is unknown and was skipped (1 time)",
         "M205: X Y Z E have no effect, because the machine's corners use the junction deviation (J)"
         " (1 time)",
+        "M900: K30 is of Linear Advance 1.0 and has no effect (1 time)",
     ]
 
 

@@ -18,7 +18,6 @@ def s():
 
 
 NOTES = {
-    "M900 K0.2": "M900 does nothing here. Passo has no linear advance yet.",
     "M300 S440 P200": "M300 does nothing here. The machine file has no [beeper].",
     "M413 S0": "M413 does nothing here. A print can always be resumed",
     "M202 X1000": "M202 does nothing here. M201 limits the axes in every move, M204 T all travel.",
@@ -58,21 +57,21 @@ def test_a_frequency_sets_no_speed_of_a_fan(s):
 
 def test_a_note_is_no_failure(s):
     s.host.ok("M932")
-    s.host.ok("M900 K0.2")
+    s.host.ok("M907 X500")
     assert s.host.ok("M105")[0].startswith("ok T:")
 
 
 def test_a_file_tells_its_notes_once(tmp_path):
-    (tmp_path / "a.g").write_text("M900 K0\nM900 K0.1\nM300\n" * 3)
+    (tmp_path / "a.g").write_text("M907 X1\nM907 X2\nM300\n" * 3)
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
         s.host.expect("^Done printing file$", 5)
         told = [x for x in s.host.heard if "does nothing here" in x]
-        assert [x.split()[0] for x in told] == ["echo:M900", "echo:M300"]
+        assert [x.split()[0] for x in told] == ["echo:M907", "echo:M300"]
 
 
 def test_a_print_without_consoles_is_warned_of_what_is_not_built(tmp_path, capsys):
-    (tmp_path / "a.gcode").write_text("G28\nG29\nG29\nM900 K1\nG1 X10 F6000\n")
+    (tmp_path / "a.gcode").write_text("G28\nG29\nG29\nM907 X1\nG1 X10 F6000\n")
     assert main(["print", str(tmp_path / "a.gcode"), "--levelling", "skip"]) == 0
     said = capsys.readouterr()
     assert (

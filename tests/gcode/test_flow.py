@@ -36,6 +36,7 @@ def test_each_extruder_has_its_own():
         "extruders": [spec("i3")["extruders"][0], spec("i3")["extruders"][0] | {"name": "e1"}],
         "tools": [{"extruder": 0, "offset": [0.0] * 3}, {"extruder": 1, "offset": [0.0] * 3}],
     }
+    del two["filters"]
     text = "M83\nM221 E1 F0.5\nG1 X1 E2\nT1\nG1 X2 E2\nT0\nG1 X3 E2\nM221 E0 F2\nG1 X4 E2\n"
     job = job_of(text, two)
     assert lengths(job.take_moves()) == [2, 1, 2, 4]

@@ -15,6 +15,13 @@ _SETTINGS = (
     (re.compile(r"limits\.travel_accel_mm_s2"), "M204", "T"),
     (re.compile(r"limits\.retract_accel_mm_s2"), "M204", "R"),
     (re.compile(r"limits\.junction_deviation_mm"), "M205", "J"),
+    (re.compile(r"extruders\.e\.advance_s"), "SET_PRESSURE_ADVANCE", "ADVANCE="),
+    (re.compile(r"extruders\.e\.advance_smooth_s"), "SET_PRESSURE_ADVANCE", "SMOOTH_TIME="),
+    *(
+        (re.compile(rf"shaping\.{axis}\.{key}"), "SET_INPUT_SHAPER", f"{word}_{axis.upper()}=")
+        for axis in "xyz"
+        for key, word in (("frequency_hz", "SHAPER_FREQ"), ("damping", "DAMPING_RATIO"))
+    ),
     (re.compile(r"limits\.speed_mm_s"), "SET_VELOCITY_LIMIT", "VELOCITY="),
     (re.compile(r"limits\.minimum_cruise_ratio"), "SET_VELOCITY_LIMIT", "MINIMUM_CRUISE_RATIO="),
 )

@@ -32,6 +32,7 @@ from passo.config.origins import Origins
 from passo.config.probing_checks import check_probe
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
+from passo.config.shaping_checks import check_shaping
 from passo.config.toml_lines import Path, line_of
 from passo.errors import ConfigError, Problem
 
@@ -167,6 +168,7 @@ def _machine(text: str, file: str) -> Loaded:
             *check_park(machine),
             *check_scales(machine),
             *check_probe(machine),
+            *check_shaping(machine),
         ]
         findings += check_sensors(machine)
     origins = Origins(file, text, tuple(sources))

@@ -12,11 +12,32 @@ from passo.config.electronics import Beeper, Fans, Laser, PowerSupply
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.macros import DelayedGcode, Macro
-from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
+from passo.config.motion import (
+    SMOOTH_TIME_S,
+    Axis,
+    Extruder,
+    Idle,
+    Limits,
+    Park,
+    Shaping,
+    Stepper,
+    Steppers,
+    Tool,
+)
 from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.pin_names import MAIN, placed
 from passo.config.probing import Levelling, Simulated
-from passo.config.types import AxisName, CommandName, ExtruderName, Model, Name, Pair, Uuid
+from passo.config.shapers import impulses
+from passo.config.types import (
+    AxisName,
+    CommandName,
+    ExtruderName,
+    Model,
+    Name,
+    Pair,
+    ShapedAxis,
+    Uuid,
+)
 from passo.geometry.base import Point
 from passo.geometry.registry import AnyGeometry
 from passo.probes.registry import AnyProbe
@@ -60,6 +81,8 @@ class MachineConfig(Model):
     """What T0, T1, … select, in this order. Without tools, one for each extruder."""
     limits: Limits = Field(default_factory=Limits)
     """Limits of the path: accelerations, speed, corners."""
+    shaping: dict[ShapedAxis, Shaping] = {}
+    """The input shapers of X, Y and Z."""
     homing: dict[Name, Homing] = {}
     """How an axis, a carriage or an arm is homed. An axis without this table has no endstop."""
     park: Park | None = Field(default_factory=Park)
@@ -237,6 +260,7 @@ class MachineConfig(Model):
             "geometry": self.geometry.spec(),
             "steppers": self._steppers_spec(),
             "limits": self._limits_spec(),
+            "filters": self._filters_spec(),
             "budget": self._budget_spec(),
             "laser": self._laser_spec(),
             "boards": 1 + len(self.boards),
@@ -328,6 +352,15 @@ class MachineConfig(Model):
             "most_w": min(laser.max_power_w or laser.power_w, laser.power_w),
         }
 
+    def _filters_spec(self) -> dict[str, Any]:
+        shapers = [self.shaping.get(name) for name in "xyz"]
+        extruders = self.extruders.values()
+        return {
+            "shapers": [impulses(s.type, s.frequency_hz, s.damping) if s else [] for s in shapers],
+            "smooth_s": [half_smooth_s(extruder) for extruder in extruders],
+            "advance_s": [extruder.advance_s or 0.0 for extruder in extruders],
+        }
+
     def _limits_spec(self) -> dict[str, Any]:
         limits = self.limits
         plane = min(self.axes["x"].accel_mm_s2, self.axes["y"].accel_mm_s2)
@@ -343,6 +376,12 @@ class MachineConfig(Model):
             "minimum_cruise_ratio": limits.minimum_cruise_ratio,
             "least_speed_gain": limits.least_speed_gain,
         }
+
+
+def half_smooth_s(extruder: Extruder) -> float:
+    """Half of the width over which an advance is smoothed, s; 0 if the file gives no advance."""
+    given = extruder.advance_s is not None or extruder.advance_smooth_s is not None
+    return (extruder.advance_smooth_s or SMOOTH_TIME_S) / 2 if given else 0.0
 
 
 def _first(*values: float | None, default: float) -> float:

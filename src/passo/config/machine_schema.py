@@ -16,7 +16,12 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
 # Where a table is, in keys of which `setting_of` knows; others act after a restart.
-_PATHS = {"Axis": "axes.x", "Extruder": "extruders.e", "Limits": "limits"}
+_PATHS = {
+    "Axis": "axes.x",
+    "Extruder": "extruders.e",
+    "Limits": "limits",
+    "Shaping": "shaping.x",
+}
 # Required keys that the board's file may give.
 _OF_THE_BOARD = ((Heater, ("pin", "sensor_pin")), (Fan, ("pin",)))
 

@@ -7,6 +7,13 @@ from typing import Annotated, Any, Literal, cast
 from pydantic import Field, model_validator
 
 from passo.config.drivers import DRIVERS, DriverName, DriverTimes
+from passo.config.shapers import (
+    DEFAULT_DAMPING,
+    DEFAULT_TYPE,
+    MAX_HZ,
+    MIN_HZ,
+    ShaperType,
+)
 from passo.config.trinamic import Tmc
 from passo.config.types import (
     Acceleration,
@@ -25,6 +32,10 @@ from passo.config.types import (
 )
 
 MICROSTEPS = 16
+MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S = 10.0, 0.04, (0.005, 0.2)
+Advance = Annotated[float, Field(ge=0, le=MAX_ADVANCE_S)]
+SmoothTime = Annotated[float, Field(ge=SMOOTH_TIMES_S[0], le=SMOOTH_TIMES_S[1])]
+Damping = Annotated[float, Field(ge=0, le=0.99)]
 
 
 class Axis(Model):
@@ -71,6 +82,24 @@ class Extruder(Model):
     """The maximum acceleration of the filament."""
     jerk_mm_s: Jerk = 1.0
     """The maximum instant change of speed at a corner."""
+    advance_s: Advance | None = None
+    """Pressure advance (M900, M572): how far ahead of its position the filament is, in mm for each
+    mm/s of its speed. If neither this nor `advance_smooth_s` is given, the first M900 of a print
+    waits until the moves before it are done."""
+    advance_smooth_s: SmoothTime | None = None
+    """The time over which the advance is smoothed, as Klipper's smooth time: the width of a
+    triangle. If not given, 0.04 s."""
+
+
+class Shaping(Model):
+    """The input shaper of an axis, which cancels the vibration of what the axis moves (M593)."""
+
+    type: ShaperType = DEFAULT_TYPE
+    """The type: a longer one tolerates a wrong frequency better, and rounds corners more."""
+    frequency_hz: Annotated[float, Field(ge=MIN_HZ, le=MAX_HZ)]
+    """The frequency of the vibration."""
+    damping: Damping = DEFAULT_DAMPING
+    """The damping ratio of the vibration."""
 
 
 class Tool(Model):

@@ -23,13 +23,14 @@ PATTERNS = {
     " a name in board.pins",
     r"^[A-Z]$": "one capital letter",
     r"^[xyzabcuvw]$": "an axis: x, y, z, a, b, c, u, v or w",
+    r"^[xyz]$": "an axis: x, y or z",
     r"^e[0-9]*$": "an extruder: e, e1, e2, …",
     r"^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$": "a UUID such as `uuidgen` prints",
     r"^([A-Z_][A-Z_][A-Z0-9_.]*|[GMT](0|[1-9][0-9]{0,4})(\.[1-9])?)$": "a command in capital"
     " letters, such as START_PRINT, M600 or T0",
     r"^[a-z_][a-z0-9_]*$": "a name of lower-case letters, digits and _",
 }
-NAME, PIN, LETTER, AXIS, EXTRUDER, UUID, COMMAND, VARIABLE = PATTERNS
+NAME, PIN, LETTER, AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE = PATTERNS
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -46,6 +47,7 @@ Name = Annotated[str, Field(pattern=NAME)]
 Pin = Annotated[str, Field(pattern=PIN)]
 Letter = Annotated[str, Field(pattern=LETTER)]
 AxisName = Annotated[str, Field(pattern=AXIS)]
+ShapedAxis = Annotated[str, Field(pattern=SHAPED)]
 ExtruderName = Annotated[str, Field(pattern=EXTRUDER)]
 Uuid = Annotated[str, Field(pattern=UUID)]
 CommandName = Annotated[str, Field(pattern=COMMAND)]

@@ -64,6 +64,10 @@ class SettingsCommands:
         yield "Acceleration (units/s2)", [limits.acceleration_line()]
         yield "Corners", limits.junction_lines()
         yield "Speed of the path (units/s), share of cruise", [limits.velocity_line()]
+        filters = self._printer.commands.filters
+        yield "Input shapers", filters.shaper_lines()
+        if self._printer.machine.extruders:
+            yield "Pressure advance", filters.advance_lines()
         yield "Home offset", [motion.home_offset_line()]
         if job.tool_offsets:
             yield "Tool offsets", list(motion.tool_offset_lines())

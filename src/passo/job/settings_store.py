@@ -33,6 +33,7 @@ _NAMING = {
     "M666": "S",
     "M906": "IT",
     "SET_PROBE_POINT": "N=",
+    "SET_PRESSURE_ADVANCE": "EXTRUDER=",
 }
 
 

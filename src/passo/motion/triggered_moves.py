@@ -35,20 +35,32 @@ class Interrupts(Protocol):
 class TriggeredMoves:
     """Carries out triggered moves of one printer, for the caller that holds the motion lock.
 
-    `active`: homing or probing is in progress. `starts` are called before the endstops are needed.
+    `starts` are called before the endstops are needed.
     """
 
     def __init__(self, rig: Rig, interrupts: Interrupts) -> None:
         self._rig, self._interrupts = rig, interrupts
         self._order = [row["name"] for row in rig.machine.core_spec()["steppers"]]
-        self.active = False
+        self._active = False
         self.starts: list[Callable[[], None]] = []
         self.begin()
 
     def begin(self) -> None:
         """The boards have been replaced."""
         self.endstops = Endstops(self._rig.connection)
-        self.active = False
+        self._active = False
+
+    @property
+    def active(self) -> bool:
+        """Homing or probing is under way. Nothing is filtered meanwhile: where a switch stops the
+        motors, they have to be where the plan is. To be set while the machine is idle."""
+        return self._active
+
+    @active.setter
+    def active(self, active: bool) -> None:
+        self._active = active
+        if not self._interrupts.halted:
+            self._rig.job.use_filters(not active)
 
     @contextmanager
     def prepared(self) -> Generator[None]:

@@ -23,7 +23,9 @@ _HEAD_BYTES = 1 << 16  # of the file, to recognise it
 _LONGEST = 1 << 16  # maximum bytes of a record
 _CHANGE = "change"  # key of a record that is not a moment
 # Settings that change the meaning of a program; heaters, drivers and times do not.
-_MEANING = re.compile("(?:M(?:92|20[0-9]|218|302|603)|SET_VELOCITY_LIMIT) ")
+_MEANING = re.compile(
+    "(?:M(?:92|20[0-9]|218|302|603)|SET_(?:VELOCITY_LIMIT|INPUT_SHAPER|PRESSURE_ADVANCE)) "
+)
 
 
 Change = tuple[int, list[str]]  # bytes of the file, and the commands that act after them

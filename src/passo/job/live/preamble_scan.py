@@ -62,6 +62,7 @@ class PreambleScan:
         self.job = job = _core.Job(machine.core_spec(), False, False, False)
         reader.seek(0)
         prepare(job, survey(machine, iter(partial(reader.read, _CHUNK), b"")), "", ALL)
+        self._rest = at_rest(job)
         self.commands = _Observed.of_plan(machine, job)
         self.commands.set_points.take_tool_temperatures(printer.commands.set_points)
         self.settings: list[str] = []
@@ -70,13 +71,12 @@ class PreambleScan:
         self._known = set[str]()  # axes that were homed, and not switched off since
         self._set_up(program)
         self.commands.observer = self._observe
-        rest = at_rest(job)
 
         def settle(wait: Wait) -> None:
             if isinstance(wait, WaitForHoming):
                 self._home(wait.letters)
             else:
-                rest(wait)
+                self._rest(wait)
 
         pieces = self._pieces(
             [
@@ -89,6 +89,8 @@ class PreambleScan:
         )
         while not self._read(pieces, settle):
             pass
+        held = list(printer.commands.filters.lines())
+        self.settings += (line for line in self.commands.filters.lines() if line not in held)
 
     def _read(self, pieces: Iterator[bytes], settle: Settle) -> bool:
         """Reads to the end; False if a line fails. The print was stopped there, and continued after
@@ -123,7 +125,9 @@ class PreambleScan:
         for line in lines:
             job.feed(line.encode() + b"\n")
             while job.advance() == _core.JobStatus.EVENT:
-                self.commands.run(Command(*job.event))
+                wait = self.commands.run(Command(*job.event))
+                if wait is not None:
+                    self._rest(wait)
         job.plain = False
         job.select(False)
 

@@ -9,6 +9,7 @@ from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Role, commands_of, row_of
 from passo.printer.commands.klipper_commands import KlipperCommands
 from passo.printer.commands.limits import Limits
+from passo.printer.commands.motion_filters import MotionFilters
 from passo.printer.commands.outputs import Outputs
 from passo.printer.commands.plan import Plan, PlanAhead
 from passo.printer.commands.program_flow import ProgramFlow, by_interpreter
@@ -33,6 +34,7 @@ _PARTS = {
     "set_points": SetPoints,
     "outputs": Outputs,
     "limits": Limits,
+    "filters": MotionFilters,
     "factors": SpeedAndFlow,
     "klipper": KlipperCommands,
     "macros": Macros,
@@ -90,6 +92,7 @@ class Commands:
         self.flow = ProgramFlow(machine, job, self.outputs, self.omitted)
         self.set_points = SetPoints(machine, job, heat)
         self.limits = Limits(machine, job, plan)
+        self.filters = MotionFilters(machine, job)
         self.factors = SpeedAndFlow(machine, job, plan)
         self.klipper = KlipperCommands(machine, job)
         self.skips = ALL  # what a print without consoles may leave out

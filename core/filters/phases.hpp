@@ -1,0 +1,137 @@
+// The planned law of one axis: phases in which its position is a quadratic of time.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "plan/move.hpp"
+
+namespace passo {
+
+inline constexpr double kNeverTicks = 1e300;
+typedef double Two __attribute__((vector_size(16)));  // two doubles, added and scaled at once
+
+// Phase k begins at t[k] with position q, speed v and acceleration a, in steps and ticks. `change`
+// is what is different there from the phase before it, as that one ends by these numbers: a clock
+// has 6e-5 ticks at the end of a long print, so the position changes by a trifle at each move, and
+// sums over many breakpoints would drift without it. After the last phase stands t = kNeverTicks.
+class Phases {
+ public:
+  struct Change {
+    Two place;  // of q and of v
+    Two rate;   // of a; 1 if the new phase is a standstill, else 0
+  };
+  // What is advanced, of an extruder: the speed by the seconds of advance of its moves.
+  struct Advanced {
+    double y, slope;     // at the begin of the phase
+    double dy, d_slope;  // against the phase before it, as that one ends
+  };
+  std::vector<double> t, q, v, a;
+  std::vector<Change> change;
+  std::vector<Advanced> advanced;  // empty if it has no advance
+  std::vector<uint8_t> stands;
+
+  explicit Phases(bool advances = false) : advances_(advances) { reserve(kSmallest); }
+
+  // The axis stands at q0, and has done so for ever. A breakpoint of an axis that stands is left
+  // out if it is later than `span` ticks after the one before it.
+  void begin(double q0, double span) {
+    span_ = span;
+    t[0] = -span, q[0] = q0, v[0] = a[0] = 0;
+    stands[0] = 1;
+    if (advances_) advanced[0] = {0, 0, 0, 0};
+    end_ = -kNeverTicks;
+    at_end_ = q0;
+    end_with_never(1);
+  }
+  // From p0 to p1 steps along a move, with `advance` ticks. Phases from `until` on are left out.
+  void add(const Move& m, double p0, double p1, double hz, double advance, double until) {
+    const double u = (p1 - p0) / m.d, w = u / hz, ww = w / hz;
+    if (m.start > end_ + 0.5) stand();  // there was a pause
+    advance_ = advance;
+    fresh_ = true;
+    double at = m.start, way = 0;
+    phase(at, until, p0, w * m.v0, ww * m.a, m.t_acc);
+    if (m.t_acc > 0) at += m.t_acc, way = m.d_acc;
+    phase(at, until, p0 + u * way, w * m.vc, 0, m.t_cru);
+    if (m.t_cru > 0) at += m.t_cru, way += m.d_cru;
+    phase(at, until, p0 + u * way, w * m.vc, -ww * m.b, m.t_dec);
+    end_ = m.end();
+    at_end_ = p1;
+    if (end_ > until) {
+      at_end_ = p0 + u * m.along(until - m.start, hz).first;
+      end_ = until;
+    }
+  }
+  // The law is known up to `clock`, and goes on from there.
+  void resume(double clock) {
+    if (clock > end_ + 0.5) stand();
+    end_ = std::max(end_, clock);
+  }
+  // The axis stands at the end of the last move.
+  void stand() {
+    advance_ = 0;
+    if (!stands[n_ - 1]) write(end_, at_end_, 0, 0);
+  }
+  double at_end() const { return at_end_; }
+
+  // Phases before number k are no longer needed. Returns by how much the numbers of the others
+  // have become less.
+  size_t drop(size_t k) {
+    if (k < kDropped) return 0;
+    for (auto* x : {&t, &q, &v, &a}) shift(*x, k, n_ + 1 - k);
+    shift(change, k, n_ + 1 - k);
+    shift(stands, k, n_ - k);
+    if (advances_) shift(advanced, k, n_ + 1 - k);
+    n_ -= k;
+    return k;
+  }
+
+ private:
+  static constexpr size_t kSmallest = 256, kDropped = 2048;
+  bool advances_, fresh_ = false;  // fresh_: the next phase is the first one of its move
+  size_t n_ = 0;
+  double span_ = 0, end_ = 0, at_end_ = 0, advance_ = 0;
+
+  template <class T>
+  static void shift(std::vector<T>& x, size_t k, size_t n) {
+    std::memmove(static_cast<void*>(x.data()), x.data() + k, n * sizeof(T));
+  }
+  void reserve(size_t size) {
+    for (auto* x : {&t, &q, &v, &a}) x->resize(size);
+    change.resize(size);
+    stands.resize(size);
+    if (advances_) advanced.resize(size);
+  }
+  void end_with_never(size_t n) {
+    n_ = n;
+    t[n] = kNeverTicks;
+    change[n] = {Two{0, 0}, Two{0, 0}};
+    if (advances_) advanced[n] = {0, 0, 0, 0};
+  }
+  void phase(double at, double until, double q_, double v_, double a_, double ticks) {
+    if (!(ticks > 0) || at >= until) return;
+    const bool idle = v_ == 0 && a_ == 0 && stands[n_ - 1];
+    if (!(idle && (!fresh_ || at - t[n_ - 1] > span_))) write(at, q_, v_, a_);
+    fresh_ = false;
+  }
+  void write(double at, double q_, double v_, double a_) {
+    if (n_ + 2 > t.size()) reserve(2 * t.size());
+    const size_t b = n_ - 1;
+    const double d = stands[b] ? 0 : at - t[b];
+    const uint8_t rests = v_ == 0 && a_ == 0;
+    t[n_] = at, q[n_] = q_, v[n_] = v_, a[n_] = a_;
+    stands[n_] = rests;
+    change[n_] = {Two{q_ - (q[b] + d * (v[b] + 0.5 * a[b] * d)), v_ - (v[b] + a[b] * d)},
+                  Two{a_ - a[b], double(rests)}};
+    if (advances_) {
+      const Advanced& before = advanced[b];
+      const double y = advance_ * v_, slope = advance_ * a_;
+      advanced[n_] = {y, slope, y - (before.y + before.slope * d), slope - before.slope};
+    }
+    end_with_never(n_ + 1);
+  }
+};
+
+}  // namespace passo

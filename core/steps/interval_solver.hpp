@@ -1,0 +1,145 @@
+// Step times in intervals in which a motor's position is a quadratic of time.
+#pragma once
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/simd.hpp"
+#include "steps/steps.hpp"
+
+namespace passo {
+
+// A block of intervals in arrays: what they have in common is calculated four at a time, then the
+// steps of each, four at a time too. Step k is where the position crosses k - 1/2.
+//
+// With y the distance from the slower end of an interval, h half of the speed there and c half of
+// the acceleration in the direction of the steps, the time is y / (h + sqrt(h^2 + c y)). It has
+// two forms that need no division for each step, with r = c y / h^2 at the faster end:
+//   r >= kBent: sqrt(h^2 + c y) / c - h / c: a root alone; what cancels is 1 / kBent at most
+//   r <  kBent: the series in y up to r^5 (Catalan's numbers), of which 132 (r/4)^6 is left, 5e-13
+class IntervalSolver {
+ public:
+  // From a standstill at q steps on, or from any position and clock.
+  void begin(double t, double q) {
+    t_[0] = t, q_[0] = q;
+    used_ = 0;
+  }
+  // From the end of the one before. Speeds are those within the interval.
+  void add(double t, double q, double speed0, double speed1, double accel) {
+    t_[used_ + 1] = t, q_[used_ + 1] = q;
+    v0_[used_] = speed0, v1_[used_] = speed1, a_[used_] = accel;
+    if (++used_ == kBlock) flush();
+  }
+  void flush() {
+    if (used_ > 0) flush_all();
+  }
+  // Where the steps go.
+  void into(Steps& out, TimedTolerances& tolerances) { out_ = &out, tolerances_ = &tolerances; }
+  // Steps from 0 to the end of the last interval.
+  int64_t count() const { return int64_t(std::floor(q_[used_] + 0.5)); }
+
+ private:
+  static constexpr size_t kBlock = 256, kSize = kBlock + 8;
+  static constexpr double kBent = 1.0 / 64;
+
+  double t_[kSize], q_[kSize], v0_[kSize], v1_[kSize], a_[kSize];  // t_, q_: of the begins
+  double count_[kSize], steps_[kSize], dir_[kSize], y0_[kSize];
+  double k_[7][kSize], kind_[kSize];  // kind_: 0 no step, 1 series, 2 root, 3 a turn
+  size_t used_ = 0;
+  Steps* out_ = nullptr;
+  TimedTolerances* tolerances_ = nullptr;
+
+  PASSO_SIMD static void prepare(IntervalSolver& s, int n) {
+    for (int i = 0; i < in_fours(n + 1); ++i) s.count_[i] = std::floor(s.q_[i] + 0.5);
+    for (int i = 0; i < in_fours(n); ++i) {
+      const double net = s.count_[i + 1] - s.count_[i], d = net < 0 ? -1.0 : 1.0, steps = net * d;
+      const double s0 = std::fabs(s.v0_[i]), s1 = std::fabs(s.v1_[i]);
+      const double first = s.count_[i] + 0.5 * d;
+      const bool up = s0 <= s1;
+      const double slow = up ? s0 : s1, fast = up ? s1 : s0;
+      const double base = up ? s.t_[i] : s.t_[i + 1], from = up ? s.q_[i] : s.q_[i + 1];
+      const double h = 0.5 * slow, hh = h * h, c = 0.5 * s.a_[i] * d, way = (first - from) * d;
+      const double above = way > 0 ? way : 0.0, below = way < 1 - steps ? way : 1 - steps;
+      const bool bent = fast * fast - slow * slow >= kBent * (slow * slow);
+      const double inverse = 1 / (bent ? c : slow), r = c * (inverse * inverse);
+      // Root: k0 + k1 sqrt(k2 + k3 y). Series: k0 + y (k1 + y (k2 + ...)).
+      const double e2 = -inverse * r, e3 = -2 * e2 * r, e4 = -2.5 * e3 * r, e5 = -2.8 * e4 * r;
+      s.y0_[i] = up ? above : below;
+      s.steps_[i] = steps;
+      s.dir_[i] = d;
+      s.k_[0][i] = bent ? base - h * inverse : base;
+      s.k_[1][i] = inverse;
+      s.k_[2][i] = bent ? hh : e2;
+      s.k_[3][i] = bent ? c : e3;
+      s.k_[4][i] = e4;
+      s.k_[5][i] = e5;
+      s.k_[6][i] = -3 * e5 * r;
+      const double some = bent ? 2.0 : 1.0, any = steps != 0 ? some : 0.0;
+      s.kind_[i] = s.v0_[i] * s.v1_[i] < 0 ? 3.0 : any;
+    }
+  }
+  // What rounding puts beyond an end of the interval, or makes of a standstill, is at that end.
+  PASSO_SIMD static void series(double* __restrict t, int n, const double* k, double y0, double low,
+                                double high) {
+    const double k0 = k[0], k1 = k[kSize], k2 = k[2 * kSize], k3 = k[3 * kSize], k4 = k[4 * kSize],
+                 k5 = k[5 * kSize], k6 = k[6 * kSize];
+    for (int j = 0; j < in_fours(n); ++j) {
+      const double y = y0 + j;
+      double x = k0 + y * (k1 + y * (k2 + y * (k3 + y * (k4 + y * (k5 + y * k6)))));
+      x = x > low ? x : low;
+      t[j] = x < high ? x : high;
+    }
+  }
+  PASSO_SIMD static void root(double* __restrict t, int n, const double* k, double y0, double low,
+                              double high) {
+    const double k0 = k[0], k1 = k[kSize], k2 = k[2 * kSize], k3 = k[3 * kSize];
+    for (int j = 0; j < in_fours(n); ++j) {
+      const double r = k2 + k3 * (y0 + j);
+      double x = k0 + k1 * std::sqrt(r > 0 ? r : 0.0);
+      x = x > low ? x : low;
+      t[j] = x < high ? x : high;
+    }
+  }
+
+  void flush_all() {
+    for (size_t i = used_; i < size_t(in_fours(int(used_))); ++i) {
+      v0_[i] = v1_[i] = a_[i] = 0;
+      q_[i + 1] = q_[used_], t_[i + 1] = t_[used_];
+    }
+    prepare(*this, int(used_));
+    for (size_t i = 0; i < used_; ++i) {
+      if (kind_[i] == 0) continue;
+      tolerances_->apply(t_[i], *out_);
+      if (kind_[i] == 3) [[unlikely]] {
+        turn(i);
+        continue;
+      }
+      const int steps = int(steps_[i]);
+      double* to = out_->extend(size_t(steps), int(dir_[i]));
+      (kind_[i] == 1 ? series : root)(to, steps, &k_[0][i], y0_[i], t_[i], t_[i + 1]);
+    }
+    t_[0] = t_[used_], q_[0] = q_[used_];
+    used_ = 0;
+  }
+
+  // The speed changes its sign: to the turn, then from it, both from the turn outward.
+  void turn(size_t i) {
+    const double u = -v0_[i] / a_[i], top = q_[i] + 0.5 * v0_[i] * u, at = t_[i] + u;
+    const double middle = std::floor(top + 0.5);
+    part(count_[i], middle, top, at, -1, i);
+    part(middle, count_[i + 1], top, at, 1, i);
+  }
+  void part(double from, double to, double top, double at, double sign, size_t i) {
+    const double net = to - from, d = net < 0 ? -1.0 : 1.0;
+    const int steps = int(net * d);
+    if (steps == 0) return;
+    double* t = out_->extend(size_t(steps), int(d));
+    for (int j = 0; j < steps; ++j) {
+      const double y = (from + (0.5 + double(j)) * d - top) * 2 / a_[i];
+      const double x = at + sign * std::sqrt(y > 0 ? y : 0.0);
+      t[j] = std::min(std::max(x, t_[i]), t_[i + 1]);
+    }
+  }
+};
+
+}  // namespace passo

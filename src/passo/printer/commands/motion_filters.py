@@ -1,0 +1,300 @@
+"""M593, M900, M572 and their names in Klipper: input shapers and pressure advance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.config.machine import half_smooth_s
+from passo.config.motion import MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S
+from passo.config.shapers import (
+    DEFAULT_DAMPING,
+    DEFAULT_TYPE,
+    MAX_DAMPING,
+    MAX_HZ,
+    MIN_HZ,
+    SHAPER_TYPES,
+    ShaperType,
+    impulses,
+)
+from passo.errors import CommandError
+from passo.gcode.command import Command, numeral
+from passo.gcode.registry import Subject, When, command
+from passo.printer.commands.extruder_words import extruder_of
+from passo.printer.wait_requests import Wait, WaitForMoves
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.printer.wait_requests import Reply
+
+_AXES = "XYZ"
+_ADVANCES = f"0 to {MAX_ADVANCE_S:g} s"
+_SMOOTH_TIMES = "{:g} to {:g} s".format(*SMOOTH_TIMES_S)
+_FREQUENCIES = f"0 (off), or {MIN_HZ:g} to {MAX_HZ:g} Hz"
+
+
+@dataclass(frozen=True, slots=True)
+class Shaper:
+    """The shaper of one axis; with 0 Hz the axis is not shaped."""
+
+    kind: ShaperType = DEFAULT_TYPE
+    frequency_hz: float = 0.0
+    damping: float = DEFAULT_DAMPING
+
+
+class MotionFilters:
+    """The filters of one job. A shaper, and the time over which an advance is smoothed, change when
+    the moves before the command are done; an advance acts from the next move on, without a stop."""
+
+    def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
+        self._machine, self._job = machine, job
+        self.shapers = {letter: Shaper() for letter in _AXES}
+        for name, given in machine.shaping.items():
+            self.shapers[name.upper()] = Shaper(given.type, given.frequency_hz, given.damping)
+        self._extruders = list(machine.extruders)
+        halves = [half_smooth_s(extruder) for extruder in machine.extruders.values()]
+        self.smooth_s = [2 * half or SMOOTH_TIME_S for half in halves]
+        self._smooths = [half > 0 for half in halves]
+
+    # -- shapers ----------------------------------------------------------------------------------
+
+    @command(
+        "M593",
+        Subject.SPEED,
+        When.PLANNED,
+        'X Y Z F(Hz) D S P"type"',
+        "Sets the input shaper of axes, X and Y if none is named: the frequency (F0: none), the"
+        " damping ratio (D or S) and the type (" + ", ".join(SHAPER_TYPES) + "). The machine stops"
+        " for a change.",
+        bare="XYZP",
+    )
+    def _shape(self, command: Command, reply: Reply) -> Wait | None:
+        words, letters = command.words(), command.letters()
+        named = [letter for letter in _AXES if letter in letters]
+        text = next((t for k, _, t in _core.split_text(command.text) if k == "P"), None)
+        damping = words.get("D", words.get("S"))
+        if text is None and damping is None and "F" not in words:
+            for line in self.shaper_lines():
+                reply.say(line)
+            return None
+        changed: dict[str, Shaper] = {}
+        for axis in named or _AXES[:2]:
+            changed[axis] = _shaper(self.shapers[axis], text, words.get("F"), damping)
+        return self._set_shapers(changed)
+
+    @command(
+        "SET_INPUT_SHAPER",
+        Subject.SPEED,
+        When.PLANNED,
+        "SHAPER_FREQ_X SHAPER_FREQ_Y SHAPER_FREQ_Z SHAPER_TYPE SHAPER_TYPE_X SHAPER_TYPE_Y"
+        " SHAPER_TYPE_Z DAMPING_RATIO_X DAMPING_RATIO_Y DAMPING_RATIO_Z",
+        "Sets input shapers, as M593.",
+        bare=None,
+    )
+    def _shape_by_names(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        if not pairs:
+            for line in self.shaper_lines():
+                reply.say(line)
+            return None
+        changed: dict[str, Shaper] = {}
+        for axis in _AXES:
+            kind = pairs.get(f"SHAPER_TYPE_{axis}", pairs.get("SHAPER_TYPE"))
+            frequency = _number(pairs, f"SHAPER_FREQ_{axis}")
+            damping = _number(pairs, f"DAMPING_RATIO_{axis}")
+            if frequency is None and damping is None and kind is None:
+                continue
+            changed[axis] = _shaper(self.shapers[axis], kind, frequency, damping)
+        return self._set_shapers(changed)
+
+    def _set_shapers(self, changed: dict[str, Shaper]) -> Wait | None:
+        changed = {axis: new for axis, new in changed.items() if new != self.shapers[axis]}
+        for new in changed.values():
+            if new.frequency_hz > 0 and self._machine.laser is not None:
+                limit = "0, as the power of the laser of this machine follows the plan"
+                raise CommandError.bad_value("frequency", new.frequency_hz, limit)
+        self.shapers |= changed
+        if not changed:
+            return None
+
+        def apply() -> None:
+            for axis, new in changed.items():
+                shapes = new.frequency_hz > 0
+                found = impulses(new.kind, new.frequency_hz, new.damping) if shapes else []
+                self._job.set_shaper(_AXES.index(axis), found)
+
+        return WaitForMoves(apply)
+
+    def shaper_lines(self) -> list[str]:
+        """SET_INPUT_SHAPER for each axis with what holds now."""
+        return [
+            f"SET_INPUT_SHAPER SHAPER_FREQ_{axis}={numeral(shaper.frequency_hz)}"
+            f" SHAPER_TYPE_{axis}={shaper.kind} DAMPING_RATIO_{axis}={numeral(shaper.damping)}"
+            for axis, shaper in self.shapers.items()
+        ]
+
+    # -- pressure advance -------------------------------------------------------------------------
+
+    @command(
+        "M900",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "K(s) T",
+        "Sets the pressure advance of an extruder, the tool's in use if T names none.",
+    )
+    def _advance(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        extruder = self._extruder(extruder_of(self._machine, words, self._job.tool))
+        if "K" not in words:
+            if extruder is not None:
+                reply.say(f"Advance K={self._job.pressure_advance(extruder):g}")
+            return None
+        if words["K"] > MAX_ADVANCE_S:  # slicers send both for firmwares of both kinds
+            reply.note("M900", f"M900: K{words['K']:g} is of Linear Advance 1.0 and has no effect")
+            return None
+        _within("K", words["K"], 0.0, MAX_ADVANCE_S, _ADVANCES)
+        return None if extruder is None else self._set_advance(extruder, words["K"])
+
+    @command(
+        "M572",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "D S(s)",
+        "Sets the pressure advance (S) of the extruder D, 0 if it is not given.",
+    )
+    def _advance_of_drive(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        drive = words.get("D", 0.0)
+        if drive not in range(len(self._extruders)):
+            raise CommandError.bad_value("D", drive, f"an extruder below {len(self._extruders)}")
+        if "S" not in words:
+            advance = self._job.pressure_advance(int(drive))
+            reply.say(f"Extruder {int(drive)} pressure advance: {advance:g} s")
+            return None
+        _within("S", words["S"], 0.0, MAX_ADVANCE_S, _ADVANCES)
+        return self._set_advance(int(drive), words["S"])
+
+    @command(
+        "SET_PRESSURE_ADVANCE",
+        Subject.FILAMENT,
+        When.PLANNED,
+        "EXTRUDER ADVANCE SMOOTH_TIME",
+        "Sets the pressure advance of an extruder and the time over which it is smoothed, in s. For"
+        " a change of SMOOTH_TIME the machine stops.",
+        bare=None,
+    )
+    def _advance_by_name(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        extruder = self._named(pairs.get("EXTRUDER"))
+        if extruder is None:
+            return None
+        advance, smooth = _number(pairs, "ADVANCE"), _number(pairs, "SMOOTH_TIME")
+        if advance is not None:
+            _within("ADVANCE", advance, 0.0, MAX_ADVANCE_S, _ADVANCES)
+        if smooth is not None:
+            _within("SMOOTH_TIME", smooth, *SMOOTH_TIMES_S, _SMOOTH_TIMES)
+        if advance is None and smooth is None:
+            reply.say(f"pressure_advance: {self._job.pressure_advance(extruder):.6f}")
+            reply.say(f"pressure_advance_smooth_time: {self.smooth_s[extruder]:.6f}")
+            return None
+        if advance is None:
+            advance = self._job.pressure_advance(extruder)
+        return self._set_advance(extruder, advance, smooth)
+
+    def _set_advance(
+        self, extruder: int, advance: float, smooth: float | None = None
+    ) -> Wait | None:
+        """The extruder is smoothed from its first advance on, which changes how all motors follow
+        the plan: only while the machine stands."""
+        smooth = self.smooth_s[extruder] if smooth is None else smooth
+        other = smooth != self.smooth_s[extruder]
+        self.smooth_s[extruder] = smooth
+        if not (other if self._smooths[extruder] else advance > 0):
+            self._job.set_advance(extruder, advance)
+            return None
+        self._smooths[extruder] = True
+
+        def apply() -> None:
+            self._job.set_smoothing(extruder, smooth / 2)
+            self._job.set_advance(extruder, advance)
+
+        return WaitForMoves(apply)
+
+    def _named(self, name: str | None) -> int | None:
+        """The extruder of a name, Klipper's or the machine file's; without one that in use. Raises
+        CommandError."""
+        if name is None:
+            return self._extruder(extruder_of(self._machine, {}, self._job.tool))
+        known = {_klipper_name(i): i for i in range(len(self._extruders))}
+        known |= {own: i for i, own in enumerate(self._extruders)}
+        if name not in known:
+            limit = ", ".join(known) or "none on this machine"
+            raise CommandError.of("command.value", axis="EXTRUDER", value=name, limit=limit)
+        return known[name]
+
+    def _extruder(self, name: str | None) -> int | None:
+        return None if name is None else self._extruders.index(name)
+
+    def advance_lines(self) -> list[str]:
+        """SET_PRESSURE_ADVANCE for each extruder with what holds now."""
+        several = len(self._extruders) > 1
+        lines: list[str] = []
+        for i, smooth_s in enumerate(self.smooth_s):
+            named = f" EXTRUDER={_klipper_name(i)}" if several else ""
+            values = f"ADVANCE={numeral(self._job.pressure_advance(i))}"
+            smooth = f"SMOOTH_TIME={numeral(smooth_s)}"
+            lines.append(f"SET_PRESSURE_ADVANCE{named} {values} {smooth}")
+        return lines
+
+    def lines(self) -> Iterator[str]:
+        """All filters as commands."""
+        yield from self.shaper_lines()
+        yield from self.advance_lines()
+
+
+def _klipper_name(extruder: int) -> str:
+    return "extruder" + (str(extruder) if extruder else "")
+
+
+def _shaper(
+    old: Shaper, kind: str | None, frequency_hz: float | None, damping: float | None
+) -> Shaper:
+    """The shaper with these values; None: as it was. Raises CommandError."""
+    if kind is not None:
+        name = kind.lower()
+        if name not in SHAPER_TYPES:
+            limit = ", ".join(SHAPER_TYPES)
+            raise CommandError.of(
+                "command.value", axis="type", value=kind or "missing", limit=limit
+            )
+        old = replace(old, kind=name)
+    if frequency_hz is not None:
+        if frequency_hz != 0:
+            _within("frequency", frequency_hz, MIN_HZ, MAX_HZ, _FREQUENCIES)
+        old = replace(old, frequency_hz=frequency_hz)
+    if damping is not None:
+        old = replace(old, damping=damping)
+    most = MAX_DAMPING[old.kind]
+    _within("damping ratio", old.damping, 0.0, most, f"0 to {most:g} for the type {old.kind}")
+    return old
+
+
+def _number(pairs: dict[str, str], key: str) -> float | None:
+    """Raises CommandError for a text that is not a number."""
+    if key not in pairs:
+        return None
+    try:
+        value = float(pairs[key])
+    except ValueError:
+        value = float("nan")
+    if not isfinite(value):
+        raise CommandError.of("command.value", axis=key, value=pairs[key][:30], limit="a number")
+    return value
+
+
+def _within(word: str, value: float, low: float, high: float, limit: str) -> None:
+    if not low <= value <= high:
+        raise CommandError.bad_value(word, value, limit)

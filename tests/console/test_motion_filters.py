@@ -1,0 +1,149 @@
+"""M593, M900, M572 and Klipper's names for them, from the console and from files to the steps."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from tests.support.scenario import Scenario
+
+from passo import config
+from passo._core import Job, JobStatus
+from passo.cli.main import main
+from passo.config.load import shipped_text
+
+SHAPED = """
+[shaping.x]
+type = "zvd"
+frequency_hz = 47.0
+damping = 0.08
+[shaping.y]
+frequency_hz = 35.5
+"""
+OFF = "SET_INPUT_SHAPER SHAPER_FREQ_{0}=0 SHAPER_TYPE_{0}=mzv DAMPING_RATIO_{0}=0.1"
+
+
+@pytest.fixture
+def machine(tmp_path):
+    """The file of an i3 with shapers and advance."""
+    text = shipped_text("i3").replace("[extruders.e]", "[extruders.e]\nadvance_s = 0.05")
+    path = tmp_path / "shaped.toml"
+    path.write_text(text + SHAPED)
+    return str(path)
+
+
+def settings(s):
+    return [line for line in s.host.ok("M503") if "INPUT_SHAPER" in line or "PRESSURE" in line]
+
+
+def test_machine_file_sets_shapers_and_advance(machine):
+    with Scenario(machine) as s:
+        assert settings(s) == [
+            "SET_INPUT_SHAPER SHAPER_FREQ_X=47 SHAPER_TYPE_X=zvd DAMPING_RATIO_X=0.08",
+            "SET_INPUT_SHAPER SHAPER_FREQ_Y=35.5 SHAPER_TYPE_Y=mzv DAMPING_RATIO_Y=0.1",
+            OFF.format("Z"),
+            "SET_PRESSURE_ADVANCE ADVANCE=0.05 SMOOTH_TIME=0.04",
+        ]
+
+
+def test_commands_set_shapers_of_axes():
+    with Scenario("i3") as s:
+        assert s.host.ok('M593 Y F40 D0.2 P"ei"') == ["ok"]
+        assert s.host.ok("SET_INPUT_SHAPER SHAPER_FREQ_X=55 SHAPER_TYPE_X=2hump_ei") == ["ok"]
+        assert s.host.ok("M593")[:3] == [
+            "SET_INPUT_SHAPER SHAPER_FREQ_X=55 SHAPER_TYPE_X=2hump_ei DAMPING_RATIO_X=0.1",
+            "SET_INPUT_SHAPER SHAPER_FREQ_Y=40 SHAPER_TYPE_Y=ei DAMPING_RATIO_Y=0.2",
+            OFF.format("Z"),
+        ]
+        s.host.ok("M593 F0")
+        assert all("_X=0 " in line or "_Y=0 " in line for line in s.host.ok("M593")[:2])
+
+
+def test_commands_set_the_advance():
+    with Scenario("i3") as s:
+        assert s.host.ok("M900 K0.05") == ["ok"]
+        assert s.host.ok("M900") == ["Advance K=0.05", "ok"]
+        s.host.ok("M572 D0 S0.06")
+        assert s.host.ok("M572 D0") == ["Extruder 0 pressure advance: 0.06 s", "ok"]
+        s.host.ok("SET_PRESSURE_ADVANCE ADVANCE=0.07 SMOOTH_TIME=0.03")
+        assert s.host.ok("SET_PRESSURE_ADVANCE EXTRUDER=extruder") == [
+            "pressure_advance: 0.070000",
+            "pressure_advance_smooth_time: 0.030000",
+            "ok",
+        ]
+
+
+REFUSED = {
+    "M593 F10": "frequency is 10: expected 0 (off), or 15 to 500 Hz",
+    'M593 X F40 P"nope"': "type is nope: expected zv, mzv, zvd, ei, 2hump_ei, 3hump_ei",
+    'M593 X F40 D0.35 P"3hump_ei"': "damping ratio is 0.35: expected 0 to 0.2 for the type 3hump",
+    "M900 K-1": "K is -1: expected 0 to 10 s",
+    "M900 K30": "M900: K30 is of Linear Advance 1.0 and has no effect",
+    "M572 D3 S0.1": "D is 3: expected an extruder below 1",
+    "SET_PRESSURE_ADVANCE SMOOTH_TIME=0.5": "SMOOTH_TIME is 0.5: expected 0.005 to 0.2 s",
+    "SET_PRESSURE_ADVANCE ADVANCE=much": "ADVANCE is much: expected a number",
+    "SET_PRESSURE_ADVANCE EXTRUDER=e7 ADVANCE=0": "EXTRUDER is e7: expected extruder",
+}
+
+
+@pytest.mark.parametrize("line", REFUSED)
+def test_filter_beyond_its_range_is_refused(line):
+    with Scenario("i3") as s:
+        before = settings(s)
+        assert REFUSED[line] in s.host.ok(line)[0]
+        assert settings(s) == before
+
+
+def test_m500_keeps_filters_that_differ_from_the_file(machine, tmp_path):
+    state = str(tmp_path / "state")
+    with Scenario(machine, state=state) as s:
+        s.host.ok("M593 X F52")
+        s.host.ok("M900 K0.08")
+        assert "SHAPER_FREQ_X=52, " in " ".join(s.host.ok("M500"))
+    with Scenario(machine, state=state) as s:
+        kept = settings(s)
+        assert "SHAPER_FREQ_X=52 SHAPER_TYPE_X=zvd" in kept[0]
+        assert "ADVANCE=0.08" in kept[3]
+        s.host.ok("M502")
+        assert "SHAPER_FREQ_X=47" in settings(s)[0]
+        assert "ADVANCE=0.05" in settings(s)[3]
+
+
+PART = "".join(
+    f"M900 K{0.02 + i % 5 * 0.01:g}\nG1 X{60 + i * 7 % 40} Y{60 + i * 11 % 30} E{i * 0.4:g} F4800\n"
+    for i in range(1, 60)
+)
+
+
+def steps_of(capsys, path, machine):
+    assert main(["print", path, "--machine", machine, "--assume-ready", "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_offline_print_is_filtered_with_the_counts_of_the_plan(capsys, tmp_path, machine):
+    path = tmp_path / "part.gcode"
+    path.write_text("G28\nG92 E0\nG1 X50 Y50 F6000\n" + PART)
+    shaped = steps_of(capsys, str(path), machine)
+    plain = steps_of(capsys, str(path), "i3")
+    assert shaped["final_position_mm"] == plain["final_position_mm"]
+    assert shaped["stream_hash"] != plain["stream_hash"]
+
+
+def test_m900_in_mid_print_stops_nothing(machine):
+    """Whatever the commands between them say, the moves join at the speed of their corner."""
+
+    def moves(text):
+        job = Job(config.load(machine).core_spec())
+        job.keep_moves(True)
+        job.feed(text.encode())
+        while job.advance() == JobStatus.EVENT:
+            code, value = job.event[1:3], job.event[5]
+            assert code == ("M", 900)
+            job.set_advance(0, float(value.strip().removeprefix("K")))
+        job.flush()
+        return [m.end_speed for m in job.take_moves()]
+
+    with_advances = moves("G1 X50 Y50 F6000\n" + PART)
+    without = "\n".join(line for line in PART.splitlines() if not line.startswith("M900"))
+    plain = moves("G1 X50 Y50 F6000\n" + without + "\n")
+    assert [speed > 0 for speed in with_advances] == [speed > 0 for speed in plain]

@@ -1,0 +1,95 @@
+"""A print with shapers and advance that is disturbed, or loses its link or its host, ends at the
+steps of the undisturbed print without them."""
+
+import random
+
+import pytest
+from tests.job.test_lost_link import break_link, stall
+from tests.support.disturbed_prints import disturb, shift_by_babysteps, steps, undisturbed
+from tests.support.scenario import Scenario
+
+from passo import config
+from passo.config.motion import Shaping
+
+_I3 = config.load("i3")
+FILTERED = _I3.model_copy(
+    update={
+        "shaping": {
+            "x": Shaping(type="mzv", frequency_hz=40.0),
+            "y": Shaping(type="3hump_ei", frequency_hz=30.0, damping=0.05),
+            "z": Shaping(type="zv", frequency_hz=60.0),
+        },
+        "extruders": {"e": _I3.extruders["e"].model_copy(update={"advance_s": 0.05})},
+    }
+)
+SURVIVES = FILTERED.model_copy(
+    update={"board": FILTERED.board.model_copy(update={"firmware": "passo"})}
+)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    return undisturbed(tmp_path_factory.mktemp("card"))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_disturbed_filtered_print_ends_at_steps_of_plan(whole, seed):
+    card, wanted = whole
+    with Scenario(FILTERED, card=str(card)) as s:
+        disturb(s, random.Random(seed), lambda: None)
+        assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_babysteps_shift_filtered_print_by_their_sum(whole, seed):
+    card, wanted = whole
+    with Scenario(FILTERED, card=str(card)) as s:
+        assert shift_by_babysteps(s, random.Random(seed), wanted)["z"] != 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_filtered_print_with_link_losses_ends_at_same_steps(whole, seed):
+    card, wanted = whole
+    generator = random.Random(seed)
+    with Scenario(SURVIVES, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(14)
+        breaks = 0
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            if "Done printing file" in s.host.heard:
+                break
+            break_link(s, generator.choice((0.02, 0.3, 2.0, 40.0)))
+            s.host.expect("The board is back", 10)
+            breaks += 1
+            assert not s.printer.halted
+        assert breaks > 3
+        assert s.board.device.fault == ""
+        assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_late_host_resumes_filtered_print_where_board_stopped(whole, seed):
+    card, wanted = whole
+    generator = random.Random(seed)
+    with Scenario(SURVIVES, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(14)
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            stall(s, generator.choice((0.05, 0.25, 0.6, 3.0)))
+            assert not s.printer.halted
+        assert any("braked to a stop" in line for line in s.host.heard)
+        assert s.board.device.fault == ""
+        assert steps(s) == wanted
+
+
+def test_homing_finds_the_switches_as_without_filters():
+    def homed(machine):
+        with Scenario(machine) as s:
+            s.host.ok("G28", 60)
+            s.host.ok("G1 X20 Y20 F6000")
+            s.host.ok("G28", 60)
+            return s.host.ok("M114"), steps(s)
+
+    assert homed(FILTERED) == homed(_I3)

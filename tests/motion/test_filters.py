@@ -1,0 +1,346 @@
+"""Shapers and pressure advance, from planned moves to executed steps, against the plain oracle."""
+
+from __future__ import annotations
+
+import random
+from math import ceil
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.oracles import filters as oracle
+from tests.oracles import motion as executed
+
+from passo._core import Job, Motion
+from passo.config import load
+from passo.config.shapers import SHAPER_TYPES, impulses
+
+from . import machines
+from .test_replan import assert_arrived, push_all
+from .test_steps import paths
+
+HZ = 16e6
+SCALES = {0: 80.0, 1: 80.0, 2: 400.0, 3: 95.5}
+NONE: list[tuple[float, float]] = []
+
+
+def filtered(spec=None, x=NONE, y=NONE, z=NONE, smooth=0.0, advance=0.0):
+    filters = {"shapers": [x, y, z], "smooth_s": [smooth / 2], "advance_s": [advance]}
+    return (spec or machines.cartesian()) | {"filters": filters}
+
+
+def delay_of(*shapers, half=0.0):
+    means = [sum(a * t for a, t in s) for s in shapers]
+    return ceil(max(*means, half) * HZ)
+
+
+def print_path(seed, moves):
+    """Random moves, most of them short: prints, retracts, hops and dwells."""
+    rng = random.Random(seed)
+    at = [0.0, 0.0, 0.0, 0.0]
+    for _ in range(moves):
+        kind = rng.choices(["print", "travel", "extrude", "hop", "dwell"], [12, 2, 1, 1, 1])[0]
+        if kind == "dwell":
+            yield list(at), 1.0, "dwell", rng.choice([0.005, 0.05])
+            continue
+        mm = rng.choice([0.02, 0.3, 1.0, 8.0])
+        if kind == "hop":
+            at[2] += rng.choice([0.2, -0.2])
+        elif kind == "extrude":
+            at[3] += rng.choice([0.8, -0.8])
+        else:
+            dx, dy = rng.uniform(-mm, mm), rng.uniform(-mm, mm)
+            at[0] += dx
+            at[1] += dy
+            if kind == "print":
+                at[3] += 0.04 * (dx * dx + dy * dy) ** 0.5
+        kind = "travel" if kind == "hop" else kind
+        yield list(at), rng.choice([20.0, 60.0, 150.0]), kind, 0.0
+
+
+def plan(spec, path):
+    motion = Motion(spec)
+    for target, feed, kind, seconds in path:
+        motion.push(target, feed, kind, duration_s=seconds)
+    motion.flush()
+    return motion, motion.take_moves()
+
+
+def advance_of(seconds):
+    def advance(move):
+        moves = move.start_mm[0] != move.end_mm[0] or move.start_mm[1] != move.end_mm[1]
+        return (
+            seconds if move.kind == "print" and moves and move.end_mm[3] > move.start_mm[3] else 0
+        )
+
+    return advance
+
+
+@pytest.mark.parametrize("kind", SHAPER_TYPES)
+def test_shaped_steps_are_those_of_the_oracle(kind):
+    x, y = impulses(kind, 47.0, 0.08), impulses("zvd", 35.0, 0.12)
+    motion, moves = plan(filtered(x=x, y=y), print_path(kind, 25))
+    messages, delay = motion.take_messages(), delay_of(x, y)
+    for slot, shaper in ((0, x), (1, y)):
+        law = oracle.shaped(oracle.Planned(moves, slot), shaper, delay)
+        wanted = oracle.steps(law, 0, motion.clock, SCALES[slot], 2000)
+        executed.assert_within_bound(executed.executed_ticks(messages, slot), wanted)
+
+
+def test_advanced_steps_are_those_of_the_oracle():
+    motion, moves = plan(filtered(smooth=0.04, advance=0.05), print_path(3, 25))
+    law = oracle.advanced(oracle.Planned(moves, 3, advance_of(0.05)), 0.02, 0.02 * HZ)
+    wanted = oracle.steps(law, 0, motion.clock, SCALES[3], 4000)
+    assert len(wanted) > 200
+    executed.assert_within_bound(executed.executed_ticks(motion.take_messages(), 3), wanted)
+
+
+def test_filters_end_at_the_counts_of_the_plan():
+    x, y, z = impulses("3hump_ei", 20.0, 0.2), impulses("ei", 60.0, 0.0), impulses("zv", 90.0, 0.1)
+    for seed in range(40):
+        path = list(print_path(seed, 60))
+        plain, _ = plan(machines.cartesian(), path)
+        every, _ = plan(filtered(x=x, y=y, z=z, smooth=0.04, advance=0.3), path)
+        assert every.counts() == plain.counts()
+        messages = every.take_messages()
+        for target, count in enumerate(plain.counts()):
+            assert sum(d for _, d in executed.executed_ticks(messages, target)) == count
+
+
+def test_axis_without_a_filter_is_only_delayed():
+    path = list(print_path(7, 40))
+    plain, _ = plan(machines.cartesian(), path)
+    x = impulses("mzv", 50.0, 0.1)
+    shaped, _ = plan(filtered(x=x), path)
+    before, after = plain.take_messages(), shaped.take_messages()
+    delay = delay_of(x)
+    for target in (1, 2):
+        wanted = executed.executed_ticks(before, target)
+        found = executed.executed_ticks(after, target)
+        assert [d for _, d in wanted] == [d for _, d in found]
+        assert all(abs(b + delay - a) <= 64 for (b, _), (a, _) in zip(wanted, found, strict=True))
+
+
+EVERY = {
+    "x": impulses("mzv", 40.0, 0.1),
+    "y": impulses("3hump_ei", 30.0, 0.05),
+    "z": impulses("zv", 60.0, 0.0),
+    "smooth": 0.04,
+    "advance": 0.05,
+}
+
+
+class Joined:
+    """The plan before a cut, and the one that follows it."""
+
+    def __init__(self, before, after, cut):
+        self.before, self.after, self.at = before, after, cut
+
+    def __call__(self, tick):
+        return (self.before if tick < self.at else self.after)(tick)
+
+    def advanced(self, tick):
+        return (self.before if tick < self.at else self.after).advanced(tick)
+
+    def cuts(self, low, high):
+        parts = (*self.before.cuts(low, high), *self.after.cuts(low, high), self.at)
+        return sorted({t for t in parts if low <= t <= high})
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("action", ["replan", "hold"])
+def test_cut_continues_the_filtered_law(seed, action):
+    path = list(print_path(seed, 40))
+    motion, before = plan(filtered(**EVERY), path)
+    rng = random.Random(seed)
+    total, sent = motion.clock, rng.random()
+    messages = motion.take_messages(before=total * sent)
+    motion.set_speed_factor(rng.choice([0.5, 1.6]))
+    if action == "replan":
+        cut = motion.replan_from(total * rng.random())
+    else:
+        cut = motion.hold_from(total * rng.random())
+        motion.wait_until(motion.clock + rng.choice([0, HZ]))
+        motion.release()
+    motion.flush()
+    after = motion.take_moves()
+    messages += motion.take_messages()
+    assert [m[2] for m in messages] == sorted(m[2] for m in messages)
+    delay = delay_of(EVERY["x"], EVERY["y"], EVERY["z"], half=0.02)
+    for slot in (0, 1, 3):
+        found = executed.executed_ticks(messages, slot)
+        count = motion.counts()[slot]
+        assert sum(d for _, d in found) == count
+        old = oracle.Planned(before, slot, advance_of(0.05))
+        new = oracle.Planned(after or before, slot, advance_of(0.05))
+        joined = Joined(old, new, cut) if after else old
+        if slot == 3:
+            law = oracle.advanced(joined, 0.02, delay)
+        else:
+            law = oracle.shaped(joined, EVERY["xy"[slot]], delay)
+        start, end = max(cut - 0.1 * HZ, 0), min(cut + 0.15 * HZ, motion.clock)
+        wanted = oracle.steps(law, start, end, SCALES[slot], 4000)
+        near = 300 + 64  # ticks: where a step that is due is pushed to, after a cut
+        inside = [s for s in found if start + 99 < s[0] < end - 99 and abs(s[0] - cut) > near]
+        ideal = [s for s in wanted if start + 99 < s[0] < end - 99 and abs(s[0] - cut) > near]
+        assert abs(len(inside) - len(ideal)) <= 2
+        for tick, direction in inside:
+            assert any(
+                abs(t - tick) < 40 and d == direction for t, d in ideal if abs(t - tick) < 40
+            )
+
+
+@given(paths, st.floats(0, 1), st.floats(0, 1), st.floats(0.2, 3), st.floats(500, 6000))
+@settings(max_examples=40, deadline=None)
+def test_replanned_filtered_path_arrives(path, sent, where, factor, accel):
+    motion = Motion(filtered(**EVERY))
+    end = push_all(motion, path)
+    motion.flush()
+    total = motion.clock
+    messages = motion.take_messages(before=total * sent)
+    motion.set_speed_factor(factor)
+    motion.set_accel(accel)
+    motion.replan_from(total * where)
+    motion.flush()
+    assert_arrived(motion, messages + motion.take_messages(), end)
+
+
+@given(paths, st.floats(0, 1), st.floats(0, 1))
+@settings(max_examples=40, deadline=None)
+def test_held_filtered_path_arrives(path, sent, where):
+    motion = Motion(filtered(**EVERY))
+    end = push_all(motion, path)
+    motion.flush()
+    total = motion.clock
+    messages = motion.take_messages(before=total * sent)
+    motion.hold_from(total * where)
+    messages += motion.take_messages()
+    motion.wait_until(motion.clock + HZ)
+    motion.release()
+    motion.flush()
+    assert_arrived(motion, messages + motion.take_messages(), end)
+
+
+def test_oracle_has_the_golden_positions_of_shaped_motion():
+    """20 mm at 100 mm/s and 3000 mm/s², mzv and ei at 50 Hz and 0.1, in their own middle."""
+    motion = Motion(machines.cartesian())
+    motion.push([20.0, 0.0, 0.0, 0.0], 100.0)
+    motion.flush()
+    planned = oracle.Planned(motion.take_moves(), 0)
+    for kind, golden in {
+        "mzv": {
+            -0.005: 0.001231470,
+            0.0: 0.023136353,
+            0.01: 0.198880988,
+            0.05: 3.333333333,
+            0.2: 18.310196980,
+            0.24: 19.998756496,
+        },
+        "ei": {0.0: 0.038075227, 0.2: 18.295258107, 0.24: 19.992862340},
+    }.items():
+        law = oracle.shaped(planned, impulses(kind, 50.0, 0.1), 0)
+        for seconds, mm in golden.items():
+            assert law(seconds * HZ) == pytest.approx(mm, abs=2e-8)
+
+
+def test_oracle_has_the_golden_positions_of_advanced_filament():
+    """10 mm at 50 mm/s and 1000 mm/s² with 0.04 mm of filament a mm, 0.05 s over 0.04 s."""
+    motion = Motion(machines.cartesian(print_accel=1000.0))
+    motion.push([10.0, 0.0, 0.0, 0.4], 50.0, "print")
+    motion.flush()
+    law = oracle.advanced(oracle.Planned(motion.take_moves(), 3, advance_of(0.05)), 0.02, 0)
+    golden = {
+        -0.01: 0.000833333,
+        0.0: 0.006666667,
+        0.02: 0.048,
+        0.05: 0.143333333,
+        0.15: 0.35,
+        0.22: 0.442,
+        0.25: 0.406666667,
+        0.27: 0.4,
+    }
+    for seconds, mm in golden.items():
+        assert law(seconds * HZ) == pytest.approx(mm, abs=1e-9)
+
+
+def test_belts_of_core_machines_follow_both_shaped_axes():
+    """And end at the counts of the plan, which rounds the sum of X and Y otherwise."""
+    spec = machines.cartesian() | {"geometry": {"kind": "corexy"}}
+    x, y = impulses("mzv", 47.0, 0.1), impulses("ei", 33.0, 0.1)
+    path = list(print_path(11, 25))
+    plain, _ = plan(spec, path)
+    motion, moves = plan(filtered(spec, x=x, y=y), path)
+    assert motion.counts() == plain.counts()
+    delay, messages = delay_of(x, y), motion.take_messages()
+    laws = [oracle.shaped(oracle.Planned(moves, s), i, delay) for s, i in ((0, x), (1, y))]
+    for motor, sign in ((0, 1.0), (1, -1.0)):
+        wanted = oracle.steps(
+            lambda tick, sign=sign: laws[0](tick) + sign * laws[1](tick),
+            0,
+            motion.clock,
+            80.0,
+            2000,
+        )
+        executed.assert_within_bound(executed.executed_ticks(messages, motor), wanted)
+
+
+def test_towers_of_deltas_follow_the_shaped_nozzle():
+    spec, geometry = machines.nonlinear("delta")
+    x, y, z = (impulses("mzv", hz, 0.1) for hz in (47.0, 33.0, 60.0))
+    motion = Motion(filtered(spec, x=x, y=y, z=z))
+    centre, half = machines.REACH["delta"]
+    motion.set_position([*map(float, centre), 0.0])
+    rng = random.Random(5)
+    for _ in range(6):
+        target = [c + h * rng.uniform(-0.2, 0.2) for c, h in zip(centre, half, strict=True)]
+        motion.push([*target, 0.0], 120.0)
+    begin = motion.counts()
+    motion.flush()
+    moves, messages, delay = motion.take_moves(), motion.take_messages(), delay_of(x, y, z)
+    shapers = enumerate((x, y, z))
+    laws = [oracle.shaped(oracle.Planned(moves, i), shaper, delay) for i, shaper in shapers]
+    assert begin != motion.counts()
+    for tower in range(3):
+        per_mm = spec["steppers"][tower]["steps_per_unit"]
+        wanted = oracle.steps(
+            lambda tick, tower=tower: geometry.inverse(tuple(law(tick) for law in laws))[tower],
+            0,
+            motion.clock,
+            per_mm,
+            3000,
+        )
+        executed.assert_within_bound(executed.executed_ticks(messages, tower), wanted)
+
+
+def test_mesh_lifts_the_shaped_nozzle():
+    """Z follows the bed where the nozzle is, not where the plan is."""
+    x = impulses("zvd", 30.0, 0.1)
+    motion = Motion(filtered(x=x))
+    slope = 0.02  # mm of height a mm of X
+    motion.set_height_map((-100.0, -100.0), (200.0, 200.0), [[-2.0, 2.0], [-2.0, 2.0]])
+    motion.push([40.0, 0.0, 0.0, 0.0], 150.0)
+    motion.push([0.0, 0.0, 0.0, 0.0], 150.0)
+    motion.flush()
+    moves, messages = motion.take_moves(), motion.take_messages()
+    law = oracle.shaped(oracle.Planned(moves, 0), x, delay_of(x))
+    wanted = oracle.steps(lambda tick: slope * law(tick), 0, motion.clock, 400.0, 2000)
+    assert len(wanted) > 600
+    executed.assert_within_bound(executed.executed_ticks(messages, 2), wanted)
+
+
+def test_extruder_keeps_its_limits_with_advance():
+    """Filament at its steepest: v + A a and a (1 + A/h) stay within speed and acceleration."""
+    spec = machines.cartesian()
+    spec["extruders"][0] |= {"speed": 8.0, "accel": 200.0}
+    motion = Motion(filtered(spec, smooth=0.04, advance=0.06), False)
+    for i in range(1, 12):
+        motion.push([i % 2 * 20.0, i * 1.0, 0.0, i * 1.0], 150.0, "print")
+    motion.flush()
+    names = Job(load("i3").core_spec()).limit_names
+    moves = motion.take_moves()
+    for m in moves:
+        part = (m.end_mm[3] - m.start_mm[3]) / m.length
+        accel = max(m.acceleration, m.deceleration) * part
+        assert accel * (1 + 0.06 / 0.02) <= 200.0 * (1 + 1e-9)
+        assert m.cruise_speed * part + 0.06 * accel <= 8.0 * (1 + 1e-9)
+    assert {names[m.accel_limit] for m in moves} == {"pressure advance"}
