@@ -298,9 +298,9 @@ LAW = "junction deviation: v"
     ("line", "before", "after"),
     [
         (3, "there is no move before it", "the extruder, or a further axis, whose speed may jump"),
-        (4, "turns by 0.0°, at most 5.00 mm/s", "stands there: a command between the moves waits"),
-        (6, "stands there: a command between the moves waits", "for it waits."),
-        (8, "for it waits.", "one of the moves has no X, Y or Z; the machine stops there."),
+        (4, "turns by 0.0°, at most 5.00 mm/s", "stops there: a command between the moves waits"),
+        (6, "stops there: a command between the moves waits", "because it waits."),
+        (8, "because it waits.", "one of the moves has no X, Y or Z; the machine stops there."),
         (10, "bound by the slower of the two moves", "for the extruder turns back"),
         (13, "bound by the slower of the two moves; the corner itself does not", "turns by 90.0°"),
         (15, "the path turns by 11.3°, at most 39.30 mm/s", LAW),

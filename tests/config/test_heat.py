@@ -49,12 +49,12 @@ def test_defaults(i3_text):
         ),
         (
             "sensor = { kind = 'thermistor', r25_ohm = 1 }",
-            "heaters.hotend.sensor is 'thermistor': expected values with which it tells"
-            " temperatures from 5 to 285 °C apart",
+            "heaters.hotend.sensor is 'thermistor': expected values with distinct readings from"
+            " 5 to 285 °C",
         ),
-        ("sensor = { kind = 'pt100', pullup_ohm = 1e9 }", "from 5 to 285 °C apart"),
-        ("sensor = { kind = 'pt1000-amplifier' }", "from 5 to 285 °C apart"),
-        ("sensor = { kind = 'table', points = [[300, 1], [400, 0]] }", "from 5 to 285 °C apart"),
+        ("sensor = { kind = 'pt100', pullup_ohm = 1e9 }", "from 5 to 285 °C"),
+        ("sensor = { kind = 'pt1000-amplifier' }", "from 5 to 285 °C"),
+        ("sensor = { kind = 'table', points = [[300, 1], [400, 0]] }", "from 5 to 285 °C"),
         ("control = { kind = 'model', kp = 1.0 }", "heaters.hotend.control.kp is not a known key"),
         ("control = { kind = 'pid', drive_min = 1.0 }", "drive_min is 1.0: expected a share of p"),
         ("on_fault = 'job?'", "on_fault is 'job?': expected one of 'machine', 'job' or 'heater'"),

@@ -53,7 +53,7 @@ def test_arms_without_endstops_must_reach_home_of_axes():
 def test_the_arms_must_reach_the_switch_of_an_axis():
     switch = '[homing.z]\ndirection = "max"\nposition = 9000.0\npin = "^Z_MIN"\n'
     text = without_switches("rotary-delta").replace("[heaters.", f"{switch}\n[heaters.", 1)
-    with pytest.raises(ConfigError, match=r"9000\.0: .* where the nozzle can be: arm A"):
+    with pytest.raises(ConfigError, match=r"9000\.0: .* that the nozzle can reach: arm A"):
         config.load_text(text, "far.toml")
 
 

@@ -319,7 +319,7 @@ def test_a_board_that_is_lost_while_axes_home_stops_them(monkeypatch, tmp_path):
         stood = steps(s)
         s.passes(8.0)
         assert steps(s) == stood != moving
-        s.host.expect("homing: their place is lost. Each board keeps warm for a minute", 1)
+        s.host.expect("homing: their positions are lost. Each board keeps warm for a minute", 1)
         assert faults(s) == []
 
 

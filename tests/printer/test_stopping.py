@@ -212,7 +212,8 @@ def test_while_axes_home_heat_stays_as_ever(hot, lost_s):
     told = s.host.expect("The machine waits")
     assert told == (
         "echo:The machine waits: the connection to the board has ended. Axes were homing: their"
-        " place is lost. The board keeps warm for a minute: plug it in again, or give up with M112"
+        " positions are lost. The board keeps warm for a minute: plug it in again, or give up"
+        " with M112"
     )
     plug(s, 5)
     assert not s.printer.halted

@@ -96,9 +96,7 @@ def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
     for name, heater in machine.heaters.items():
         rows = sensor_table(heater.sensor)
         if not reads_within(rows, heater.min_c, heater.max_c):
-            limit = (
-                f"values with distinct readings from {heater.min_c:g} to {heater.max_c:g} °C apart"
-            )
+            limit = f"values with distinct readings from {heater.min_c:g} to {heater.max_c:g} °C"
             yield Finding("config.value", ("heaters", name, "sensor"), heater.sensor.kind, limit)
         elif heater.max_c > rows[-1][0]:
             limit = f"at most {rows[-1][0]:g} °C, where what the sensor can measure ends"
