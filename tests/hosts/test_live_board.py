@@ -130,7 +130,7 @@ def test_a_print_goes_on_when_the_cable_is_back() -> None:
             scenario.passes(seconds)
             assert "connection to the board has ended" in other.ok("M114 R")[0]
             cable.plug()
-            host.expect("stands where it was told to stop", 20.0)
+            host.expect("at the position where it stopped", 20.0)
         ends(scenario, 30.0)
     assert net_steps([cable]) == ZIGZAG_STEPS
     cable.close()

@@ -94,7 +94,7 @@ def test_a_board_that_is_plugged_in_again_goes_on_with_the_other() -> None:
             cable.unplug()
             scenario.passes(1.0)
             cable.plug()
-            scenario.host.expect("stand where they were told to stop", 20.0)
+            scenario.host.expect("at the positions where they stopped", 20.0)
         ends(scenario, 30.0)
     assert net_steps(cables.values()) == ZIGZAG_STEPS
     for cable in cables.values():
