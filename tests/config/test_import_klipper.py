@@ -234,6 +234,19 @@ def test_extruder_limits_follow_from_nozzle_and_filament(load) -> None:
     assert machine.extruders["e"].accel_mm_s2 == pytest.approx(3000 * ratio, rel=1e-5)
 
 
+def test_shapers_and_pressure_advance(load) -> None:
+    shaper = "[input_shaper]\nshaper_freq_x: 52\nshaper_type: ei\nshaper_freq_y: 40\n"
+    shaper += "shaper_type_y: ZV\ndamping_ratio_y: 0.05\n"
+    advance = ("pressure_advance: 0.06\npressure_advance_smooth_time: 0.03\n", "nozzle_diameter")
+    _, machine = load((advance[1], "".join(advance)), more=shaper)
+    x, y = machine.shaping["x"], machine.shaping["y"]
+    assert (x.type, x.frequency_hz) == ("ei", 52)
+    assert (y.type, y.frequency_hz, y.damping) == ("zv", 40, 0.05)
+    assert "z" not in machine.shaping
+    assert machine.extruders["e"].advance_s == 0.06
+    assert machine.extruders["e"].advance_smooth_s == 0.03
+
+
 def test_comments_name_line_file_and_default(load, tmp_path: Path) -> None:
     draft, _ = load()
     text = draft.text("From a test.")
@@ -444,6 +457,11 @@ def test_includes_and_saved_values_count(tmp_path: Path) -> None:
         ("[printer]", "[include printer.cfg]\n[printer]", "include each other"),
         ("[printer]", "[include none.cfg]\n[printer]", "the included file 'none.cfg' is not in"),
         ("[printer]", "what is this\n[printer]", "'what is this' is not an option"),
+        (
+            "[printer]",
+            "[input_shaper]\nshaper_freq_x: 50\nshaper_type: best\n[printer]",
+            "one of zv",
+        ),
         ("[printer]", "[other]", "the section [printer] is missing"),
         (
             "stepper: stepper_x",

@@ -9,6 +9,7 @@ from passo.config.importing.draft import Draft
 from passo.config.importing.klipper.bed import put_mesh, put_probe
 from passo.config.importing.klipper.cfg import Config
 from passo.config.importing.klipper.conversion import Import
+from passo.config.importing.klipper.filters import put_shapers
 from passo.config.importing.klipper.heat import put_heat
 from passo.config.importing.klipper.macros import put_macros
 from passo.config.importing.klipper.motion import put_motion
@@ -41,6 +42,7 @@ def imported(path: Path) -> Draft:
     for key in probe:  # after what moves and heats, as in other machine files
         draft.keys[key] = draft.keys.pop(key)
     put_mesh(job)
+    put_shapers(job)
     _put_boards(job)
     put_macros(job)
     _remark_on_the_rest(job)

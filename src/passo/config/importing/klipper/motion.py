@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.klipper.bed import pair
 from passo.config.importing.klipper.cfg import Section, bad
+from passo.config.importing.klipper.filters import put_advance
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -331,6 +332,7 @@ def _put_extruder(job: Import, section: Section, speed: float, accel: float) -> 
         put((*path, key), value, section.at(option))
     corner = section.number("instantaneous_corner_velocity", 1.0)
     put((*path, "jerk_mm_s"), corner, section.at("instantaneous_corner_velocity"))
+    put_advance(job, section, path)
 
 
 def _numbered(job: Import, stem: str) -> list[Section]:

@@ -42,7 +42,6 @@ OPTIONS: dict[str, str] = {
     "inline_resistor": "readings are a little off at high temperatures",
     "hardware_pwm": "boards pulse fans in software",
     "homing_retract_speed": "the axis goes back as fast as it homes",
-    "pressure_advance": "set the pressure advance again",
 }
 OTHERS: dict[str, Other] = {
     "virtual_sdcard": _built_in("passo serve --sd DIR has the files"),
@@ -64,7 +63,6 @@ OTHERS: dict[str, Other] = {
     "z_tilt": _lost("give pivots and points in [levelling.motors], for G34"),
     "quad_gantry_level": _lost("give pivots and points in [levelling.motors], for G34"),
     "delta_calibrate": _built_in("calibrate the delta again, with G33"),
-    "input_shaper": _lost("the machine moves without shaping"),
     "resonance_tester": _lost("there is no measurement of resonances by this file"),
     "adxl345": _lost("the accelerometer is not used"),
     "lis2dw": _lost("the accelerometer is not used"),

@@ -20,6 +20,7 @@ _TAKEN = (
     ("stepper_x …, stepper_a …, stepper_z1 …", "`steppers`, `axes`, `homing`"),
     ("extruder, extruder1 …", "`steppers`, `extruders`, `heaters`, `tools`"),
     ("tmc2208, tmc2209, tmc2130, tmc5160", "`steppers.NAME.tmc`"),
+    ("input_shaper", "`shaping`"),
     ("heater_bed, heater_generic", "`heaters`; a heater_generic obeys M141, as a chamber"),
     ("thermistor", "`heaters.NAME.sensor`"),
     ("verify_heater", "`heaters.NAME.protection`"),

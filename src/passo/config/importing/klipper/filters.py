@@ -1,0 +1,45 @@
+"""[input_shaper], and the pressure advance of [extruder]."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.importing.klipper.cfg import Section, bad
+from passo.config.shapers import SHAPER_TYPES
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.klipper.conversion import Import
+
+
+def put_shapers(job: Import) -> None:
+    """The shaper of each axis that has a frequency. Raises ConfigError of an unknown type."""
+    section = job.config.get("input_shaper")
+    if section is None:
+        return
+    job.used.add(section.name)
+    put, common = job.draft.put, section.text("shaper_type", "mzv")
+    for axis in "xyz":
+        frequency = section.number(f"shaper_freq_{axis}", 0.0)
+        option = (
+            f"shaper_type_{axis}" if f"shaper_type_{axis}" in section.options else "shaper_type"
+        )
+        kind = section.text(f"shaper_type_{axis}", common).lower()
+        damping = section.number(f"damping_ratio_{axis}")
+        if not frequency:
+            continue
+        if kind not in SHAPER_TYPES:
+            limit = f"one of {', '.join(SHAPER_TYPES)}"
+            raise bad(section.at(option), f"{option} in [{section.name}]", kind, limit)
+        path = ("shaping", axis)
+        put((*path, "type"), kind, section.at(option))
+        put((*path, "frequency_hz"), frequency, section.at(f"shaper_freq_{axis}"))
+        put((*path, "damping"), damping, section.at(f"damping_ratio_{axis}"))
+
+
+def put_advance(job: Import, section: Section, path: KeyPath) -> None:
+    """The pressure advance of an extruder."""
+    put, place = job.draft.put, section.at("pressure_advance")
+    put((*path, "advance_s"), section.number("pressure_advance"), place)
+    smooth = section.number("pressure_advance_smooth_time")
+    put((*path, "advance_smooth_s"), smooth, section.at("pressure_advance_smooth_time"))
