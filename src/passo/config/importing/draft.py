@@ -51,6 +51,12 @@ class Draft:
         if value is not None:
             self.keys[path] = (value, place)
 
+    def number(self, path: KeyPath) -> float:
+        """The number at a key that was set to one. KeyError if the key was not set."""
+        value, _ = self.keys[path]
+        assert isinstance(value, int | float)
+        return value
+
     def changed(self, place: Place, what: str, text: str) -> None:
         """Reports a value that the machine file has in another form."""
         self.remarks.append(Remark("changed", place, what, text))

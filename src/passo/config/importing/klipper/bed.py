@@ -125,9 +125,7 @@ def _reached(job: Import, corner: list[float]) -> list[float]:
     """The nearest place to a corner where the probe is over the bed."""
     place: list[float] = []
     for axis, offset, at in zip("xy", job.probe_offset, corner, strict=True):
-        low, high = (
-            float(str(job.draft.keys["axes", axis, key][0])) for key in ("min_mm", "max_mm")
-        )
+        low, high = (job.draft.number(("axes", axis, key)) for key in ("min_mm", "max_mm"))
         place.append(min(max(at, low, low + offset), high, high + offset))
     return place
 

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.klipper.cfg import Config, Option, Section, bad
+from passo.config.pin_names import bare, named_on
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import Draft
@@ -82,7 +83,8 @@ class Pins:
     def pin(self, section: Section, name: str, found: Option) -> str | None:
         """As `of`, of an option that was found."""
         written = re.sub(r"\s+", "", found.text)
-        marks, body = re.fullmatch(r"([!^~]*)(.*)", written, re.DOTALL).groups()  # type: ignore[union-attr]
+        body = bare(written)
+        marks = written[: len(written) - len(body)]
         board, colon, rest = body.partition(":")
         if not colon:
             board, rest = MAIN, body
@@ -94,12 +96,10 @@ class Pins:
             )
             return None
         pin = self._aliases.get((board, rest), rest)
-        if inner := re.match(r"[!^~]+", pin):
-            marks, pin = marks + inner[0], pin[inner.end() :]
+        marks, pin = marks + pin[: len(pin) - len(bare(pin))], bare(pin)
         if not _WORD.fullmatch(pin):
             raise bad(found.place, f"{name} in [{section.name}]", found.text, "a pin of a board")
-        where = self._boards[board]
-        return f"{_marks(marks)}{where}:{pin}" if where else f"{_marks(marks)}{pin}"
+        return named_on(self._boards[board], _marks(marks) + pin)
 
 
 def board_name(name: str) -> str:
