@@ -91,7 +91,7 @@ void bind_gcode(nb::module_& m) {
       },
       "text"_a, "any"_a,
       "The first character of a command's text that is not G-code: what stands around it, and its "
-      "code (0: there is none; below 0: a byte that is not UTF-8). Not `any`: only one that "
+      "code (0: none; below 0: a byte that is not UTF-8). Not `any`: only one that "
       "changes "
       "what the text means.");
   nb::enum_<ObjectAction>(m, "ObjectAction", "What a command says about the objects of a print.")

@@ -45,7 +45,8 @@ void bind_job(nb::module_& m) {
           "messages; or no further than to the end of the line that it is in.")
       .def(
           "adopt", [](JobView& self, JobView& other) { self.job.adopt(other.job); }, "other"_a,
-          "Takes the state of a program that another job has read up to where this machine stands.")
+          "Takes the state of a program that another job has read up to the position of this "
+          "machine.")
       .def_prop_ro(
           "messages",
           [](JobView& self) -> MessageQueue& { return self.job.motion.stream().messages(0); },

@@ -30,7 +30,8 @@ void bind_position(JobClass& job) {
             const double* p = self.job.motion.stop_position();
             return std::vector<double>(p, p + kAxes);
           },
-          "Where a suspended job goes on: X, Y, Z, E and further axes, in machine mm.")
+          "The position at which a suspended job resumes: X, Y, Z, E and further axes, in machine "
+          "mm.")
       .def(
           "use_tool",
           [](JobView& self, size_t tool) {
@@ -84,7 +85,7 @@ void bind_position(JobClass& job) {
           "on"_a,
           "X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the "
           "axes "
-          "again; only while the machine stands, and set_axes must say where they are.")
+          "again; only at standstill, and set_axes must say where they are.")
       .def(
           "renew_steppers",
           [](JobView& self, const std::vector<size_t>& steppers) {
@@ -96,7 +97,7 @@ void bind_position(JobClass& job) {
             }
           },
           "steppers"_a,
-          "An endstop has stopped these motors: their clocks are told anew before the next step.")
+          "An endstop has stopped these motors: their clocks are sent again before the next step.")
       .def(
           "lock_axis",
           [](JobView& self, int axis, bool locked) {
@@ -205,7 +206,7 @@ void bind_job_motion(JobClass& job) {
           "Settles all for a stop.")
       .def(
           "wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); },
-          "ticks"_a, "The machine stands until then; only after flush.")
+          "ticks"_a, "The machine is idle until then; only after flush.")
       .def(
           "replan_from",
           [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
@@ -226,14 +227,14 @@ void bind_job_motion(JobClass& job) {
           },
           "period"_a, "most"_a,
           "Messages come in commits of at most so many ticks and messages from now on; only while "
-          "the machine stands.")
+          "the machine is idle.")
       .def(
           "stop_commits",
           [](JobView& self) {
             self.job.motion.flush();
             self.job.motion.stream().stop_commits();
           },
-          "Messages come as they are; only while the machine stands.")
+          "Messages come as they are; only at standstill.")
       .def(
           "recover_from",
           [](JobView& self, uint32_t serial) { return self.job.motion.recover_from(serial); },
@@ -275,7 +276,7 @@ void bind_job_motion(JobClass& job) {
             if (!self.job.motion.suspended()) throw nb::value_error("nothing is suspended");
             self.job.resume();
           },
-          "Goes on with what was suspended; the machine must be back at stop_position.")
+          "Resumes the suspended plan; the machine must be back at stop_position.")
       .def("forget_suspended", [](JobView& self) { self.job.forget_suspended(); })
       .def(
           "shift_from",
@@ -296,7 +297,7 @@ void bind_job_motion(JobClass& job) {
           "The same behind all moves so far; False if that is out of range, see error.")
       .def(
           "passed", [](JobView& self, double ticks) { self.job.motion.pass(ticks); }, "ticks"_a,
-          "Time has passed to this clock, or nothing before it will be planned anew.")
+          "Time has passed to this clock, or nothing before it will be replanned.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },

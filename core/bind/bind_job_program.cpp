@@ -95,7 +95,7 @@ void bind_job_program(JobClass& job) {
           "Forgets the unread text of the selected source; its lines count from this one again.")
       .def(
           "abandon", [](JobView& self) { self.job.abandon(); },
-          "After an error: forgets the rest of the line and goes on from where the plan ends.")
+          "After an error: drops the rest of the line and continues at the end of the plan.")
       .def_prop_ro(
           "offset", [](JobView& self) { return self.job.interpreter.offset(); },
           "Bytes of the selected source that were read.")

@@ -58,7 +58,7 @@ void bind_job_settings(JobClass& job) {
            self.job.motion.flush();
            self.job.motion.set_steps_per_unit(stepper, value);
          },
-         "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
+         "stepper"_a, "value"_a, "Another scale of a motor, at standstill.")
       .def(
           "set_geometry",
           [](JobView& self, const nb::typed<nb::dict, nb::str, nb::any>& spec) {
@@ -67,7 +67,7 @@ void bind_job_settings(JobClass& job) {
                 make_geometry(get<std::string>(spec, "kind"), geometry_params(spec)));
           },
           "spec"_a,
-          "Other parameters of the machine's geometry, as in its spec, while the machine stands. "
+          "Other parameters of the machine's geometry, as in its spec, at standstill. "
           "No "
           "motor moves: set_axes must say where the axes are now.")
       .def(
@@ -98,7 +98,7 @@ void bind_job_settings(JobClass& job) {
             self.job.motion.set_shaper(axis, shaper_of(impulses));
           },
           "axis"_a, "impulses"_a,
-          "The shaper of X, Y or Z while the machine stands: (weight, seconds) of each impulse; "
+          "The shaper of X, Y or Z at standstill: (weight, seconds) of each impulse; "
           "none: the axis is not shaped.")
       .def(
           "set_smoothing",
@@ -108,7 +108,7 @@ void bind_job_settings(JobClass& job) {
             self.job.motion.set_smoothing(extruder, half_s);
           },
           "extruder"_a, "half_s"_a,
-          "Half of the width over which an advance is smoothed, s, while the machine stands; 0: "
+          "Half of the width over which an advance is smoothed, s, at standstill; 0: "
           "the "
           "extruder has no advance.")
       .def(
@@ -138,7 +138,7 @@ void bind_job_settings(JobClass& job) {
             self.job.motion.flush();
             self.job.motion.use_filters(on);
           },
-          "on"_a, "Shapers and advance act from now on, or do not; only while the machine stands.")
+          "on"_a, "Shapers and advance act from now on, or do not; only at standstill.")
       .def(
           "plan_z",
           [](JobView& self, double x, double y, double height) {
@@ -271,7 +271,7 @@ void bind_job_settings(JobClass& job) {
             return self.job.scale_flow_from(ticks, extruder, flow);
           },
           "ticks"_a, "extruder"_a, "flow"_a,
-          "M221, a factor above 0, for all that is planned anew from this clock on, and what is "
+          "M221, a factor above 0, for all that is replanned from this clock on, and what is "
           "read from now on; returns the clock of the cut.")
       .def_prop_ro(
           "speed_factor",
@@ -284,7 +284,7 @@ void bind_job_settings(JobClass& job) {
                                                      [&](Rules& r) { r.speed_factor = factor; });
           },
           "factor"_a, "live"_a = false,
-          "M220 for the moves that follow; `live`: for all that is planned anew from now on.")
+          "M220 for the moves that follow; `live`: for all that is replanned from now on.")
       .def(
           "set_limit",
           [](JobView& self, const std::string& name, double value, bool live) {
@@ -292,7 +292,7 @@ void bind_job_settings(JobClass& job) {
                 live, [&](Rules& r) { *place_of(r.limits, name) = value; });
           },
           "name"_a, "value"_a, "live"_a = false,
-          "Changes a limit of the moves that follow; `live`: of all that is planned anew.")
+          "Changes a limit of the moves that follow; `live`: of all that is replanned.")
       .def(
           "set_axis_limit",
           [](JobView& self, const std::string& axis, const std::string& what, double value,

@@ -206,7 +206,7 @@ void bind_motion(nb::module_& m) {
             self.motion.planner().rules().change(live, [&](Rules& r) { r.speed_factor = factor; });
           },
           "factor"_a, "live"_a = true,
-          "M220: of moves to come, or, `live`, of all that is planned anew.")
+          "M220: of moves to come, or, `live`, of all that is replanned.")
       .def(
           "set_accel",
           [](RecordedMotion& self, double accel, bool live) {

@@ -1253,7 +1253,7 @@ class Motion:
         """
 
     def set_speed_factor(self, factor: float, live: bool = True) -> None:
-        """M220: of moves to come, or, `live`, of all that is planned anew."""
+        """M220: of moves to come, or, `live`, of all that is replanned."""
 
     def set_accel(self, accel: float, live: bool = True) -> None: ...
 
@@ -1363,7 +1363,7 @@ def split_text(text: str) -> list[tuple[str, float | None, str | None]]:
 
 def find_stray(text: str, any: bool) -> tuple[str, int]:
     """
-    The first character of a command's text that is not G-code: what stands around it, and its code (0: there is none; below 0: a byte that is not UTF-8). Not `any`: only one that changes what the text means.
+    The first character of a command's text that is not G-code: what stands around it, and its code (0: none; below 0: a byte that is not UTF-8). Not `any`: only one that changes what the text means.
     """
 
 class ObjectAction(enum.Enum):
@@ -1469,7 +1469,7 @@ class Job:
 
     def adopt(self, other: Job) -> None:
         """
-        Takes the state of a program that another job has read up to where this machine stands.
+        Takes the state of a program that another job has read up to the position of this machine.
         """
 
     @property
@@ -1499,7 +1499,7 @@ class Job:
 
     def abandon(self) -> None:
         """
-        After an error: forgets the rest of the line and goes on from where the plan ends.
+        After an error: drops the rest of the line and continues at the end of the plan.
         """
 
     @property
@@ -1667,7 +1667,7 @@ class Job:
         """Settles all for a stop."""
 
     def wait_until(self, ticks: float) -> None:
-        """The machine stands until then; only after flush."""
+        """The machine is idle until then; only after flush."""
 
     def replan_from(self, ticks: float) -> float: ...
 
@@ -1680,11 +1680,11 @@ class Job:
 
     def use_commits(self, period: int, most: int) -> None:
         """
-        Messages come in commits of at most so many ticks and messages from now on; only while the machine stands.
+        Messages come in commits of at most so many ticks and messages from now on; only while the machine is idle.
         """
 
     def stop_commits(self) -> None:
-        """Messages come as they are; only while the machine stands."""
+        """Messages come as they are; only at standstill."""
 
     def recover_from(self, serial: int) -> float | None:
         """
@@ -1716,9 +1716,7 @@ class Job:
     def suspended(self) -> bool: ...
 
     def resume(self) -> None:
-        """
-        Goes on with what was suspended; the machine must be back at stop_position.
-        """
+        """Resumes the suspended plan; the machine must be back at stop_position."""
 
     def forget_suspended(self) -> None: ...
 
@@ -1733,9 +1731,7 @@ class Job:
         """
 
     def passed(self, ticks: float) -> None:
-        """
-        Time has passed to this clock, or nothing before it will be planned anew.
-        """
+        """Time has passed to this clock, or nothing before it will be replanned."""
 
     @property
     def held(self) -> int: ...
@@ -1758,7 +1754,7 @@ class Job:
     @property
     def stop_position(self) -> list[float]:
         """
-        Where a suspended job goes on: X, Y, Z, E and further axes, in machine mm.
+        The position at which a suspended job resumes: X, Y, Z, E and further axes, in machine mm.
         """
 
     def use_tool(self, tool: int) -> None:
@@ -1784,12 +1780,12 @@ class Job:
 
     def use_joints(self, on: bool) -> None:
         """
-        X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only while the machine stands, and set_axes must say where they are.
+        X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only at standstill, and set_axes must say where they are.
         """
 
     def renew_steppers(self, steppers: Sequence[int]) -> None:
         """
-        An endstop has stopped these motors: their clocks are told anew before the next step.
+        An endstop has stopped these motors: their clocks are sent again before the next step.
         """
 
     def lock_axis(self, axis: int, locked: bool) -> None:
@@ -1817,11 +1813,11 @@ class Job:
         """
 
     def set_steps_per_unit(self, stepper: int, value: float) -> None:
-        """Another scale of a motor, while the machine stands."""
+        """Another scale of a motor, at standstill."""
 
     def set_geometry(self, spec: dict[str, Any]) -> None:
         """
-        Other parameters of the machine's geometry, as in its spec, while the machine stands. No motor moves: set_axes must say where the axes are now.
+        Other parameters of the machine's geometry, as in its spec, at standstill. No motor moves: set_axes must say where the axes are now.
         """
 
     def let_rest(self, steppers: Sequence[int]) -> None:
@@ -1836,12 +1832,12 @@ class Job:
 
     def set_shaper(self, axis: int, impulses: Sequence[tuple[float, float]]) -> None:
         """
-        The shaper of X, Y or Z while the machine stands: (weight, seconds) of each impulse; none: the axis is not shaped.
+        The shaper of X, Y or Z at standstill: (weight, seconds) of each impulse; none: the axis is not shaped.
         """
 
     def set_smoothing(self, extruder: int, half_s: float) -> None:
         """
-        Half of the width over which an advance is smoothed, s, while the machine stands; 0: the extruder has no advance.
+        Half of the width over which an advance is smoothed, s, at standstill; 0: the extruder has no advance.
         """
 
     def smoothing(self, extruder: int) -> float:
@@ -1854,9 +1850,7 @@ class Job:
         """What set_advance has set, s."""
 
     def use_filters(self, on: bool) -> None:
-        """
-        Shapers and advance act from now on, or do not; only while the machine stands.
-        """
+        """Shapers and advance act from now on, or do not; only at standstill."""
 
     def plan_z(self, x: float, y: float, height: float) -> float:
         """
@@ -1931,7 +1925,7 @@ class Job:
 
     def scale_flow_from(self, ticks: float, extruder: int, flow: float) -> float:
         """
-        M221, a factor above 0, for all that is planned anew from this clock on, and what is read from now on; returns the clock of the cut.
+        M221, a factor above 0, for all that is replanned from this clock on, and what is read from now on; returns the clock of the cut.
         """
 
     @property
@@ -1940,12 +1934,12 @@ class Job:
 
     def set_speed_factor(self, factor: float, live: bool = False) -> None:
         """
-        M220 for the moves that follow; `live`: for all that is planned anew from now on.
+        M220 for the moves that follow; `live`: for all that is replanned from now on.
         """
 
     def set_limit(self, name: str, value: float, live: bool = False) -> None:
         """
-        Changes a limit of the moves that follow; `live`: of all that is planned anew.
+        Changes a limit of the moves that follow; `live`: of all that is replanned.
         """
 
     def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
