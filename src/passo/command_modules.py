@@ -32,6 +32,7 @@ from passo.printer.commands import (
     motors,
     outputs,
     power_supply,
+    predefined_moves,
     probe_deployment,
     probe_moves,
     probe_offsets,
@@ -69,7 +70,7 @@ MODULES = (
         z_motors,
     ),
     *(power_supply, klipper_commands, levelling, probe_deployment, probing, program_flow, reports),
-    *(bed_correction, manual_probe, probe_moves, probe_offsets, set_points),
+    *(bed_correction, manual_probe, predefined_moves, probe_moves, probe_offsets, set_points),
     *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
     *(endstops, delayed_gcode, macros),
 )

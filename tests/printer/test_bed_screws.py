@@ -3,9 +3,9 @@
 import re
 
 import pytest
+from tests.support.edited_machine import STILL, answers, edited
 from tests.support.scenario import Scenario
 
-from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
 from passo.printer.klipper.objects import objects
 from passo.printer.setup.boards import simulated_bed
@@ -15,11 +15,7 @@ MINUTE_MM = 0.5 / 60  # of an M3 screw
 
 
 def machine(*changes):
-    text = shipped_text("i3-probe")
-    for old, new in (("noise_mm = 0.002", ""), *changes):
-        assert old in text, old
-        text = text.replace(old, new)
-    return load_text(text)
+    return edited("i3-probe", STILL, *changes)
 
 
 @pytest.fixture
@@ -27,10 +23,6 @@ def s():
     with Scenario(machine()) as scenario:
         scenario.host.ok("G28", 60)
         yield scenario
-
-
-def answers(s, line, within=300):
-    return [x for x in s.host.ok(line, within) if x not in ("ok", "echo:busy: processing")]
 
 
 def bed_heights(s):

@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 from tests.support.bed_path import BedPath
+from tests.support.edited_machine import answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.config.load import load_text, shipped_text
 from passo.printer.setup.boards import simulated_bed
 
 STEP = 1 / 400
@@ -22,21 +22,11 @@ LAYER = [
 
 
 def machine(*changes):
-    text = shipped_text("i3-probe")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return load_text(text)
+    return edited("i3-probe", *changes)
 
 
 def homed(*changes, **options):
-    s = Scenario(machine(*changes), **options)
-    s.host.ok("G28", 60)
-    return s
-
-
-def answers(s, line, within=600):
-    return [x for x in s.host.ok(line, within) if x not in ("ok", "echo:busy: processing")]
+    return at_home(machine(*changes), **options)
 
 
 def above_the_bed(s):

@@ -3,9 +3,9 @@
 import re
 
 import pytest
+from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.config.load import load_text, shipped_text
 from passo.printer.setup.boards import simulated_bed
 
 STEP = 1 / 400
@@ -13,21 +13,11 @@ PROBE = 'kind = "fixed"\npin = "^Z_MAX"\noffset_mm = [-25.0, 5.0]\ntrigger_heigh
 
 
 def machine(*changes):
-    text = shipped_text("i3-probe").replace("noise_mm = 0.002\n", "")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return load_text(text)
+    return edited("i3-probe", STILL, *changes)
 
 
 def homed(*changes, **options):
-    s = Scenario(machine(*changes), **options)
-    s.host.ok("G28", 60)
-    return s
-
-
-def answers(s, line):
-    return [x for x in s.host.ok(line, 300) if x not in ("ok", "echo:busy: processing")]
+    return at_home(machine(*changes), **options)
 
 
 def lower_to_the_bed(s):

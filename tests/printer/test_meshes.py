@@ -1,32 +1,22 @@
 """Meshes that are stored under names, of a part of the bed, and relative to a place."""
 
 import pytest
+from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.config.load import load_text, shipped_text
 from passo.printer.klipper.objects import objects
 from passo.printer.setup.boards import simulated_bed
 
 STEP = 1 / 400
+MESH = ('"quadratic"', '"mesh"'), ("[5, 5]", "[4, 3]")
 
 
 def machine(*changes):
-    text = shipped_text("i3-probe").replace("noise_mm = 0.002\n", "")
-    mesh = ('"quadratic"', '"mesh"'), ("[5, 5]", "[4, 3]")
-    for old, new in (*mesh, *changes):
-        assert old in text
-        text = text.replace(old, new)
-    return load_text(text)
+    return edited("i3-probe", STILL, *MESH, *changes)
 
 
 def homed(*changes, **options):
-    s = Scenario(machine(*changes), **options)
-    s.host.ok("G28", 60)
-    return s
-
-
-def answers(s, line):
-    return [x for x in s.host.ok(line, 600) if x not in ("ok", "echo:busy: processing")]
+    return at_home(machine(*changes), **options)
 
 
 def test_stored_meshes_survive_a_restart(tmp_path):

@@ -1,10 +1,10 @@
 """Axes that are not at right angles: the motors follow the law of M852, by the mechanics."""
 
 import pytest
+from tests.support.edited_machine import answers, at_home, edited
 from tests.support.scenario import Scenario
 
 from passo._core import Geometry
-from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
 
 XY, XZ, YZ = -0.016951, 0.004, -0.002
@@ -15,21 +15,11 @@ LIMITED = [
 
 
 def machine(*changes):
-    text = shipped_text("i3")
-    for old, new in changes:
-        assert old in text, old
-        text = text.replace(old, new)
-    return load_text(text)
+    return edited("i3", *changes)
 
 
 def homed(**options):
-    s = Scenario(machine(*LIMITED), **options)
-    s.host.ok("G28", 60)
-    return s
-
-
-def answers(s, line, within=60):
-    return [x for x in s.host.ok(line, within) if x not in ("ok", "echo:busy: processing")]
+    return at_home(machine(*LIMITED), **options)
 
 
 def motors(x, y, z, xy=XY, xz=XZ, yz=YZ):

@@ -3,9 +3,9 @@
 import re
 
 import pytest
+from tests.support.edited_machine import answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
 from passo.printer.klipper.objects import objects
 
@@ -39,21 +39,11 @@ FOUR = [
 
 
 def machine(*changes):
-    text = shipped_text("i3-two-z")
-    for old, new in changes:
-        assert old in text, old
-        text = text.replace(old, new)
-    return load_text(text)
+    return edited("i3-two-z", *changes)
 
 
 def homed(*changes, **options):
-    s = Scenario(machine(*changes), **options)
-    s.host.ok("G28", 60)
-    return s
-
-
-def answers(s, line, within=600):
-    return [x for x in s.host.ok(line, within) if x not in ("ok", "echo:busy: processing")]
+    return at_home(machine(*changes), **options)
 
 
 def tilt(s):

@@ -26,6 +26,11 @@ COMMAND: Mapping[str, Entry] = {
     "command.fault-order": bad_input(
         "command", "{value} is not understood: expected {limit}", "Write it like that"
     ),
+    "move.not-made": bad_input(
+        "moves",
+        "the move {axis} was not made: {value}",
+        "Correct it in [moves] of the machine file, or with SET_MOVE",
+    ),
     "command.failed": bad_input(
         "command", "{value}", "Remove the cause, then send the command again"
     ),

@@ -29,6 +29,7 @@ from passo.config.home_checks import (
 )
 from passo.config.machine import MachineConfig
 from passo.config.origins import Origins
+from passo.config.predefined_move_checks import check_moves
 from passo.config.probing_checks import check_probe
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
@@ -166,6 +167,7 @@ def _machine(text: str, file: str) -> Loaded:
             *check_offsets(machine),
             *check_skew(machine),
             *check_park(machine),
+            *check_moves(machine),
             *check_scales(machine),
             *check_probe(machine),
             *check_shaping(machine),

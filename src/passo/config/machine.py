@@ -26,6 +26,7 @@ from passo.config.motion import (
 )
 from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.pin_names import MAIN, placed
+from passo.config.predefined_moves import PredefinedMove
 from passo.config.probing import Levelling, Simulated
 from passo.config.shapers import impulses
 from passo.config.types import (
@@ -87,6 +88,8 @@ class MachineConfig(Model):
     """How an axis, a carriage or an arm is homed. An axis without this table has no endstop."""
     park: Park | None = Field(default_factory=Park)
     """Where the nozzle waits during a pause."""
+    moves: dict[Name, PredefinedMove] = {}
+    """Moves to places, by name, which MOVE_TO, homing or probing makes."""
     idle: Idle = Field(default_factory=Idle)
     """What is switched off when the machine is idle."""
     unhomed_moves: Literal["refuse", "allow"] = "refuse"

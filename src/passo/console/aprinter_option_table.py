@@ -50,6 +50,7 @@ def options(printer: Printer) -> Iterator[Option]:
         yield from _heater(printer, name)
         yield from _sensor(printer, name)
     yield from _probe(printer)
+    yield from _moves(printer)
     laser = machine.laser
     if laser is not None:
         letter = laser.density_letter or laser.energy_letter or "L"
@@ -242,4 +243,29 @@ def _probe(printer: Printer) -> Iterator[Option]:
                 f"ProbeP{n}{suffix}",
                 lambda n=n, key=key: float(getattr(levelling.points[n - 1], key)),
                 f"SET_PROBE_POINT N={n} {word}={{}}",
+            )
+
+
+# -- predefined moves -----------------------------------------------------------------------------
+
+
+def _moves(printer: Printer) -> Iterator[Option]:
+    """APrinter numbers the moves from 1."""
+    moves = printer.moves.moves
+    for n, (name, move) in enumerate(moves.items(), 1):
+        yield Option(
+            f"Move{n}Enabled",
+            lambda name=name: float(moves[name].enabled),
+            f"SET_MOVE NAME={name} ENABLED={{}}",
+        )
+        yield Option(
+            f"Move{n}Speed",
+            lambda name=name: moves[name].speed_mm_s,
+            f"SET_MOVE NAME={name} SPEED={{}}",
+        )
+        for axis in move.position_mm:
+            yield Option(
+                f"Move{n}{axis.upper()}",
+                lambda name=name, axis=axis: moves[name].position_mm[axis],
+                f"SET_MOVE NAME={name} {axis.upper()}={{}}",
             )

@@ -69,6 +69,8 @@ class SettingsCommands:
         if self._printer.machine.extruders:
             yield "Pressure advance", filters.advance_lines()
         yield "Home offset", [motion.home_offset_line()]
+        if self._printer.machine.moves:
+            yield "Predefined moves", list(self._printer.move_commands.setting_lines())
         if job.tool_offsets:
             yield "Tool offsets", list(motion.tool_offset_lines())
         if self._printer.machine.probe:

@@ -32,6 +32,7 @@ _NAMING = {
     "M603": "T",
     "M666": "S",
     "M906": "IT",
+    "SET_MOVE": "NAME=",
     "SET_PROBE_POINT": "N=",
     "SET_PRESSURE_ADVANCE": "EXTRUDER=",
 }

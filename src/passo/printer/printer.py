@@ -16,6 +16,7 @@ from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
 from passo.motion.lone_motors import LoneMotors
 from passo.motion.offsets import Offsets
+from passo.motion.predefined_moves import PredefinedMoves
 from passo.motion.probing import Prober
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.bed_correction import BedCorrectionCommands
@@ -31,6 +32,7 @@ from passo.printer.commands.manual_probe import ManualProbe
 from passo.printer.commands.motor_moves import MotorMoves
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import PowerSupply
+from passo.printer.commands.predefined_moves import PredefinedMoveCommands
 from passo.printer.commands.probe_deployment import ProbeDeploymentCommands
 from passo.printer.commands.probe_moves import ProbeMoveCommands
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
@@ -121,7 +123,11 @@ class Printer:
         self.endstops = EndstopWatch(rig, state, self.triggered, self.stop_by_endstop)
         self.triggered.starts.append(self.endstops.pause)
         self.prompts = UserPrompts(state, self.beeper)
-        self.waits = WaitRunner(rig, state, self.homer, self.prompts, self.laser, self.targets)
+        self.moves = PredefinedMoves(rig, state, self.triggered, lambda: rig.commands.problem())
+        self.move_commands = PredefinedMoveCommands(machine, self.moves)
+        self.waits = WaitRunner(
+            *(rig, state, self.homer, self.moves, self.prompts, self.laser, self.targets)
+        )
         self.controls = ControlCommands(rig)
         self.heat = HeatCommands(rig, self.controls)
         self.motion = MotionCommands(rig, state, self.offsets, self.homer)
@@ -137,7 +143,8 @@ class Printer:
         )
         self.manual_probe = ManualProbe(self.prober, self.correction, offsets)
         self.levelling = LevellingCommands(
-            *(rig, self.prober, self.correction, self.corrections, offsets, self.manual_probe)
+            *(rig, self.prober, self.correction, self.corrections, offsets, self.manual_probe),
+            self.moves,
         )
         if machine.probe is not None:
             self.dispatch.add(ProbeCommands(rig, self.prober), self.levelling, self.corrections)
@@ -168,7 +175,7 @@ class Printer:
         self.skew = SkewCommands(rig) if isinstance(machine.geometry, Cartesian) else None
         if self.skew is not None:
             self.dispatch.add(self.skew)
-        self.dispatch.add(MotorMoves(rig, state, self.triggered))
+        self.dispatch.add(MotorMoves(rig, state, self.triggered), self.move_commands)
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)
         idle = IdleWatch(

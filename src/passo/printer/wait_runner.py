@@ -24,6 +24,7 @@ from passo.printer.wait_requests import (
 if TYPE_CHECKING:
     from passo._core import Heater
     from passo.motion.homing import Homer
+    from passo.motion.predefined_moves import PredefinedMoves
     from passo.printer.commands.user_prompts import UserPrompts
     from passo.printer.laser import Laser
     from passo.printer.live_rig import LiveRig
@@ -63,11 +64,12 @@ class WaitRunner:
         rig: LiveRig,
         state: State,
         homer: Homer,
+        moves: PredefinedMoves,
         prompts: UserPrompts,
         laser: Laser,
         targets: Targets,
     ) -> None:
-        self._rig, self._state, self._homer = rig, state, homer
+        self._rig, self._state, self._homer, self._moves = rig, state, homer, moves
         self._prompts, self._laser, self._targets = prompts, laser, targets
         self.heating = False  # a command waits for a temperature
         self.person = False  # or for the user
@@ -174,7 +176,8 @@ class WaitRunner:
             await self._person(wait, reply)
         elif isinstance(wait, WaitForHoming):
             rig.job.abandon()
-            await self._homer.home(wait.letters)
+            letters = wait.letters
+            await self._moves.around_homing(letters, lambda: self._homer.home(letters))
 
     def _raise_if_ended(self) -> None:
         if self._state.ended:

@@ -103,7 +103,7 @@ def read_program(
                 commands.refuse(command, error, name)
                 continue
             if wait is not None:
-                settle(wait)
+                _end(wait, command, commands, settle, name)
         elif found == status.NEED_INPUT:
             data = next(source, b"")
             if data:
@@ -118,6 +118,15 @@ def read_program(
             yield
     job.flush()
     yield
+
+
+def _end(wait: Wait, command: Command, commands: Commands, settle: Settle, name: str) -> None:
+    """Raises InputError with `name` as the file if an action after the wait is refused."""
+    try:
+        settle(wait)
+        commands.settled(wait)
+    except CommandError as error:
+        commands.refuse(command, error, name)
 
 
 def _expand(job: _core.Job, commands: Commands, name: str, settle: Settle) -> None:

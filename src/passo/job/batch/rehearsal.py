@@ -75,7 +75,7 @@ class RehearsedCommands(Commands):
         raise InputError([with_option(problem) for problem in placed])
 
     def settled(self, wait: Wait) -> None:
-        """A wait has ended."""
+        """See `Commands.settled`."""
         if not isinstance(wait, WaitForHoming):
             return
         names, point = named_axes(self._machine, wait.letters), self._machine.home_mm
@@ -83,9 +83,12 @@ class RehearsedCommands(Commands):
         if "O" in wait.letters:
             lost = [number for number in self._job.locked_axes if number in numbers]
             self._job.set_axes([(number, point[self._axes[number]]) for number in lost])
+            if lost and wait.letters == "O":
+                self.flow.homed()
             return
         for number in numbers:
             self._job.lock_axis(number, False)
+        super().settled(wait)
 
     def target_set(self, heater: str, celsius: float) -> None:
         """The program has set a target that acts after all moves so far."""

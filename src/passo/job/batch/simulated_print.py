@@ -205,7 +205,6 @@ class Print:
                 raise MachineError.of(_STOPS[wait.code], str(path), wait.line)
             warm(wait)
             if checks is not None:
-                checks.settled(wait)
                 checks.guard(self.connection.now - self.base)
 
         if self._trace_s > 0:

@@ -27,6 +27,7 @@ from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
+    from passo.motion.predefined_moves import PredefinedMoves
     from passo.motion.rig import Rig
 
 _SURFACE_POINTS = 21  # of the surface that pages draw, along X and Y
@@ -50,9 +51,11 @@ class LevellingCommands:
         corrections: BedCorrectionCommands,
         offsets: ProbeOffsetCommands,
         manual: ManualProbe,
+        moves: PredefinedMoves,
     ) -> None:
         self._rig, self._prober, self._correction = rig, prober, correction
         self._corrections, self._offsets, self._manual = corrections, offsets, manual
+        self._moves = moves
         self._config = config = rig.machine.levelling
         self.points = list(config.points)
         self.mesh_grid: Grid | None = None
@@ -148,7 +151,7 @@ class LevellingCommands:
         def done(found: Sequence[Measured], reply: Reply) -> None:
             reply.say(f"//ProbeHeight@P{n} {found[0].height_mm:.5f}")
 
-        return self._run([place], done, reply, above_mm=above)
+        return self._run([place], done, reply, above_mm=above, alone=True)
 
     def _number(self, given: float) -> int:
         n = int(given)
@@ -164,9 +167,12 @@ class LevellingCommands:
         reply: Reply,
         report: Callable[[Measured, Reply], None] = lambda _, __: None,
         above_mm: float | None = None,
+        *,
+        alone: bool = False,
     ) -> Wait:
-        """Measures these places, by the probe or by the paper test; `done` gets the heights. Raises
-        CommandError."""
+        """Measures these places, by the probe or by the paper test; `done` gets the heights. Before
+        and after the probe the machine file's moves are made, unless it measures one place `alone`,
+        and the nozzle stays there, or `above_mm`. Raises CommandError."""
         found_so_far: list[Measured] = []
 
         def reported(found: Measured, reply: Reply) -> None:
@@ -183,12 +189,17 @@ class LevellingCommands:
             return self._manual.start(places, ended, reported, reply)
 
         async def run() -> None:
+            self._prober.check(places)
+            if not alone:
+                await self._moves.run_hook("before_probing")
             self._progress = 0, len(places)
             try:
                 found = await self._prober.measure(places, lambda m: reported(m, reply), above_mm)
             finally:
                 self._progress = 0, 0
             ended(found, reply)
+            if not alone:
+                await self._moves.run_hook("after_probing")
 
         return WaitForProcedure(run)
 

@@ -20,7 +20,7 @@ from passo.printer.macros import Macros, Respond
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
 from passo.printer.status import planned_status
 from passo.printer.unfit_commands import ALL
-from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForUser
+from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForHoming, WaitForUser
 
 if TYPE_CHECKING:
     from passo import _core
@@ -123,6 +123,11 @@ class Commands:
             self.omitted.count(SkippedCommand.USER, code, command.line)
             return WaitForUser(row.text)
         return None
+
+    def settled(self, wait: Wait) -> None:
+        """A wait of a program without consoles has ended. Raises CommandError."""
+        if isinstance(wait, WaitForHoming) and not wait.letters:
+            self.flow.homed()
 
     def expand(self, command: Command, respond: Respond, *, console: bool = False) -> None:
         """A macro is called: the job reads its lines next. See Macros.expand."""

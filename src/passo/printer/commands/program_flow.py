@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from math import nan
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.config.predefined_moves import PredefinedMove, hooked
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import ANY, Subject, When, command, in_program
+from passo.motion.axis_slots import SLOTS
+from passo.motion.predefined_moves import named, not_made, target_of
 from passo.motion.set_position import place_of_actuators, place_of_axes
 from passo.printer.input_errors import problem_of
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
@@ -69,6 +73,24 @@ class ProgramFlow:
     def _home(self, command: Command, _: Reply) -> Wait:
         self._outputs.laser_off()  # homing moves over the work
         return WaitForHoming(command.text)
+
+    def homed(self) -> None:
+        """All axes have homed, without consoles: makes the moves after that."""
+        for name, move in hooked(self._machine.moves, "after_homing"):
+            self._make(name, move)
+
+    @in_program("MOVE_TO")
+    def _move_to(self, command: Command, _: Reply) -> Wait:
+        name = command.pairs().get("NAME", "")
+        move = named(self._machine.moves, name)
+        return WaitForMoves(lambda: self._make(name, move))
+
+    def _make(self, name: str, move: PredefinedMove) -> None:
+        """Raises CommandError."""
+        target = target_of(move, self._machine, self._job.machine_position)
+        places = [target.get(slot, nan) for slot in range(SLOTS)]
+        if not self._job.move_to(places, move.speed_mm_s, _core.Within.LIMITS):
+            raise not_made(name, problem_of(self._job, "", self._machine.geometry))
 
     @in_program("G92")
     def _set_position(self, command: Command, _: Reply) -> Wait:
