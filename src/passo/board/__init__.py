@@ -1,1 +1,1 @@
-"""The board as the host sees it: its dictionary, its configuration, a connection to it."""
+"""One board from the host's side: its dictionary, its configuration, and the connection to it."""

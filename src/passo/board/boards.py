@@ -1,4 +1,5 @@
-"""All boards of one machine as one; each part of the machine is on one of them."""
+"""All boards of one machine behind one interface; each part of the machine is wired to one
+board."""
 
 from __future__ import annotations
 
@@ -14,8 +15,8 @@ from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 
-# The time until the clocks of several boards are known well enough, with so much more for each
-# second by which answers are usually late; at most the last.
+# How long the host measures the clocks of several boards: `SETTLING_S`, plus `_SETTLING_PER_JITTER`
+# seconds for each second of usual answer delay, at most `_LONGEST_SETTLING_S`.
 SETTLING_S = 4.0
 _SETTLING_PER_JITTER = 6000.0
 _LONGEST_SETTLING_S = 30.0
@@ -39,13 +40,13 @@ class Boards:
         self.board = together({c.name: c.board for c in self.connections})
         self.timeline = _core.Timeline()
         self.faults: list[HeaterFault] = []
-        self.injector: FaultInjector | None = None  # of boards that can be made to fail
+        self.injector: FaultInjector | None = None  # only for simulated boards
         for connection in self.connections:
             connection.faults = self.faults
 
     def connect(self, *, adopt: bool = False) -> None:
-        """Identifies and configures every board, and puts their clocks on one timeline. If all
-        boards have survived the loss of another host, they may be adopted."""
+        """Identifies and configures every board, and puts their clocks on one timeline. With
+        `adopt`, boards keep their state if all of them have survived the loss of another host."""
         adopt = adopt and all(connection.left_alone() for connection in self.connections)
         for connection in self.connections:
             connection.begin(adopt=adopt)
@@ -75,7 +76,7 @@ class Boards:
 
     @property
     def survives(self) -> bool:
-        """Whether all boards can stop by themselves when a link is lost."""
+        """Whether all boards can brake without the host when a link is lost."""
         return all(connection.survives for connection in self.connections)
 
     @property
@@ -85,7 +86,7 @@ class Boards:
 
     @property
     def delivered(self) -> bool:
-        """Whether all messages of the job so far have been delivered to the boards."""
+        """Whether the boards have acknowledged all messages of the job so far."""
         return all(connection.link.delivered for connection in self.connections)
 
     @property
@@ -105,8 +106,8 @@ class Boards:
             connection.use_commits(horizon_s)
 
     def arm(self, on: bool) -> None:
-        """Whether the boards brake by themselves when their link is lost; otherwise axes may be
-        homed. Only at standstill, and only if all boards `survive`."""
+        """Makes the boards brake without the host when their link is lost (`on`), or not: axes can
+        be homed only then. Call it only at standstill, and only if all boards `survive`."""
         for connection in self.connections:
             connection.command("survive_arm" if on else "survive_home")
             connection.link.begin_commits(on)
@@ -142,7 +143,7 @@ class Boards:
             connection.link.stop_job()
 
     def emergency_stop(self) -> None:
-        """Sends all boards the command to shut down; it leaves when time next passes."""
+        """Queues the shutdown command for all boards; the links send it when time next passes."""
         for connection in self.connections:
             connection.command("emergency_stop")
 
@@ -220,8 +221,8 @@ class Boards:
         self.connection_of("heaters", heater).set_target(heater, celsius)
 
     def switch_heaters_off(self) -> None:
-        """Turns every heater off. A heater that has failed is off already and keeps its set-point,
-        which can still be read. Only while nothing can rearm it."""
+        """Turns every heater off. A heater that has failed is off already; its set-point stays
+        readable. Call it only while no command can rearm a heater."""
         for connection in self.connections:
             for heater in connection.heaters.values():
                 if heater.fault is None:
@@ -258,7 +259,8 @@ class Boards:
 
 
 def _check_room(connection: Connection) -> None:
-    """Raises an error if the plan needs more than the boards can take: commands would be late."""
+    """Raises MachineError if the plan needs more commands than the boards can hold: they would be
+    late."""
     room = connection.move_count
     if room < connection.board.move_count:
         where = f" of board {connection.name}" if connection.name else ""

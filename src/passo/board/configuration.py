@@ -35,9 +35,10 @@ _SPI_HZ = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Oids:
-    """Numbers of the board's objects, in this order: steppers, outputs, sensors, endstops; a trsync
-    for each endstop, here or on another board, for the group of motors that it stops here; UARTs
-    and SPI devices by their pins."""
+    """The object number of each part of the board, in this order: steppers, outputs, sensors,
+    endstops, trsyncs, UARTs, SPI devices. A trsync is the group of motors on this board that one
+    endstop stops; the endstop may be on another board. UARTs and SPI devices are found by their
+    pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -50,7 +51,7 @@ class Oids:
 
     @classmethod
     def of(cls, board: BoardDescription) -> Oids:
-        """Numbers from 0 for all objects of a board, the same for the same description."""
+        """Numbers all objects of a board from 0; equal descriptions get equal numbers."""
         count = 0
 
         def numbered(names: Iterable[_Key]) -> dict[_Key, int]:
@@ -72,14 +73,14 @@ class Oids:
 
 
 def full_scale(output: Output, dictionary: Dictionary) -> int:
-    """The value that means fully on."""
+    """The value of an output that means fully on."""
     if output.kind == "pwm":
         return dictionary.number("PWM_MAX", 255)
     return max(output.cycle_ticks, 1)
 
 
 def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
-    """The configuration as text, `allocate_oids` first, without `finalize_config`."""
+    """The configuration commands as text, from `allocate_oids` on, without `finalize_config`."""
     oids = Oids.of(board)
     lines = [f"allocate_oids count={oids.count}"]
     for s in board.steppers:
@@ -162,8 +163,9 @@ def checksum(lines: list[str]) -> int:
 
 
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
-    """Sets values that are set once, and starts the reports of every sensor, evenly spread, the
-    first at board clock `clock`, and the outputs that blink."""
+    """The commands that follow the configuration: they set values that are set once, start outputs
+    that blink, and start the sensors' reports. The first report is due at board clock `clock`; the
+    sensors' reports are evenly spread."""
     oids = Oids.of(board)
     # Older firmware has no parameter for the number of bytes of a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
@@ -202,7 +204,7 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
 
 
 def adc_full(dictionary: Dictionary) -> int:
-    """A sensor's report (sum of its samples) at the ADC's full scale."""
+    """The value of a sensor's report, which is a sum of samples, at the ADC's full scale."""
     return dictionary.number("ADC_MAX", 1023) * SENSOR_SAMPLES
 
 
@@ -234,7 +236,7 @@ def sensor_query(
 def heater_options(
     board: BoardDescription, heater: Heater, dictionary: Dictionary
 ) -> _core.HeaterOptions:
-    """What the loop of a heater must know."""
+    """The settings of a heater's control loop for the core, in units of this board."""
     oids = Oids.of(board)
     output = next(o for o in board.outputs if o.name == heater.output)
     sensor = next(s for s in board.sensors if s.name == heater.sensor)

@@ -20,21 +20,19 @@ from passo.board.start_up import add_parts, configure, follow_clock
 from passo.board.survive import stood_alone
 from passo.errors import MachineError
 
-_SQUARES = 256  # ticks² of a unit in reports of load, where the board does not specify it
+_SQUARES = 256  # ticks² in one unit of reported load, if the board does not specify it
 _FAREWELL_S = 0.6
 ABSOLUTE_ZERO_C = -273.15  # hosts parse it as a number, and it is clearly not a temperature
 
 
 class Connection(Exchange):
-    """The host's side of one board, wherever it is.
-
-    All times are ticks of the main board's clock, which is this one unless others say so by `name`;
-    `board_clock` is the board's own. Not thread-safe; `run` releases the interpreter lock.
-    On a live port real time passes, and a thread of the core looks after the link; else time passes
-    only in `run` and in what asks the board.
-    Every method that lets time pass raises MachineError when the board shuts down and
-    BoardSilentError when it no longer answers. A heater that fails is ordered off, to be so in
-    0.1 s.
+    """The host's side of one board, real or simulated. All times are ticks of the main board's
+    clock, unless a name says `board_clock`, which is the clock of this board. Not thread-safe;
+    `run` releases the interpreter lock. On a live port real time passes, and a thread of the core
+    serves the link; otherwise time passes only in `run` and in methods that ask the board. Every
+    method that lets time pass raises MachineError when the board shuts down and BoardSilentError
+    when it no longer answers. When a heater fails, the host sends the command that turns it off
+    within 0.1 s.
     """
 
     def __init__(self, board: BoardDescription, port: Port, name: str = "") -> None:
@@ -49,14 +47,14 @@ class Connection(Exchange):
         """Identifies and configures the board, follows its clock and starts its sensors.
 
         A board that was in use is reset first, because its state is unknown. With `adopt`, a board
-        that has survived the loss of its host, and has exactly this configuration, keeps its state,
-        except for outputs other than heaters and motors; then `adopted` is true.
+        that has survived the loss of its host, and has exactly this configuration, keeps the state
+        of its heaters and motors; then `adopted` is true.
         """
         self.begin(adopt=adopt and self.left_alone())
 
     def left_alone(self) -> bool:
-        """Identifies the board. Returns whether it has survived the loss of its host, and has
-        exactly this configuration; its motors are at standstill then."""
+        """Identifies the board. Returns whether it has survived the loss of its host and has
+        exactly this configuration. If True, its motors are at standstill."""
         self._identify()
         state = self.ask("get_config", "config")
         same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
@@ -75,7 +73,7 @@ class Connection(Exchange):
         add_parts(self, self.move_count)
         self.renew()
         if self.adopted:
-            # It accepts commands again, and counts this host's commits from 0 on.
+            # The board accepts commands again, and counts this host's commits from 0 on.
             self.command("survive_off")
             self.command("survive_arm")
             self._switch_off_loads()
@@ -101,15 +99,15 @@ class Connection(Exchange):
         return self.link.host_at(self.board_clock) if self.link.synchronous else 0
 
     def recorded_frames(self, halt_ticks: int) -> RecordedFrames:
-        """The frames since some seconds before that host time, as far as they are kept."""
+        """The kept frames from `KEPT_S` before the host time `halt_ticks` on."""
         since = halt_ticks - int(KEPT_S * self.board.clock_hz)
         return RecordedFrames(
             self.name, self.board, self.dictionary, self.oids, halt_ticks, self.link.recorded(since)
         )
 
     def join(self, timeline: _core.Timeline, *, main: bool, tolerance_s: float) -> None:
-        """The board is one of several: the main one, or one whose steps may miss the plan's times
-        by `tolerance_s` more."""
+        """Puts the board on the timeline of several boards. `main` marks the main board; steps of
+        any other may miss the plan's times by `tolerance_s` more, in seconds."""
         hz = self.board.clock_hz
         self._timeline = timeline
         self.link.join(timeline, main, tolerance_s * hz)
@@ -119,8 +117,8 @@ class Connection(Exchange):
             self.link.set_apart(target, float(s.apart_ticks), float(s.turning_ticks))
 
     def main_clock(self, clock: int) -> int:
-        """The main board's clock when this one's reads `clock`, of which the low 32 bits count, a
-        short time ago."""
+        """The main board's clock when this board's clock reads `clock`. Only the low 32 bits of
+        `clock` count; the time must be near the present one."""
         now = self.board_clock
         ago = (now - clock) & 0xFFFFFFFF
         return self.link.main_clock(now - ago + (1 << 32 if ago >= 1 << 31 else 0))
@@ -132,7 +130,8 @@ class Connection(Exchange):
         return self.dictionary.number("SURVIVE") > 0
 
     def use_commits(self, horizon_s: float) -> None:
-        """Sends the job in commits, which leave so long ahead. Only if the board `survives`."""
+        """Sends the job in commits, each `horizon_s` seconds ahead. Call it only if the board
+        `survives`."""
         self.link.use_commits(self.ticks(horizon_s))
         for o in self._unheated():
             if o.max_duration_ticks > 0:
@@ -156,8 +155,8 @@ class Connection(Exchange):
             raise BoardResetError(self.name)
 
     async def open_again(self) -> None:
-        """Opens the port again after the link was lost, while the loop runs. The job waits until
-        `link.go_on`. Raises LinkLostError."""
+        """Opens the port again after the link was lost; the event loop keeps running. The job waits
+        until `link.go_on`. Raises LinkLostError."""
         self.forget_late_answers()
         if self.port.live:
             await asyncio.to_thread(self.port.open)
@@ -169,13 +168,13 @@ class Connection(Exchange):
                 self.wire.join(self._timeline)
 
     def order_stop(self) -> None:
-        """Sends the board the command to shut down, and the question whether it has; they leave
-        when time next passes."""
+        """Queues the shutdown command, and the question whether the board has shut down; the link
+        sends both when time next passes."""
         self.command("emergency_stop")
         self.command("get_config")
 
     def has_shut_down(self) -> bool:
-        """Whether the board has reported its shutdown, or has answered so since `order_stop`."""
+        """Whether the board has reported a shutdown, by itself or in its answer to `order_stop`."""
         answers = self.take_responses("config")
         return self.link.shut_down or any(state["is_shutdown"] for _, state in answers)
 
@@ -188,7 +187,7 @@ class Connection(Exchange):
             heater.asked_anew()
 
     def main_loop(self) -> MainLoop | None:
-        """The load of the board by its last report; None before the first. Does not ask the
+        """The load in the board's last report; None before the first report. Does not ask the
         board."""
         for _, report in self.take_responses("stats"):
             unit = int(self.dictionary.constants.get("STATS_SUMSQ_BASE", _SQUARES))
@@ -201,9 +200,9 @@ class Connection(Exchange):
         base_clock: int | None = None,
         main_hz: float | None = None,
     ) -> int:
-        """Sends `messages` from now on, their clocks counted from `base_clock` (default: a quarter
-        of a second from now). Both are the main board's, which runs at `main_hz` (default: as this
-        one). Returns that clock."""
+        """Sends `messages` from now on, and returns `base_clock`, from which their clocks count
+        (default: a quarter of a second from now). Both are ticks of the main board's clock, which
+        runs at `main_hz` (default: the frequency of this board)."""
         base = self.now + self.ticks(LEAD_S) if base_clock is None else base_clock
         self.link.set_queue(messages)
         self.link.start_job(base, main_hz or float(self.board.clock_hz))
@@ -217,8 +216,8 @@ class Connection(Exchange):
         return ABSOLUTE_ZERO_C if silent else loop.celsius
 
     def set_target(self, heater: str, celsius: float) -> None:
-        """Sets a heater's target; 0 turns it off. A heater that has failed keeps it until it is
-        rearmed. KeyError if there is no such heater."""
+        """Sets a heater's target; 0 turns it off. A heater that has failed keeps the new target,
+        but stays off until it is rearmed. KeyError if there is no such heater."""
         self.heaters[heater].target = celsius
 
     def switch(self, output: str, on: bool) -> None:
@@ -229,9 +228,9 @@ class Connection(Exchange):
         )
 
     def tone(self, output: str, hz: float, seconds: float, after_s: float) -> None:
-        """Pulses an output with a cycle, which is off so far, at `hz` and half of its power, for so
-        many seconds, `after_s` from now; the board gets its end together with its begin. KeyError
-        if there is no such output."""
+        """Pulses an output at `hz` and half of its power, for `seconds`, `after_s` seconds from
+        now. The output must have a cycle, and be off. The board gets the command that ends the tone
+        together with the one that starts it. KeyError if there is no such output."""
         pin = next(o.pin for o in self.board.outputs if o.name == output)
         oid = self.oids.outputs[output]
         cycle = round(self.board.clock_hz / hz)
@@ -244,8 +243,8 @@ class Connection(Exchange):
             )
 
     def pulse(self, output: str, width_s: float, seconds: float, after_s: float) -> None:
-        """Pulses an output with a cycle for so many seconds, `after_s` from now. KeyError if there
-        is no such output."""
+        """Repeats pulses of `width_s` on an output that has a cycle, for `seconds`, `after_s`
+        seconds from now. KeyError if there is no such output."""
         pin = next(o for o in self.board.outputs if o.name == output)
         oid, hz = self.oids.outputs[output], self.board.clock_hz
         begin = self.clock_after(after_s)
@@ -256,8 +255,8 @@ class Connection(Exchange):
             self.command(f"queue_digital_out oid={oid} clock={clock & 0xFFFFFFFF} on_ticks={ticks}")
 
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
-        """Changes a heater's sensor: its table and its range, from the next report on. Name and pin
-        stay. KeyError if there is no such heater."""
+        """Replaces the table and the range of a heater's sensor, from its next report on. Name and
+        pin stay. KeyError if there is no such heater."""
         loop = self.heaters[heater]
         entry = next(h for h in self.board.heaters if h.name == heater)
         sensors = (
@@ -282,7 +281,7 @@ class Connection(Exchange):
             self.wire.stop()
 
     def _unheated(self) -> list[Output]:
-        """The outputs that no heater's loop renews."""
+        """The outputs that are not heaters: no control loop renews them."""
         heated = {h.output for h in self.board.heaters}
         return [o for o in self.board.outputs if o.name not in heated]
 

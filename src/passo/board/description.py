@@ -1,6 +1,5 @@
-"""What is wired to a board, as plain data: what the host must know to configure and drive it.
-
-Pins are names of the board's dictionary; `!` in front inverts a pin, `^` asks for its pull-up.
+"""The parts that are wired to a board, as plain data: enough to configure and drive the board. Pins
+are names of the board's dictionary; the prefix `!` inverts a pin, and `^` turns its pull-up on.
 """
 
 from __future__ import annotations
@@ -19,8 +18,8 @@ Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
 @dataclass(frozen=True, slots=True)
 class Stepper:
-    """A motor driver. `invert` (or `!` before the direction pin) turns the motor around. Its steps
-    are at least `apart_ticks` apart, and `turning_ticks` where it turns."""
+    """A motor driver. `invert` (or `!` before the direction pin) turns the motor around. Two steps
+    are at least `apart_ticks` apart, and at least `turning_ticks` where the direction changes."""
 
     name: str
     step_pin: str
@@ -33,8 +32,8 @@ class Stepper:
 
 @dataclass(frozen=True, slots=True)
 class Kick:
-    """How a fan is started: at `power` for so many ticks, where it stood still or its power is to
-    rise by more than `rise`. Both are shares of full power."""
+    """The kickstart of a fan: it runs at `power` for some ticks if it was off, or if its power
+    rises by more than `rise`. Both are fractions of full power, 0 to 1."""
 
     ticks: int
     power: float
@@ -45,12 +44,13 @@ class Kick:
 class Output:
     """A pin that is switched.
 
-    `digital` with `cycle_ticks` 0 is on or off (values 0 and 1); with a cycle it is pulsed by the
-    board's software, its value being the ticks on of each cycle. `pwm` is pulsed by hardware, its
-    value 0 to PWM_MAX. While on, it must be renewed within `max_duration_ticks` (0: never), or the
-    board shuts down; then, as at the start, it is fully on or off as `default_on` says. One that
-    `blinks` is on for half of each cycle, until the board shuts down. `kick` is for what the
-    timeline tells it.
+    A `digital` output with `cycle_ticks` 0 is on or off (values 0 and 1). With a cycle, the board's
+    software pulses it, and its value is the number of ticks that it is on in each cycle. The
+    hardware pulses a `pwm` output, whose value is 0 to PWM_MAX. While an output is on, the host
+    must renew it within `max_duration_ticks` (0: never), or the board shuts down. At the start and
+    after a shutdown the output is fully on if `default_on`, else off. An output that `blinks` is on
+    for half of each cycle, until the board shuts down. `kick` is the kickstart for changes on the
+    timeline.
     """
 
     name: str
@@ -79,8 +79,8 @@ class UartPins:
 
 @dataclass(frozen=True, slots=True)
 class SpiPins:
-    """A device on an SPI bus, which it may share. It is selected while `cs_pin` is low; `mode` is
-    the bus's for it, 0 to 3."""
+    """A device on an SPI bus that other devices may share. It is selected while `cs_pin` is low;
+    `mode` is the SPI mode, 0 to 3."""
 
     cs_pin: str
     clock_pin: str
@@ -96,14 +96,13 @@ class SpiPins:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """A temperature sensor on an analog input, or behind a converter that is selected by `pin` on
-    the bus `spi`; then a share is that of the converter's full scale. Before it is asked it is told
-    the words of `setup`, and `clears_faults`, if not empty, whenever it has a fault.
-
-    `table` holds (°C, share of the ADC's full scale) by ascending °C, the share strictly rising or
-    falling; beyond its ends the sensor is broken: open above the greatest share and shorted below
-    the least, or the other way round if not `open_is_high`. Outside `min_ratio`…`max_ratio` the
-    board shuts down, unless the host has switched the heater off before.
+    """A temperature sensor on an analog input, or on a converter chip that `pin` selects on the bus
+    `spi`; then ratios refer to the full scale of the converter. The board sends the bytes of
+    `setup` before the first sample, and those of `clears_faults`, if any, at each fault. `table`
+    holds pairs (°C, fraction of the ADC's full scale) by ascending °C; the fraction strictly rises
+    or falls. Beyond the ends of the table the sensor is broken: open above the largest fraction and
+    shorted below the smallest, or the other way round if not `open_is_high`. Outside `min_ratio` to
+    `max_ratio` the board shuts down, unless the host has switched the heater off before.
     """
 
     name: str
@@ -120,7 +119,7 @@ class Sensor:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What a device on an SPI bus is told when the board begins, and after a lost link."""
+    """Bytes that the board sends to an SPI device at its start, and again after a lost link."""
 
     spi: SpiPins
     words: tuple[bytes, ...]
@@ -128,11 +127,10 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Heater:
-    """An output that heats what a sensor measures.
-
-    `limits` are its protections; one of them, the model deviation, needs a `model` of what is
-    heated (that of a model-predictive `control` is known without). `fan` names the output that
-    cools it, for the model. `arrival` says when a target is reached.
+    """A heating output and its sensor. `limits` are its protections. The protection against model
+    deviation needs the thermal `model`, unless `control` is model-predictive and has its own. `fan`
+    names the output that cools the heater, for the model. `arrival` defines when a target is
+    reached.
     """
 
     name: str
@@ -156,8 +154,8 @@ class Endstop:
 
 @dataclass(frozen=True, slots=True)
 class Driver:
-    """The driver of the motor `stepper`, set up over a wire; `address` tells those on one UART
-    apart."""
+    """The driver chip of the motor `stepper`, set up over UART or SPI. `address` distinguishes the
+    drivers on one UART."""
 
     stepper: str
     wire: UartPins | SpiPins
@@ -167,13 +165,13 @@ class Driver:
 
 @dataclass(frozen=True, slots=True)
 class BoardDescription:
-    """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets,
-    unless `stepper_targets` and `output_targets` number them: on one of several boards. There
-    `endstops_elsewhere` are the names of endstops of other boards that stop steppers of this one.
+    """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets.
+    On one of several boards, `stepper_targets` and `output_targets` number them instead, and
+    `endstops_elsewhere` names the endstops of other boards that stop steppers of this one.
 
     `clock_hz` is the nominal frequency of the board's clock; `move_count` the number of commands
-    that it can hold (a simulated board has as many, a real one reports its own). One that
-    `survives` is taken to run Passo's firmware, and one that does not, not to; None: either.
+    that it can hold (a simulated board has as many, a real one reports its own). `survives`: True
+    requires Passo's firmware, False requires another one, None accepts both.
     """
 
     clock_hz: int
@@ -192,7 +190,7 @@ class BoardDescription:
     output_targets: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        """Raises ValueError for what no board could be wired like."""
+        """Raises ValueError for wiring that no board can have."""
         for part, names in (
             ("stepper", [s.name for s in self.steppers]),
             ("output", [o.name for o in self.outputs]),
@@ -223,7 +221,7 @@ class BoardDescription:
 
     @property
     def spi_devices(self) -> tuple[SpiPins, ...]:
-        """All that is selected on an SPI bus."""
+        """All devices on SPI buses."""
         wires = (
             *(d.wire for d in self.drivers),
             *(s.spi for s in self.sensors),
@@ -233,7 +231,7 @@ class BoardDescription:
 
     @property
     def pins(self) -> tuple[str, ...]:
-        """All pins in use, as written; those that are shared once."""
+        """All pins in use, as written; a shared pin appears once."""
         return (
             *(pin for s in self.steppers for pin in (s.step_pin, s.dir_pin)),
             *(o.pin for o in self.outputs),
@@ -246,8 +244,9 @@ class BoardDescription:
 
 
 def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
-    """All boards of a machine as one, the main one first, with its clock: steppers and outputs in
-    the order of their numbers, pins with the names of their boards."""
+    """Describes all boards of a machine as one board with the clock of the main board, which is the
+    first. Steppers and outputs are in the order of their numbers; pins have the names of their
+    boards."""
     main, *others = boards.values()
     if not others:
         return main
@@ -284,7 +283,7 @@ def bare(pin: str) -> str:
 
 
 def inverted(pin: str) -> bool:
-    """Whether `!` stands before the pin's name."""
+    """Whether the pin has the prefix `!`."""
     return "!" in pin
 
 

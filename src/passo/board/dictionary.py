@@ -1,4 +1,4 @@
-"""A board's data dictionary: which messages it knows, its constants, the names of its pins."""
+"""The data dictionary of a board: its messages, its constants, the names of its pins."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from passo import _core
 RUNS_KLIPPERS = 'it runs Klipper\'s firmware, or the like, which `firmware = "klipper"` would say'
 RUNS_PASSOS = "it runs Passo's firmware, and is taken to run Klipper's (base, firmware)"
 
-_MAX_PINS = 4096  # that one entry may begin
-# What reading something else in its place raises.
+_MAX_PINS = 4096  # the maximum in one range of an enumeration
+# Exceptions of reading data that is not a dictionary.
 _NO_DICTIONARY = (
     ValueError,
     LookupError,
@@ -28,7 +28,7 @@ _NO_DICTIONARY = (
 
 
 class DictionaryError(ValueError):
-    """The dictionary is damaged, or a text names what it does not hold."""
+    """The dictionary is damaged, or a text uses a name that is not in it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,8 @@ class Dictionary:
 
     @classmethod
     def parse(cls, compressed: bytes) -> Dictionary:
-        """Reads what `identify` gave. Raises DictionaryError if it is damaged."""
+        """Reads the compressed dictionary that a board sends for `identify`. Raises DictionaryError
+        if it is damaged."""
         try:
             raw: dict[str, Any] = json.loads(zlib.decompress(compressed))
             return cls(
@@ -61,7 +62,7 @@ class Dictionary:
 
     def number(self, constant: str, default: int = 0) -> int:
         """A numeric constant, `default` if the board does not declare it. Raises DictionaryError if
-        it is no number."""
+        it is not a number."""
         value = self.constants.get(constant, default)
         try:
             return int(value)
@@ -92,7 +93,7 @@ class Dictionary:
         ]
 
     def takes(self, command: str, parameter: str) -> bool:
-        """Whether the board knows the command, and that with this parameter."""
+        """Whether the board has this command with this parameter."""
         texts = (text for _, text in self.commands if text.split(" ", 1)[0] == command)
         return any(word.startswith(f"{parameter}=") for text in texts for word in text.split())
 
@@ -149,8 +150,8 @@ def frame_lines(
     labels: Mapping[tuple[str, int], str] | None = None,
 ) -> list[str]:
     """A line for each message of a frame, which is (sequence, payload), or None for bytes that are
-    no frame. `labels` explain values of parameters: ("oid", 3) is perhaps the stepper x. Raises
-    ValueError for a message that is not among the formats."""
+    not a frame. `labels` maps a parameter and its value to a name: ("oid", 3) to `stepper x`, for
+    example. Raises ValueError for a message that is not among the formats."""
     if frame is None:
         return ["(bytes that are not a frame)"]
     sequence, payload = frame

@@ -1,4 +1,4 @@
-"""The drivers of one board that have registers: it configures, watches and sets them."""
+"""Configures and monitors the motor drivers of one board that have registers."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from passo.errors import MachineError
 if TYPE_CHECKING:
     from passo.board.connection import Connection
 
-# The time after the board has the question. The slowest UART takes 30 ms; an answer over SPI comes
-# before the acknowledgement.
+# The timeout of an answer, from the acknowledgement of the question on. The slowest UART takes 30
+# ms; an answer over SPI arrives before the acknowledgement.
 _TIMEOUT_S = 0.3
 _STEP_S = 0.01
-_MAX_LOST = 50  # lost answers in sequence, while a caller waits for them
+_MAX_LOST = 50  # lost answers in a row, while a caller waits for them
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 
 @dataclass
 class DriverState:
-    """One driver: the settings that it should have, the `failure` if it does not have them, and the
-    `reading` of its last status, `fresh` until it is read."""
+    """One driver: the `settings` that it should have, the `failure` if it does not have them, and
+    the `reading` of its last status. `fresh` is True until a caller has used the reading."""
 
     link: DriverLink
     settings: DriverSettings
@@ -46,21 +46,21 @@ class DriverState:
 
 @dataclass
 class _Talk:
-    """An exchange in progress, one question at a time. The link has lost an answer that has not
-    come by `deadline`. There is no deadline before the board has the question."""
+    """An exchange in progress, one question at a time. An answer that has not arrived by `deadline`
+    counts as lost. The deadline is None until the board has acknowledged the question."""
 
     exchange: Exchange[Any]
     done: Callable[[Any], None]
     failed: Callable[[DriverFailure], None]
     question: str | None = None
     deadline: int | None = None
-    lost: int = 0  # lost answers in sequence
+    lost: int = 0  # lost answers in a row
 
 
 @dataclass
 class _Line:
-    """A wire with the exchanges that wait for it. A `slow` wire answers later than it
-    acknowledges."""
+    """A UART or SPI device with the exchanges that wait for it. On a `slow` one, the answer arrives
+    after the acknowledgement of the question."""
 
     slow: bool
     talks: deque[_Talk] = field(default_factory=deque[_Talk])
@@ -69,8 +69,8 @@ class _Line:
 class Drivers:
     """All drivers of a connection that have registers, by their motors.
 
-    `configure` waits for the answers, before any motor moves. After that, questions are asked while
-    time passes elsewhere: the caller that lets time pass calls `poll` from time to time.
+    `configure` waits for the answers, before any motor moves. The other methods only queue
+    questions; the caller that lets time pass calls `poll` every now and then.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -86,12 +86,13 @@ class Drivers:
 
     @property
     def idle(self) -> bool:
-        """Whether no question is open."""
+        """Whether no question waits for an answer."""
         return not any(line.talks for line in self._lines.values())
 
     def configure(self) -> None:
-        """Sets all drivers up. Lets time pass. Raises MachineError if the board fails, or if its
-        answers are lost repeatedly. A driver that fails has a `failure` in its state."""
+        """Sets all drivers up. Lets time pass. Raises MachineError if the board fails, or if too
+        many answers in a row are lost. A driver that fails is not an error here: its state has a
+        `failure`."""
         for motor in self.states:
             self.begin_configure(motor)
         while not self.idle:
@@ -102,14 +103,15 @@ class Drivers:
             self._connection.run(self._connection.now + int(_STEP_S * self._connection.wire.hz))
 
     def require(self) -> None:
-        """As `configure`, and raises MachineError also for drivers that fail."""
+        """As `configure`, but raises MachineError also for a driver that fails."""
         self.configure()
         failures = [state.failure for state in self.states.values() if state.failure is not None]
         if failures:
             raise MachineError([failure.problem for failure in failures])
 
     def begin_configure(self, motor: str, settings: DriverSettings | None = None) -> None:
-        """Sets a driver up (again, or to other settings) as time passes."""
+        """Starts to write the settings of a driver, the present ones or new `settings`. Does not
+        wait."""
         state = self.states[motor]
         if settings is not None:
             state.settings = settings
@@ -125,7 +127,7 @@ class Drivers:
             line.talks.clear()
 
     def begin_status(self, motor: str) -> None:
-        """Asks a driver for its status as time passes."""
+        """Starts to ask a driver for its status. Does not wait."""
         state = self.states[motor]
 
         def done(reading: Reading) -> None:
@@ -145,7 +147,7 @@ class Drivers:
         """Handles the answers of the drivers, and sends the next questions. Lets no time pass."""
         if self.idle:
             return
-        told = self._connection.link.told  # before its answers are looked for
+        told = self._connection.link.told  # read before the answers are
         answers: dict[int, bytes] = {}
         for _, values in self._connection.take_responses(*_ANSWERS):
             data = values.get("read", values.get("response"))

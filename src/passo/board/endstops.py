@@ -1,4 +1,4 @@
-"""Switches that stop motors: armed on the board, which acts at once, and read by the host."""
+"""Endstops: the host arms them, and the board stops the motors at once when one triggers."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from passo.board.connection import Connection
 from passo.board.description import inverted
 from passo.board.exchange import Values
 
-_SAMPLE_S = 15e-6  # between the samples that must agree
+_SAMPLE_S = 15e-6  # interval of the samples that must agree
 _SAMPLES = 4
 _REPORT_S = 0.1  # interval of the state reports of a group
-_REASONS = 127  # told apart, so that a late report of one search does not end the next
-_EXPIRED = 128  # added to the reason: a group of several boards has lost one of them
+_REASONS = 127  # each search has its own reason, so that a late report does not end the next search
+_EXPIRED = 128  # added to the reason when a board of the group was silent for too long
 _SHARED_REPORT_S = 0.01  # interval of the state reports of a group of several boards
-_SHARED_TIMEOUT_S = 0.05  # and its motors stop when another board was silent for so long
+_SHARED_TIMEOUT_S = 0.05  # its motors stop when another board is silent for longer
 
 
 class Endstops:
@@ -29,11 +29,13 @@ class Endstops:
 
     def __init__(self, boards: Boards) -> None:
         self._boards = boards
-        self._armed: dict[str, list[Connection]] = {}  # with all boards on which it stops motors
+        # each with all boards on which it stops motors
+        self._armed: dict[str, list[Connection]] = {}
         self._rest_s = 0.0
         self._reason = 0
-        self.hit: dict[str, int] = {}  # of those armed, and when its board stopped its motors
-        self.expired: set[str] = set()  # of those armed: their boards lost each other
+        # armed endstops that triggered, with the clock at which their motors stopped
+        self.hit: dict[str, int] = {}
+        self.expired: set[str] = set()  # armed endstops whose boards have lost each other
 
     def _board(self, name: str) -> Connection:
         return self._boards.connection_of("endstops", name)
@@ -61,13 +63,13 @@ class Endstops:
         opening: bool = False,
     ) -> None:
         """Makes each of these endstops stop its steppers when it triggers, or when it opens, from a
-        clock on. The board samples every `rest_s` seconds. Do not set the motors' clocks after
-        that: a stopped motor would continue."""
+        clock on. The board samples every `rest_s` seconds. After this call, do not set the motors'
+        clocks: a stopped motor would continue."""
         self._rest_s = rest_s
         self._armed, self.hit, self.expired = {}, {}, set()
         self._reason = self._reason % _REASONS + 1
         for connection in self._boards.connections:
-            # Before its reset, a board may have reported what another host armed it for.
+            # Before its reset, a board may have reported a search of another host.
             connection.take_responses("trsync_state")
         for name, stopped in steppers.items():
             own = self._board(name)
@@ -92,7 +94,7 @@ class Endstops:
     def _group(
         self, board: Connection, name: str, stopped: Sequence[str], clock: int, *, shared: bool
     ) -> None:
-        """The group of the motors of one board that an endstop stops."""
+        """Arms the group (trsync) of the motors of one board that an endstop stops."""
         hz, group = board.board.clock_hz, board.oids.trsyncs[name]
         begin = board.link.own_clock(clock)
         report_s = _SHARED_REPORT_S if shared else _REPORT_S
@@ -132,7 +134,7 @@ class Endstops:
                 if name is None or values["can_trigger"]:
                     continue
                 if values["trigger_reason"] == self._reason:
-                    # Later reports repeat it, with clocks of their own.
+                    # Later reports repeat the trigger with other clocks.
                     if connection is self._board(name) and name not in self.hit:
                         self.hit[name] = connection.main_clock(int(values["clock"]))
                 elif values["trigger_reason"] == self._reason + _EXPIRED:
@@ -140,16 +142,16 @@ class Endstops:
         return self.hit.keys() == self._armed.keys()
 
     def hit_clock(self, name: str) -> int:
-        """The clock at which a triggered endstop, which is still armed, first read as triggered.
+        """The clock at which a triggered endstop first read as triggered. It must still be armed.
         Asks the board. Lets time pass; raises MachineError."""
         connection = self._board(name)
         rest = int(self._rest_s * connection.board.clock_hz)
         state = self._state(name)
-        # The board reports when it would have sampled next.
+        # The board reports the clock of the sample after that.
         return connection.main_clock(int(state["next_clock"]) - rest)
 
     def disarm(self) -> None:
-        """Disarms the endstops: they stop nothing any more."""
+        """Disarms the endstops: they stop no motor any more."""
         self._boards.timeline.disarm()
         for name, boards in self._armed.items():
             own = self._board(name)

@@ -1,4 +1,4 @@
-"""What passes between the host and one board: commands, questions, reports, time."""
+"""The link between the host and one board: commands, questions, reports, time."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from passo.errors import MachineError
 
 Values: TypeAlias = dict[str, int | bytes]
 
-LEAD_S = 0.25  # from a command to what it begins
-TIMEOUT_S = 0.5  # until a question is asked again
+LEAD_S = 0.25  # from a command to its first effect
+TIMEOUT_S = 0.5  # until a question is repeated
 TRIES = 5
-STEP_S = 0.01  # between two looks for an answer
+STEP_S = 0.01  # between two checks for an answer
 _RESPONSES_KEPT = 1024
 
 
@@ -52,29 +52,30 @@ class Exchange:
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
         self._told: dict[str, int] = {}
         self._responses: list[tuple[str, Values]] = []
-        self._late: dict[tuple[str, int | None], int] = {}  # until when old answers may come
+        # until this clock, an old answer may still arrive
+        self._late: dict[tuple[str, int | None], int] = {}
 
     @property
     def now(self) -> int:
-        """The main board's clock. On a live port it is the board's own clock as far as that is
-        known, and before that this computer's."""
+        """The main board's clock. On a live port it is the estimate of the board's clock, or this
+        computer's clock before there is an estimate."""
         return self.wire.now
 
     @property
     def board_clock(self) -> int:
-        """The board's own clock, as far as it is known."""
+        """The clock of this board, by the last estimate."""
         return self.wire.board_clock(self.link)
 
     def ticks(self, seconds: float) -> int:
-        """As many ticks of the main board's clock."""
+        """Seconds in ticks of the main board's clock."""
         return int(seconds * self.wire.hz)
 
     def clock_after(self, seconds: float) -> int:
-        """The expected reading of the board's own clock."""
+        """The expected clock of this board so many `seconds` from now."""
         return self.board_clock + int(seconds * self.board.clock_hz)
 
     def command(self, text: str) -> None:
-        """Queues a command, as `name parameter=value …`; it leaves when time next passes.
+        """Queues a command, as `name parameter=value …`; the link sends it when time next passes.
 
         Raises DictionaryError if the board does not know it.
         """
@@ -96,7 +97,7 @@ class Exchange:
         found = self.ask_for(name, values, answer, same)
         passed = self.now - begin
         if passed > self.ticks(TIMEOUT_S):
-            # It was repeated: the answer to the repetition is as late as this one.
+            # The question was repeated, and the second answer may be as late as this one.
             self._late[about] = self.now + passed
         return found
 
@@ -108,8 +109,9 @@ class Exchange:
         same: Mapping[str, int],
         tries: int = TRIES,
     ) -> Values:
-        """The report `answer` in which the values of `same` are these. Raises BoardSilentError, or
-        the reason why the board has shut down by itself."""
+        """Sends the command `name` with `values`, up to `tries` times, and returns the first report
+        `answer` that has the values of `same`. Raises BoardSilentError if there is none, and the
+        error of the shutdown if the board has shut down."""
         self._collect()
         until, end = self.now, self.now + self.ticks(tries * TIMEOUT_S)
         repeat = until
@@ -118,9 +120,9 @@ class Exchange:
             if lost or until >= repeat:
                 self.link.send(name, list(values))
                 repeat = until + self.ticks(TIMEOUT_S)
-            # A board that is shut down may still be asked.
+            # A board that is shut down still answers questions.
             self.pass_time(until)
-            lost = self.link.told  # its answer has come by now, or never will
+            lost = self.link.told  # an answer has arrived by now, or is lost
             found = self._find(answer, same)
             if found is not None:
                 return found
@@ -130,16 +132,16 @@ class Exchange:
         raise self.silence(name)
 
     def take_responses(self, *names: str) -> list[tuple[str, Values]]:
-        """Unsolicited reports since the last call, oldest first: those of these names, or all."""
+        """The reports since the last call that no question asked for, oldest first: those of
+        `names`, or all."""
         self._collect()
         taken = [r for r in self._responses if not names or r[0] in names]
         self._responses = [r for r in self._responses if names and r[0] not in names]
         return taken
 
     def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
-        """Lets time pass until `until_clock`, or until no heater is heating to its target any more.
-
-        Returns False if it reached `until_clock`, True if the heaters were first.
+        """Lets time pass until `until_clock`. With `until_heaters`, returns True as soon as every
+        heater has reached its target; otherwise returns False at `until_clock`.
         """
         stop = self.pass_time(until_clock, until_heaters)
         if self.link.shut_down:
@@ -176,7 +178,7 @@ class Exchange:
 
     @property
     def lost(self) -> bool:
-        """Whether the board cannot be reached any more: it is silent, or its port is closed."""
+        """Whether the link is lost: the board is silent, or its port is closed."""
         try:
             self.pass_time(self.now)
         except LinkLostError:
@@ -195,11 +197,11 @@ class Exchange:
         return shutdown_error(reason, self.named(reason), time_scale())
 
     def named(self, text: str) -> str:
-        """The text, and which of several boards it is about."""
+        """The text with the name of the board, if there are several boards."""
         return f"{text} (board {self.name})" if self.name else text
 
     def forget_late_answers(self) -> None:
-        """Of a link that was lost no answer comes any more."""
+        """Call this after the link was lost: old answers cannot arrive any more."""
         self._late.clear()
 
     def _find(self, answer: str, same: Mapping[str, int]) -> Values | None:
@@ -215,4 +217,4 @@ class Exchange:
 
     def _collect(self) -> None:
         self._responses += self.link.take_responses()
-        del self._responses[:-_RESPONSES_KEPT]  # reports that no caller takes
+        del self._responses[:-_RESPONSES_KEPT]  # drop old reports that no caller has taken

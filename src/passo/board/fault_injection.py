@@ -15,12 +15,11 @@ _ORDER = re.compile(rf"\s*([\w-]+)\s*=\s*([\w:.]+?)\s*(?:@\s*{_TIME})?\s*(?:\+\s
 
 
 class FaultInjector(Protocol):
-    """Boards into which faults can be injected, part by part; each part has at most one fault at a
-    time."""
+    """Injects faults into the parts of boards. Each part has at most one fault at a time."""
 
     @property
     def values(self) -> Mapping[str, tuple[str, ...]]:
-        """The faults of each part, by the part's name; `none` is the first."""
+        """The possible faults by the name of the part; the first is `none`."""
         ...
 
     @property

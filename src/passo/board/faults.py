@@ -1,5 +1,4 @@
-"""Failures at a board: of a heater, as an event and as a message; of the board itself, as
-errors."""
+"""Faults of heaters, as events with messages, and failures of boards, as errors."""
 
 from __future__ import annotations
 
@@ -17,8 +16,8 @@ class HeaterFault:
     """A protection of a heater has switched it off.
 
     `celsius` is the temperature of its sensor at board clock `clock`, and `limit` is the limit that
-    it passed: in °C, and for a model deviation a fraction of full power. `str()` is a message with
-    the next action.
+    it passed: in °C, or for a model deviation a fraction of full power. `str()` gives a message
+    with the next action.
     """
 
     heater: str
@@ -29,7 +28,7 @@ class HeaterFault:
 
     @classmethod
     def of(cls, heater: str, fault: _core.HeatFault) -> HeaterFault:
-        """The fault that the core has found at a heater of this name."""
+        """Converts the `fault` that the core has found at the heater."""
         return cls(heater, fault.kind, fault.celsius, fault.limit, fault.clock)
 
     @property
@@ -56,7 +55,7 @@ class HeaterFault:
         return str(self.problem)
 
 
-# Why boards shut down, in the words of Klipper's firmware, which are Passo's firmware's too.
+# The shutdown reasons of Klipper's firmware; Passo's firmware uses the same texts.
 _TOO_LATE = (
     "Missed scheduling of next digital out event",
     "Missed scheduling of next hard pwm event",
@@ -98,7 +97,7 @@ class BoardAloneError(LinkLostError):
 
 
 class PlaceLostError(MachineError):
-    """The motors of a board have lost their proven positions; nothing else is wrong."""
+    """The positions of a board's motors are not proven any more. Everything else works."""
 
 
 class BoardResetError(PlaceLostError, LinkLostError):

@@ -1,4 +1,4 @@
-"""Which firmware a board runs: its dictionary, read over the link, and whether that fits."""
+"""Reads the dictionary of a board's firmware over the link, and checks that it fits."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _SURVIVE = 2  # version of the extension
 
 
 def identify(exchange: Exchange) -> None:
-    """Reads the dictionary, and checks it. Raises MachineError if the firmware is too old, and
-    DictionaryError if it does not fit the machine file."""
+    """Reads and checks the dictionary. Raises MachineError if the firmware is too old, and
+    DictionaryError if the dictionary does not fit the machine file."""
     read_dictionary(exchange)
     _check_version(exchange)
     _check_clock(exchange)
@@ -24,7 +24,8 @@ def identify(exchange: Exchange) -> None:
 
 
 def read_dictionary(exchange: Exchange) -> None:
-    """Reads the dictionary that the board has now. Raises DictionaryError if it is damaged."""
+    """Reads the dictionary of the firmware that the board runs now. Raises DictionaryError if it is
+    damaged."""
     data = b""
     while True:
         part = (_part(exchange, len(data)) if data else _first_part(exchange))["data"]
@@ -42,7 +43,7 @@ def read_dictionary(exchange: Exchange) -> None:
 def _part(exchange: Exchange, offset: int) -> Values:
     with suppress(BoardSilentError):
         return _chunk(exchange, offset, _CHUNK, tries=1)
-    # Of a bad link's bytes, few come through together.
+    # On a bad link, only short frames arrive undamaged.
     return _chunk(exchange, offset, _SHORT_CHUNK, TRIES - 1)
 
 
@@ -53,8 +54,8 @@ def _chunk(exchange: Exchange, offset: int, size: int, tries: int) -> Values:
 
 
 def _first_part(exchange: Exchange) -> Values:
-    """Drops the first bytes, which may be answers to another link. They mislead about the number
-    that the board expects, which is requested again then."""
+    """Drops the first bytes, which may be answers to an earlier host. Their sequence number can be
+    wrong, so the number that the board expects is requested again."""
     for _ in range(TRIES - 1):
         with suppress(BoardSilentError):
             return _chunk(exchange, 0, _CHUNK, tries=1)

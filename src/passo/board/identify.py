@@ -1,5 +1,4 @@
-"""Identifies a board: bytes in and bytes out, without input or output of its own, for any
-transport."""
+"""Identifies a board over any transport: a sans-IO engine that takes and returns bytes."""
 
 from __future__ import annotations
 
@@ -34,7 +33,7 @@ class Identification:
             if frame is None or self.dictionary is not None:
                 continue
             sequence, payload = frame
-            if sequence != self._sequence:  # of the frame that the board expects next
+            if sequence != self._sequence:  # the sequence number that the board expects next
                 if sequence != (self._sequence + 1) % 16:
                     self._asked_at = None
                 self._sequence = sequence
@@ -56,7 +55,8 @@ class Identification:
             self.dictionary = Dictionary.parse(self.compressed)
 
     def poll(self, now: float) -> tuple[bytes, float]:
-        """The bytes to send now, and the time of the next call if nothing arrives before."""
+        """Returns the bytes to send now, and the time of the next call if no bytes arrive before
+        it."""
         if self.dictionary is not None:
             return b"", now + _RETRY_S
         if self._asked_at is not None and now < self._asked_at + _RETRY_S:

@@ -1,4 +1,4 @@
-"""Commands that reach the board with little time to spare, as a message with the cause."""
+"""Reports commands that reach the board only shortly before they are due, with the cause."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NAMES = {
 
 
 def is_late(connection: Connection, slack: _core.Slack) -> bool:
-    """Less than `LATE_S` was left."""
+    """Whether the smallest slack, in ticks, is less than `LATE_S`."""
     return slack.known and slack.slack < LATE_S * connection.board.clock_hz
 
 
@@ -28,9 +28,8 @@ def problem_of(
     file: str = "",
     line: int | None = None,
 ) -> Problem:
-    """The problem to report for a known slack. `line` is the line of its move. `again` is the
-    number of bytes that were sent again, to any board, because no board gets a commit before the
-    others."""
+    """The problem to report for a slack. `file` and `line` name its move. `again` is the number of
+    bytes that were repeated to any board: no board gets a commit before the others."""
     hz = connection.board.clock_hz
     values = {
         "value": _before(slack.slack / hz),

@@ -9,8 +9,8 @@ from math import sqrt
 
 @dataclass(frozen=True, slots=True)
 class MainLoop:
-    """The passes of a board's main loop that had work, in the last 5 s: their total time, mean and
-    standard deviation, in seconds."""
+    """The passes of a board's main loop that did work in the last 5 s: their total time, their mean
+    and their standard deviation, in seconds."""
 
     awake_s: float
     mean_s: float
@@ -18,8 +18,8 @@ class MainLoop:
 
     @classmethod
     def of(cls, report: Mapping[str, int | bytes], unit: int, hz: float) -> MainLoop:
-        """The load in a report `stats` of a board of this clock frequency; `unit` is the unit of
-        its squares."""
+        """The load in a report `stats` of a board with the clock frequency `hz`; `unit` is the
+        number of ticks² in one unit of the reported sum of squares."""
         count, ticks, squares = (int(report[key]) for key in ("count", "sum", "sumsq"))
         if count <= 0:
             return cls(0.0, 0.0, 0.0)

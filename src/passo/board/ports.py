@@ -1,4 +1,4 @@
-"""Ports to a board: in this process, on a serial line, or at a network address."""
+"""The port of a board: in this process, on a serial line, or at a network address."""
 
 from __future__ import annotations
 
@@ -24,27 +24,28 @@ class LinkLostError(MachineError):
 
 
 class Port(Protocol):
-    """A port that a link can be attached to. `live`: real time passes at the board, even if no
-    caller waits. `byte_s` is the transmission time of a byte in seconds, if it is known."""
+    """A port to which a link can be attached. On a `live` port, real time passes at the board even
+    if no caller waits. `byte_s` is the transmission time of a byte in seconds, or None if it is not
+    known."""
 
     live: bool
     byte_s: float
 
     def open(self, timeout_s: float = 0.0) -> None:
-        """Opens the port again for the next `attach`, which otherwise opens it. On a `live` port
-        that may take seconds, and any thread may do it. Tries again for `timeout_s`, because the
+        """Opens the port for the next `attach`, which otherwise opens it itself. On a `live` port
+        this may take seconds; any thread may call it. It retries for `timeout_s`, because the
         device of a board that restarts is missing for a while. Raises MachineError."""
         ...
 
     def attach(self, link: _core.Link) -> Wire:
-        """The transport between this port and a link, which carries bytes from now on. Raises
-        MachineError."""
+        """Connects a link to this port, and returns the transport, which carries bytes from now on.
+        Raises MachineError."""
         ...
 
 
 class InProcess:
-    """A board of this process, in virtual time from `start_clock` on, in ticks of its clock; or in
-    the time of another board, `beside`, with which it runs."""
+    """A board of this process. Its virtual time starts at `start_clock`, in ticks of its clock, or
+    it shares the time of another board, `beside`."""
 
     live = False
     byte_s = 0.0
@@ -66,7 +67,7 @@ class InProcess:
             self._pump.cut()
 
     def plug(self, clock: int) -> None:
-        """Plugs the cable in again, after the board has run without it until this clock."""
+        """Lets the board run without its cable until `clock`, and then plugs the cable in again."""
         self.unplugged = False
         self._clock = clock
 
@@ -74,9 +75,9 @@ class InProcess:
         """Does nothing: the port is always open."""
 
     def attach(self, link: _core.Link) -> _core.Pump:
-        """A pump. Its time continues from that of the last one; it is the same pump if the link is
-        the same and no cable was unplugged. A board beside another one joins the pump of that
-        board, which must be attached before."""
+        """Returns a pump, which continues at the time of the last pump. For the same link, and
+        while no cable was unplugged, it is the same pump. A board `beside` another one joins the
+        pump of that board, which must be attached first."""
         if self.unplugged:
             raise _unreachable("the simulated board", OSError("it is unplugged"))
         if self._beside is not None and self._beside._pump is not None:
@@ -95,8 +96,8 @@ def in_process(devices: Sequence[Simulated]) -> list[InProcess]:
 
 
 class LivePort:
-    """A board on a cable: a thread carries the bytes. `opened` returns a new descriptor of it and
-    raises MachineError."""
+    """A board on a cable: a thread carries the bytes. `opened` opens the device and returns its
+    descriptor; it raises MachineError."""
 
     live = True
 
@@ -107,7 +108,8 @@ class LivePort:
         self._descriptor: int | None = None  # opened, but not attached yet
 
     def open(self, timeout_s: float = 0.0) -> None:
-        """Opens the port again, and releases what was attached before. Raises MachineError."""
+        """Opens the port again, and closes the transport that was attached before. Raises
+        MachineError."""
         if self._wire is not None:
             self._wire.stop()
             self._wire = None
@@ -124,8 +126,8 @@ class LivePort:
                 time.sleep(_REOPEN_S)
 
     def attach(self, link: _core.Link) -> _core.LiveWire:
-        """A transport with a thread of its own. Opens the port first unless it was just opened.
-        Raises MachineError."""
+        """Returns a transport with a thread of its own. Opens the port first unless `open` has done
+        so. Raises MachineError."""
         if self._descriptor is None:
             self.open()
         assert self._descriptor is not None
@@ -134,8 +136,8 @@ class LivePort:
 
 
 def serial_port(device: str, baud: int, *, paced: bool = False) -> LivePort:
-    """A board on a serial device. Opening the device resets many boards. `paced`: bytes really take
-    ten bits each at the baud rate; through a chip's own USB they do not."""
+    """A board on a serial device. Opening the device resets many boards. `paced`: a byte takes ten
+    bits at the baud rate; it does not on the USB port of the chip itself."""
 
     def opened() -> int:
         try:

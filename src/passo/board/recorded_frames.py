@@ -11,7 +11,7 @@ from passo.board.description import BoardDescription
 from passo.board.dictionary import Dictionary, frame_lines
 
 KEPT_S = 2.0  # before a halt
-# What a link carries in that time, and its looks: 130 kB/s and 4000 a second.
+# Enough for that time: at most 130 kB/s in at most 4000 parts per second.
 KEPT_BYTES, KEPT_PARTS = 1 << 18, 1 << 13
 _MAX_LINES = 8000  # of one board
 
@@ -31,7 +31,7 @@ class RecordedFrames:
 
     def lines(self) -> list[str]:
         """A line for each message: seconds relative to the halt, direction, clock of the board as
-        the host knew it then, message. Only the newest where they are too many."""
+        the host knew it then, message. If there are too many, only the newest."""
         lines = [*self._lines()]
         if len(lines) <= _MAX_LINES:
             return lines
@@ -54,7 +54,7 @@ class RecordedFrames:
                     yield f"{head}  {message}"
 
     def _labels(self) -> dict[tuple[str, int], str]:
-        """Names for numbers in messages."""
+        """The names of parts by the numbers in messages, as (parameter, value)."""
         kinds = {
             "stepper": self.oids.steppers,
             "output": self.oids.outputs,

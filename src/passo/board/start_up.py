@@ -1,4 +1,4 @@
-"""Brings a board from its start to where it takes a job: reset, configuration, clock, parts."""
+"""Prepares a board for a job: reset, configuration, clock, parts."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from passo.board.firmware_identity import read_dictionary
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 
-_RESET_S = 0.05  # a board that got `reset` has begun to restart by then
-_REOPEN_S = 5.0  # and its port is back by then
-_SLOTS_RENEWED = 4  # of each output that is renewed regularly
+_RESET_S = 0.05  # a board that received `reset` restarts within this time
+_REOPEN_S = 5.0  # and its port is back within this time
+_SLOTS_RENEWED = 4  # for each output that the host renews regularly
 
 
 def configure(exchange: Exchange, lines: Sequence[str], crc: int, *, adopt: bool) -> int:
-    """Configures the board by these commands, after a reset if it was in use; with `adopt` it stays
-    as it is. Returns how many commands it holds. Raises MachineError, and DictionaryError if the
-    board does not know a command."""
+    """Configures the board with the commands `lines`, after a reset if it was in use. With `adopt`,
+    a board with this `crc` keeps its configuration. Returns how many commands the board can hold.
+    Raises MachineError, and DictionaryError if the board does not know a command."""
     state = exchange.ask("get_config", "config")
     if not adopt and (state["is_shutdown"] or state["is_config"]):
         _reset(exchange, shut_down=bool(state["is_shutdown"]))
@@ -30,7 +30,7 @@ def configure(exchange: Exchange, lines: Sequence[str], crc: int, *, adopt: bool
     if not state["is_config"]:
         for line in [*lines, f"finalize_config crc={crc}"]:
             exchange.command(line)
-        # None of the answers before that.
+        # Drop the answers to earlier questions.
         state = exchange.ask_for("get_config", [], "config", {"is_config": 1})
     return int(state["move_count"])
 
@@ -40,7 +40,7 @@ def _reset(exchange: Exchange, *, shut_down: bool) -> None:
     known = {text.split(" ", 1)[0] for _, text in exchange.dictionary.commands}
     if "reset" in known:
         exchange.command("reset")
-    elif "config_reset" in known:  # a Linux process, or a PRU: only in a shutdown
+    elif "config_reset" in known:  # a Linux process or a PRU takes it only after a shutdown
         if not shut_down:
             exchange.command("emergency_stop")
             _find_shut_down(exchange)
@@ -52,7 +52,7 @@ def _reset(exchange: Exchange, *, shut_down: bool) -> None:
         exchange.link.restart()
         read_dictionary(exchange)
     except LinkLostError:
-        # A device of USB, or the pty of a process, is a new one after the restart.
+        # After the restart, a USB device or the pty of a process is a new device.
         exchange.port.open(_REOPEN_S)
         exchange.link.restart()
         exchange.wire = exchange.port.attach(exchange.link)
@@ -60,10 +60,10 @@ def _reset(exchange: Exchange, *, shut_down: bool) -> None:
 
 
 def _find_shut_down(exchange: Exchange) -> None:
-    """Waits until the board has shut down."""
+    """Waits until the board has reported its shutdown."""
     for _ in range(TRIES):
         exchange.pass_time(exchange.now + exchange.ticks(_RESET_S))
-        exchange.link.restart()  # it may be asked again, also on a live port
+        exchange.link.restart()  # lets questions pass again, also on a live port
         if exchange.ask("get_config", "config")["is_shutdown"]:
             return
 
@@ -82,8 +82,8 @@ def follow_clock(exchange: Exchange) -> None:
 
 
 def add_parts(exchange: Exchange, move_count: int) -> None:
-    """Gives the link the motors, outputs and heaters of the board, which holds `move_count`
-    commands."""
+    """Registers the motors, outputs and heaters of the board with the link. The board can hold
+    `move_count` commands."""
     renewed = sum(o.max_duration_ticks > 0 for o in exchange.board.outputs)
     slots = move_count - _SLOTS_RENEWED * renewed
     exchange.link.set_slots(max(slots, 1))
@@ -95,7 +95,7 @@ def add_parts(exchange: Exchange, move_count: int) -> None:
         kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
         full = full_scale(o, exchange.dictionary)
         low = full if inverted(o.pin) else 0
-        # A heater's own loop renews it.
+        # The control loop of a heater renews its output.
         longest = 0 if o.name in heated else o.max_duration_ticks
         exchange.link.add_pin(target, o.name, exchange.oids.outputs[o.name], kind, low, longest)
         if o.kick:

@@ -1,4 +1,4 @@
-"""A board that goes on alone when its link is lost (docs/decisions/0013-survive.md)."""
+"""A board that brakes without the host when its link is lost (docs/decisions/0013-survive.md)."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from passo.board.description import inverted
 from passo.board.exchange import LEAD_S, Exchange, Values
 
-BRAKING_S = 10.0  # no machine brakes for longer
+BRAKING_S = 10.0  # the longest braking of any machine
 LOOK_S = 0.05  # between two checks whether it is at standstill
-_MAX_STEPS = 0xFFFF  # of one command
+_MAX_STEPS = 0xFFFF  # in one command
 
 
 def stopped(exchange: Exchange) -> Values | None:
-    """The `survive_state` of a board whose link was lost, once its motors are at standstill. Asks
-    the board."""
+    """Asks a board whose link was lost until its motors are at standstill, and returns its report
+    `survive_state`."""
     states = exchange.dictionary.enumerations["survive"]
     state = exchange.ask("survive_query", "survive_state")
     return None if state["state"] in (states["moving"], states["braking"]) else state
@@ -31,9 +31,9 @@ def stood_alone(exchange: Exchange) -> bool:
 
 
 def move_evenly(exchange: Exchange, steps: Mapping[str, int], seconds: float, serial: int) -> None:
-    """Motors at standstill make so many steps each, forward if more than 0, in so many seconds and
-    at an even pace, and stop at the end of the commit `serial`: all of it, or nothing. The board is
-    armed, and no job is running."""
+    """Moves motors from standstill by `steps` each (forward if positive), evenly over `seconds`,
+    and stops them at the end of the commit `serial`. The board executes all of it or nothing. The
+    board must be armed, and no job may run."""
     clock = exchange.clock_after(2 * LEAD_S) & 0xFFFFFFFF
     for entry in exchange.board.steppers:
         left = abs(net := steps.get(entry.name, 0))

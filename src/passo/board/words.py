@@ -1,4 +1,4 @@
-"""Messages that the host sends to a configured board, or receives from it."""
+"""The messages that a configured board must have, checked against its dictionary."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from passo.board.dictionary import Dictionary, DictionaryError
 
 
 class _Words(NamedTuple):
-    """Names with their parameters; a board has one of those between bars. Reports may have further
-    parameters."""
+    """Names with their parameters; a board has exactly one of the names between bars. Reports may
+    have further parameters."""
 
     commands: tuple[str, ...]
     reports: tuple[str, ...]
@@ -71,8 +71,9 @@ _SPI = _Words(
 
 
 def check_words(board: BoardDescription, dictionary: Dictionary) -> None:
-    """Raises DictionaryError if the board lacks a message that is needed to drive it, or has it
-    with other parameters. Messages that only configure a board are checked while it is configured.
+    """Raises DictionaryError if the dictionary lacks a message that is needed to drive the board,
+    or has it with other parameters. Messages of the configuration are checked during the
+    configuration.
     """
     commands, reports = (
         {name: words for _, text in texts for name, *words in (text.split(),)}

@@ -6,14 +6,15 @@ from typing import NamedTuple
 
 from passo.config.trinamic import CHIPS, ChipName, full_scale_a
 
-_STEPS = 32  # of IRUN and IHOLD: 0 is a 32nd of full scale
+_STEPS = 32  # values of IRUN and IHOLD: 0 is 1/32 of full scale
 _SCALER_FULL = 256
-_SCALER_MIN = 32  # below, the TMC5160 is not specified
+_SCALER_MIN = 32  # the data sheet of the TMC5160 does not allow less
 
 
 class CurrentNumbers(NamedTuple):
-    """`irun` and `ihold`, and their full scale: the smaller range of voltages (`vsense`), or the
-    TMC5160's `scaler` of 256. `run_a` and `hold_a` are the resulting effective currents in A."""
+    """The values of IRUN and IHOLD, and what sets their full scale: `vsense` selects the smaller
+    voltage range, `scaler` is the TMC5160's GLOBALSCALER in 256ths. `run_a` and `hold_a` are the
+    resulting RMS currents in A."""
 
     irun: int
     ihold: int
@@ -26,9 +27,9 @@ class CurrentNumbers(NamedTuple):
 def current_numbers(
     chip: ChipName, resistor_ohm: float, run_a: float, hold_a: float
 ) -> CurrentNumbers:
-    """The nearest values that the chip supports: I = (CS + 1) / 32 · full scale, of the smallest
-    range that is large enough for both currents. The full scale of a TMC5160 is a fraction, in
-    256ths, of the maximum of its resistor, such that the larger current uses all of it."""
+    """The nearest values that the chip supports: I = (CS + 1) / 32 · full scale, with the smallest
+    range that is large enough for both currents. The scaler of a TMC5160 is chosen so that the
+    larger current uses the full scale."""
     ranges, most_a = CHIPS[chip].full_scale_v, max(run_a, hold_a)
     volts = next((v for v in ranges if full_scale_a(chip, resistor_ohm, v) >= most_a), max(ranges))
     full_a = full_scale_a(chip, resistor_ohm, volts)

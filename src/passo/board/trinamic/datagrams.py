@@ -1,14 +1,14 @@
-"""Datagrams to and from a driver: frames of the one-wire UART, and frames of SPI.
+"""Datagrams to and from a driver, over the one-wire UART and over SPI.
 
 The layouts are those of the data sheets (TMC2209, chapter 4; TMC5160, chapter 4).
 """
 
 from __future__ import annotations
 
-ANSWER_BYTES = 10  # of bits that a read access brings back
+ANSWER_BYTES = 10  # length of the answer to a read access, with start and stop bits
 SPI_BYTES = 5
 
-_SYNC = 0xF5  # the upper half is free: high, it ends the sync nibble with an edge
+_SYNC = 0xF5  # the upper nibble is reserved; high bits end the sync nibble with an edge
 _HOST = 0xFF  # the address in an answer
 _WRITE = 0x80
 
@@ -24,19 +24,19 @@ def crc8(data: bytes) -> int:
 
 
 def uart_read(address: int, register: int) -> bytes:
-    """The bits of a read access, as `tmcuart_send` takes them."""
+    """A read access as the bit string that `tmcuart_send` takes."""
     return _line_bits(_sealed(bytes([_SYNC, address, register])))
 
 
 def uart_write(address: int, register: int, value: int) -> bytes:
-    """The bits of a write access; it has no answer."""
+    """A write access as the bit string that `tmcuart_send` takes. The driver does not answer it."""
     head = bytes([_SYNC, address, register | _WRITE])
     return _line_bits(_sealed(head + value.to_bytes(4, "big")))
 
 
 def uart_value(register: int, bits: bytes) -> int | None:
-    """The register's value in the bits of an answer; None if they are damaged or of another
-    chip."""
+    """The value of `register` in the bits of an answer; None if the answer is damaged or names
+    another register."""
     data = _from_line(bits)
     if data is None or len(data) != 8 or crc8(data[:7]) != data[7]:
         return None
@@ -56,7 +56,8 @@ def spi_write(register: int, value: int) -> bytes:
 
 
 def spi_value(data: bytes) -> int | None:
-    """The value in the received bits; None if no chip drove the line, which is high then."""
+    """The value in the received bytes; None if all bits are high, because no chip drove the
+    line."""
     if len(data) != SPI_BYTES or data == b"\xff" * SPI_BYTES:
         return None
     return int.from_bytes(data[1:], "big")
@@ -67,7 +68,8 @@ def _sealed(data: bytes) -> bytes:
 
 
 def _line_bits(data: bytes) -> bytes:
-    """Each byte between a start and a stop bit, the lowest bit of all first."""
+    """Adds a start and a stop bit to each byte, and puts the first bit of the line into the lowest
+    bit."""
     line = 0
     for i, byte in enumerate(data):
         line |= (byte << 1 | 0x200) << 10 * i
@@ -75,7 +77,7 @@ def _line_bits(data: bytes) -> bytes:
 
 
 def _from_line(bits: bytes) -> bytes | None:
-    """The bytes between start and stop bits; None if a start or stop bit is wrong."""
+    """Removes the start and stop bits; None if one of them is wrong."""
     line, size = int.from_bytes(bits, "little"), len(bits) * 8 // 10
     words = [line >> 10 * i & 0x3FF for i in range(size)]
     if any(word & 0x201 != 0x200 for word in words):

@@ -1,8 +1,7 @@
-"""The exchanges with one driver: they set it up, verify it, and read its status.
-
-They do not wait. An `Exchange` yields commands for the board that expect an answer, and is sent the
-bytes of the answer, empty if there was none. If the board received a command but its answer was
-lost, an `AnswerLostError` is thrown into the exchange, which handles it like an answer.
+"""The exchanges with one driver: set-up, verification, status. They do not wait. An `Exchange` is a
+generator: it yields a command for the board, and the caller sends it the bytes of the answer, or no
+bytes if the driver did not answer. If the board received the command but its answer was lost, the
+caller throws `AnswerLostError` into the generator.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from passo.errors import Problem
 
 _TRIES = 5
 _RESET = 1  # of GSTAT
-_SHOWN = (r.GCONF, r.CHOPCONF)  # registers that every chip reads back as they were written
+_SHOWN = (r.GCONF, r.CHOPCONF)  # on every chip, these registers read back as they were written
 
 
 T = TypeVar("T")
@@ -44,7 +43,7 @@ class DriverFailure(Exception):
         self.problem = problem
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickles the problem, which the text of the error does not hold."""
+        """Pickles the problem, because the text of the error does not contain it."""
         return DriverFailure, (self.problem,), self.__dict__
 
 
@@ -53,8 +52,8 @@ class AnswerLostError(Exception):
 
 
 class _Wire(Protocol):
-    """How registers are read and written. `read` returns None and `write` False on failure.
-    `checked`: a checksum protects the answers."""
+    """Access to the registers. On failure `read` returns None and `write` returns False. If
+    `checked`, a checksum protects the answers."""
 
     checked: ClassVar[bool]
 
@@ -70,26 +69,26 @@ class _Wire(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class UartWire:
-    """Through the board's object `oid`, a UART that several drivers may share."""
+    """Access over a UART that several drivers may share: the object `oid` of the board."""
 
     checked: ClassVar[bool] = True
     oid: int
     address: int
 
     def read(self, register: int) -> Exchange[int | None]:
-        """Reads a register."""
+        """Reads a register; None if no valid answer arrives."""
         while True:
             with suppress(AnswerLostError):
                 bits = yield self._question(uart_read(self.address, register), ANSWER_BYTES)
                 return uart_value(register, bits)
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
-        """Writes registers; the driver's counter of writes shows whether all have arrived."""
+        """Writes registers; True if the driver's counter of writes shows that all have arrived."""
         before = yield from self.read(r.IFCNT)
         if before is None:
             return False
         for register, value in writes:
-            with suppress(AnswerLostError):  # it had nothing to say
+            with suppress(AnswerLostError):  # a write has no answer
                 yield self._question(uart_write(self.address, register, value), 0)
         after = yield from self.read(r.IFCNT)
         return after is not None and after - before & 0xFF == len(writes)
@@ -100,13 +99,13 @@ class UartWire:
 
 @dataclass(frozen=True, slots=True)
 class SpiWire:
-    """Through the board's object `oid`, an SPI device."""
+    """Access over SPI: the object `oid` of the board."""
 
     checked: ClassVar[bool] = False
     oid: int
 
     def read(self, register: int) -> Exchange[int | None]:
-        """Reads a register, whose value comes back in the next access."""
+        """Reads a register with two accesses: the second one returns the value."""
         while True:
             with suppress(AnswerLostError):
                 yield self._question(spi_read(register))
@@ -114,14 +113,16 @@ class SpiWire:
                 return spi_value(data)
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
-        """Writes registers; each access returns the data of the access before it."""
+        """Writes registers; True if the chip has returned all of them. Each access returns the data
+        of the access before it."""
         accesses = [*(spi_write(*write) for write in writes), spi_read(r.GSTAT)]
         right = True
         i, written = 0, None
         while i < len(accesses):
             try:
                 data = yield self._question(accesses[i])
-            except AnswerLostError:  # the answer belongs to the access before, which is repeated
+            except AnswerLostError:
+                # the lost answer belonged to the previous access, which the caller repeats
                 i, written = max(i - 1, 0), None
                 continue
             right &= written is None or spi_value(data) == written
@@ -144,8 +145,8 @@ class DriverLink:
     place: str
 
     def configure(self, settings: DriverSettings) -> Exchange[None]:
-        """Verifies that it is the right chip, writes all its registers, and reads back those that
-        can be read."""
+        """Verifies that the chip is the right one, writes all its registers, and reads back those
+        that are readable."""
         yield from self._identify()
         writes = settings.writes()
         for _ in range(_TRIES):
@@ -156,10 +157,10 @@ class DriverLink:
         for register, value in writes:
             if register in _SHOWN and (yield from self._read(register)) != value:
                 raise self._failure("deaf")
-        yield from self._read(r.GSTAT)  # a TMC2130 clears its flags so
+        yield from self._read(r.GSTAT)  # reading clears the flags of a TMC2130
 
     def status(self) -> Exchange[Reading]:
-        """Reads the status."""
+        """Reads GSTAT and DRV_STATUS; reads a fault twice unless a checksum protects the answer."""
         gstat = yield from self._read(r.GSTAT)
         status = yield from self._read(r.DRV_STATUS)
         if not self.wire.checked:  # a fault must be read twice before it is reported
@@ -172,7 +173,7 @@ class DriverLink:
         return Reading(gstat, status)
 
     def _is_off(self) -> Exchange[bool]:
-        """Whether the chip on SPI was reset; a TMC2130 reports a reset only once."""
+        """Whether the chip on SPI was reset and so is off; a TMC2130 reports a reset only once."""
         toff = r.CHIPS[self.chip].fields[r.CHOPCONF]["toff"]
         for _ in range(2):
             if toff.of((yield from self._read(r.CHOPCONF))) != 0:

@@ -14,11 +14,11 @@ IHOLD_IRUN, TPOWERDOWN, TPWMTHRS = 0x10, 0x11, 0x13
 CHOPCONF, DRV_STATUS, PWMCONF = 0x6C, 0x6F, 0x70
 
 THRESHOLD_MAX = 0xFFFFF  # of TPWMTHRS
-CLOCK_HZ = 12_000_000  # of the chips' own oscillator
+CLOCK_HZ = 12_000_000  # of the chips' internal oscillator
 
 
 class Field(NamedTuple):
-    """Bits of a register, from the `low`est one on."""
+    """Adjacent bits of a register; `low` is the lowest bit."""
 
     low: int
     width: int = 1
@@ -80,14 +80,15 @@ _GCONF_2208 = {
 
 @dataclass(frozen=True, slots=True)
 class Chip:
-    """The register that holds the chip's `version`, and the fields by register."""
+    """One type of chip: the register that contains its `version`, and the fields of each
+    register."""
 
     version_register: int
     version: int
     fields: Mapping[int, Mapping[str, Field]]
 
     def version_of(self, value: int) -> int:
-        """The version in the register that holds it."""
+        """The version in the value of its register."""
         return value >> 24
 
     def pack(self, register: int, **values: int) -> int:

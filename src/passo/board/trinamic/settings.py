@@ -8,19 +8,19 @@ from passo.board.trinamic import registers as r
 from passo.board.trinamic.current import CurrentNumbers, current_numbers
 from passo.config.trinamic import ChipName
 
-# Chopper: slow decay of 3, hysteresis 4 and 1, blanking 2, as the data sheets begin with.
+# Chopper: slow decay of 3, hysteresis 4 and 1, blanking 2, the start values of the data sheets.
 _CHOPPER = {"toff": 3, "hstrt": 4, "hend": 1, "tbl": 2}
-_SEND_DELAY = 2  # 24 bits before an answer: with several drivers on a wire less is not allowed
-_STANDSTILL = 20  # · 2¹⁸ clocks from the last step until the current goes down: 0.44 s
-_HOLD_DELAY = 8  # · 2¹⁸ clocks a step of it
-_ALL_FLAGS = 7  # of GSTAT; each is cleared by a 1
+_SEND_DELAY = 2  # 24 bit times before an answer: the minimum with several drivers on one UART
+_STANDSTILL = 20  # · 2¹⁸ clocks from the last step until the current decreases: 0.44 s
+_HOLD_DELAY = 8  # · 2¹⁸ clocks for each step of the current
+_ALL_FLAGS = 7  # of GSTAT; writing a 1 clears a flag
 
 
 @dataclass(frozen=True, slots=True)
 class DriverSettings:
-    """A driver's settings. Currents are effective values in A. `threshold` is TPWMTHRS: with more
-    of the chip's clocks a 256th of a full step it is in stealthChop, with fewer in spreadCycle;
-    None: always in spreadCycle."""
+    """A driver's settings. Currents are RMS values in A. `threshold` is TPWMTHRS, in clocks of the
+    chip per 1/256 of a full step: the driver uses stealthChop while a step takes longer, and
+    spreadCycle while it takes less. None: always spreadCycle."""
 
     chip: ChipName
     run_a: float
@@ -32,11 +32,11 @@ class DriverSettings:
 
     @property
     def currents(self) -> CurrentNumbers:
-        """The currents as the chip has them."""
+        """The currents as numbers for the registers, which round them."""
         return current_numbers(self.chip, self.resistor_ohm, self.run_a, self.hold_a)
 
     def writes(self) -> list[tuple[int, int]]:
-        """Registers and their values, in the order in which they are written."""
+        """Registers and their values, in the order of writing."""
         chip, currents = r.CHIPS[self.chip], self.currents
         stealth = self.threshold is not None
         general: dict[int, int] = {}
@@ -71,7 +71,7 @@ class DriverSettings:
         current = chip.pack(
             r.IHOLD_IRUN, ihold=currents.ihold, irun=currents.irun, iholddelay=_HOLD_DELAY
         )
-        # The chopper, which lets current flow, comes when the currents are known.
+        # Write the chopper after the currents, because the chopper lets current flow.
         return [
             *general.items(),
             (r.IHOLD_IRUN, current),
@@ -84,8 +84,8 @@ class DriverSettings:
 
 
 def threshold_of(microsteps_s: float, microsteps: int) -> int:
-    """TPWMTHRS for a speed in microsteps per second: TSTEP counts clocks per 256th of a full
-    step."""
+    """TPWMTHRS for a speed in microsteps per second; `microsteps` is the number of microsteps in a
+    full step. TSTEP counts clocks per 1/256 of a full step."""
     if microsteps_s <= 0:
         return r.THRESHOLD_MAX
     return min(round(r.CLOCK_HZ * microsteps / (256 * microsteps_s)), r.THRESHOLD_MAX)

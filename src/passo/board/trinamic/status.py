@@ -1,4 +1,4 @@
-"""The status that a driver reports, as findings with messages."""
+"""Interprets the status that a driver reports as findings with messages."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from passo.errors import Problem
 
 
 class Reading(NamedTuple):
-    """GSTAT and DRV_STATUS of a driver."""
+    """The values of GSTAT and DRV_STATUS of a driver."""
 
     gstat: int
     status: int
 
 
 class Finding(NamedTuple):
-    """A fault of a driver. `stops`: its motor does not move correctly any more."""
+    """A fault of a driver. If `stops`, its motor does not move correctly any more."""
 
     problem: Problem
     stops: bool
@@ -27,8 +27,8 @@ _COILS = (("a", "A"), ("b", "B"))
 
 
 def findings(motor: str, chip: ChipName, reading: Reading) -> list[Finding]:
-    """All findings of a reading, the most serious first. Open coils are in `open_coils`, because
-    the chip cannot detect them at standstill."""
+    """All findings of a reading, the most serious first. Without open coils, which the chip cannot
+    detect at standstill: see `open_coils`."""
     flags = r.CHIPS[chip].unpack(r.DRV_STATUS, reading.status)
     general = r.CHIPS[chip].unpack(r.GSTAT, reading.gstat)
     found: list[Finding] = []
@@ -56,6 +56,7 @@ def findings(motor: str, chip: ChipName, reading: Reading) -> list[Finding]:
 
 
 def open_coils(chip: ChipName, reading: Reading) -> list[str]:
-    """Coils that look open; valid only for a motor that turns slowly."""
+    """Findings for coils that read as open. Call it only for a motor that turns slowly; the flags
+    are invalid otherwise."""
     flags = r.CHIPS[chip].unpack(r.DRV_STATUS, reading.status)
     return [coil for suffix, coil in _COILS if flags[f"ol{suffix}"]]
