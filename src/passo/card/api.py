@@ -20,13 +20,13 @@ _PIECE = 1 << 20
 
 
 def is_removed(error: CardError) -> bool:
-    """True if the medium failed: it is unknown how much of the last step was written."""
+    """True if the medium failed, so that it is unknown how much of the last step was written."""
     return error.problems[0].code == "card.removed"
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A file or directory as a listing shows it.
+    """A file or directory in a listing.
 
     `name` is the long name and `short_name` the 8.3 form in upper case; both are free of control
     characters. `size` is in bytes, 0 for a directory. `modified` is local time, to 2 s on FAT.
@@ -40,7 +40,8 @@ class Entry:
 
     @property
     def fat_timestamp(self) -> int:
-        """`modified` as FAT's date (high 16 bits) and time (low 16 bits), clamped to its years.
+        """`modified` as FAT's date (high 16 bits) and time (low 16 bits), clamped to the years 1980
+        to 2107.
 
         Microsoft FAT32 File System Specification 1.03, "Date and Time Formats".
         """
@@ -54,9 +55,9 @@ class Entry:
 class Reader(io.RawIOBase):
     """A file of a card, open for reading. Closing it releases the file for removal.
 
-    `read(n)` returns n bytes unless the file ends before; there is no buffer in between, so read in
-    pieces of 4 KiB or more, or wrap it in `io.BufferedReader`. Every call may raise CardError
-    (`card.removed`, `card.broken`).
+    `read(n)` returns n bytes, or fewer at the end of the file. The reader has no buffer: read
+    pieces of at least 4 KiB, or wrap the reader in `io.BufferedReader`. Every call may raise
+    CardError (`card.removed`, `card.broken`).
     """
 
     def __init__(
@@ -82,7 +83,7 @@ class Reader(io.RawIOBase):
         return self._at
 
     def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        """Go to `offset`, clamped to the file: a position is always between 0 and `size`."""
+        """Sets the position, clamped to 0 to `size`, and returns it in bytes."""
         base = {io.SEEK_SET: 0, io.SEEK_CUR: self._at, io.SEEK_END: self.size}[whence]
         self._at = min(max(base + offset, 0), self.size)
         return self._at
@@ -104,7 +105,7 @@ class Reader(io.RawIOBase):
         negative. Raises CardError, and ValueError after `close`."""
         left = self.size - self._at if size < 0 else size
         data = bytearray()
-        # Read in pieces, so that a wrong size on a damaged card takes no memory.
+        # Read in pieces, so that a wrong size on a damaged card does not allocate memory.
         while left > 0:
             piece = bytearray(min(left, _PIECE, self.size - self._at))
             if not self.readinto(piece):
@@ -121,11 +122,11 @@ class Reader(io.RawIOBase):
 
 
 class Writer(ABC):
-    """A file of a card that is being written; it is not on the card before `close` has returned.
+    """A file of a card that is being written. The card shows it only after `close` has returned.
 
-    As a context manager it closes the file at the end of the block, and aborts if the block raised.
-    Once a call has raised CardError, the file is discarded, and `write` and `close` raise the same
-    error again.
+    As a context manager it closes the file at the end of the block, and discards it if the block
+    raises. Once a call has raised CardError, the file is discarded, and `write` and `close` raise
+    the same error again.
     """
 
     def __init__(self) -> None:
@@ -133,22 +134,21 @@ class Writer(ABC):
         self._ended = False
 
     def write(self, data: bytes) -> int:
-        """Append `data`; returns its length. CardError: `card.full`, `card.removed`, ..."""
+        """Appends `data`; returns its length. CardError: `card.full`, `card.removed`, ..."""
         self._run(lambda: self._append(data))
         return len(data)
 
     def close(self) -> None:
-        """Make the file durable and visible under its name, instead of an older one, at once.
-
-        When this returns the file survives a power cut; when it raises, the card holds what it held
-        before, or the whole new file. A second call does nothing.
+        """Makes the file durable and visible under its name, in one step; it replaces an older file
+        of this name. After it has returned, the file survives a power cut. If it raises, the card
+        has its earlier content or the whole new file. A second call does nothing.
         """
         if self._failure or not self._ended:
             self._run(self._store)
             self._ended = True
 
     def abort(self) -> None:
-        """Forget what was written: the card holds what it held before. Never raises CardError."""
+        """Discards what was written: the card keeps its earlier content. Never raises CardError."""
         if not self._ended:
             self._ended = True
             self._discard()
@@ -192,13 +192,12 @@ class Writer(ABC):
 
 
 class Card(Protocol):
-    """A place for files, with the rules of an SD card.
-
-    Paths have `/` between names, with or without one in front; `.` and `..` are resolved within the
-    path and never lead out of the card. A name is looked up as it is written first, then without
-    regard to case, then as an 8.3 name. All calls block for as long as the medium takes: from
-    asyncio, call them through `asyncio.to_thread`; calls from several threads wait for each other.
-    All raise CardError, whose problem's code begins with `card.`.
+    """Storage for files, with the rules of an SD card. Names in a path are separated by `/`; a
+    leading `/` is optional; `.` and `..` are resolved within the path and never lead out of the
+    card. A name is looked up first as written, then without regard to case, then as an 8.3 name.
+    All calls block for as long as the medium takes: from asyncio, call them through
+    `asyncio.to_thread`; calls from several threads wait for each other. All raise CardError, whose
+    problem's code begins with `card.`.
     """
 
     def list(self, directory: str = "/") -> list[Entry]:
@@ -210,31 +209,32 @@ class Card(Protocol):
         ...
 
     def open(self, path: str) -> Reader:
-        """Open a file for reading; until it is closed the file can be neither removed nor replaced
-        (`card.busy`)."""
+        """Opens a file for reading. Until the reader is closed, the file can be neither removed nor
+        replaced (`card.busy`)."""
         ...
 
     def create(self, path: str) -> Writer:
-        """Begin a file, or a new content of a file; its directory must exist."""
+        """Starts to write a new file, or the new content of an existing file. Its directory must
+        exist."""
         ...
 
     def remove(self, path: str) -> None:
-        """Delete a file; durable when this returns."""
+        """Deletes a file; durable when this returns."""
         ...
 
     def rename(self, path: str, to: str) -> None:
-        """Give a file or directory another name, also in another directory that exists; durable
-        when this returns. A name that is taken is not replaced (`card.exists`). After a power cut
-        it has the one name or the other; a file of a FAT card may have both, each with its content.
+        """Renames a file or directory, or moves it to another existing directory; durable when this
+        returns. An existing file is not replaced (`card.exists`). After a power cut it has the old
+        or the new name; a file of a FAT card may have both, each with the whole content.
         """
         ...
 
     def make_directory(self, path: str) -> None:
-        """Make a directory in one that exists; durable when this returns."""
+        """Makes a directory in an existing one; durable when this returns."""
         ...
 
     def remove_directory(self, path: str) -> None:
-        """Delete a directory that is empty (`card.not-empty`); durable when this returns."""
+        """Deletes an empty directory (otherwise `card.not-empty`); durable when this returns."""
         ...
 
     @property
@@ -243,6 +243,6 @@ class Card(Protocol):
         ...
 
     def close(self) -> None:
-        """Leave the card, so that it can be taken out; open readers and writers end with
+        """Releases the card, so that it can be removed; open readers and writers end with
         `card.removed`. A second call does nothing."""
         ...

@@ -1,4 +1,4 @@
-"""Where things are on the card: the partition table and the boot sector.
+"""Reads the partition table and the boot sector: the layout of a card.
 
 Source: Microsoft, "FAT: General Overview of On-Disk Format" 1.03 (fatgen103), "Boot Sector and BPB
 Structure" and "FAT Type Determination".
@@ -17,9 +17,9 @@ _SIGNATURE = 0xAA55
 _FAT32_TYPES = (0x0B, 0x0C)
 _MAX_CLUSTERS = 0x0FFFFFF5
 
-# Bytes a sector, sectors a cluster, reserved sectors, FATs, root entries, sectors (16 bit), medium,
-# sectors a FAT (16 bit), sectors a track, heads, hidden sectors, sectors, sectors a FAT, flags,
-# version, root cluster, sector of FSInfo.
+# Bytes per sector, sectors per cluster, reserved sectors, FATs, root entries, sectors (16 bit),
+# medium, sectors per FAT (16 bit), sectors per track, heads, hidden sectors, sectors, sectors per
+# FAT, flags, version, root cluster, sector of FSInfo.
 _BPB = struct.Struct("<11xHBHBHHBHHHIIIHHIH")
 
 
@@ -30,14 +30,14 @@ class Layout:
     sector_bytes: int
     cluster_bytes: int
     table_offsets: tuple[int, ...]
-    """The copies of the table to keep the same; the first is the one to read."""
+    """Offsets of the copies of the table. All are written alike; the first is read."""
     table_bytes: int
     data_offset: int
     clusters: int
     """The number of clusters; they are numbered from 2."""
     root: int
     info_offset: int | None
-    """The FSInfo sector, where the volume has one."""
+    """Offset of the FSInfo sector, or None."""
 
     @property
     def last_cluster(self) -> int:
@@ -45,7 +45,7 @@ class Layout:
         return self.clusters + 1
 
     def offset(self, cluster: int) -> int:
-        """Where a cluster begins (fatgen103: FirstSectorofCluster)."""
+        """The byte offset at which a cluster begins (fatgen103: FirstSectorofCluster)."""
         return self.data_offset + (cluster - 2) * self.cluster_bytes
 
 
@@ -56,9 +56,9 @@ def _signature(sector: bytearray) -> int:
 def find_volume(device: Device) -> Layout:
     """The volume that fills the device, or its first primary FAT32 partition (0x0B or 0x0C).
 
-    CardError `card.format` says which field is not that of a FAT32 volume. The number of clusters
-    does not decide the type: a volume is FAT32 where the 16-bit fields that only FAT12 and FAT16
-    use are 0, so that small volumes count too, as they do for common operating systems.
+    CardError `card.format` names the field that does not fit a FAT32 volume. A volume is FAT32 if
+    the 16-bit fields that only FAT12 and FAT16 use are 0. The number of clusters does not matter:
+    small volumes are accepted, as by common operating systems.
     """
     if device.size < _MBR_SECTOR:
         raise CardError.of(
@@ -144,7 +144,7 @@ def _volume(device: Device, start: int, end: int) -> Layout:
     require(1 <= clusters <= held, "number of clusters", clusters, f"1 to {held}")
     require(2 <= root <= clusters + 1, "root cluster", root, f"2 to {clusters + 1}")
     tables = [start + (reserved + i * table_sectors) * sector_bytes for i in range(copies)]
-    if flags & 0x80:  # the copies are not kept alike: only the active one counts
+    if flags & 0x80:  # the copies may differ: only the active one is valid
         active = flags & 0x0F
         require(active < copies, "active FAT", active, f"below {copies}")
         tables = [tables[active]]

@@ -25,8 +25,8 @@ class Device:
         self.path = str(path)
         self.read_only = False
         try:
-            # On a block device, O_EXCL fails while it is mounted or another program has opened it
-            # so.
+            # On a block device, O_EXCL fails while the device is mounted or open with O_EXCL
+            # elsewhere.
             mode = Path(path).stat().st_mode
             if not (stat.S_ISBLK(mode) or stat.S_ISREG(mode)):
                 raise CardError.of(
@@ -75,8 +75,8 @@ class Device:
             done += count
 
     def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
-        """Writes all of `data`; durable after `flush`. Raises CardError, `card.read-only` where a
-        device refuses only this."""
+        """Writes all of `data`; durable after `flush`. Raises CardError: `card.read-only` if the
+        device refuses only to write."""
         left = memoryview(data)
         try:
             while left:
@@ -91,8 +91,8 @@ class Device:
             raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def flush(self) -> None:
-        """A barrier: what was written before is on the medium before anything written later. Raises
-        CardError, also for an image that was deleted meanwhile."""
+        """A barrier: all earlier writes reach the medium before any later write. Raises CardError,
+        also if the image was deleted in the meantime."""
         try:
             os.fdatasync(self._opened())
             if not os.fstat(self._opened()).st_nlink:

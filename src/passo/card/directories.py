@@ -1,9 +1,10 @@
-"""Directories on the volume, changed so that a power cut leaves the old state or the new one.
+"""Directories on the volume, changed so that after a power cut a directory has its old or its new
+state.
 
 A record is placed in one sector if it fits, because the medium writes a sector as a whole. A record
 that needs more (names of more than 195 letters, with sectors of 512 bytes) is added with its 8.3
-entry last, and deleted with its 8.3 entry first: a cut may leave a part of a long name, which has
-no effect. All that a record points to is on the medium before the record appears.
+entry last, and deleted with its 8.3 entry first: a power cut may leave a part of a long name, which
+has no effect. The clusters of a record are on the medium before the record is written.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Directories:
         return parse(*self._volume.read_chain(first, MAX_BYTES))
 
     def insert(self, slots: Slots, record: bytes | bytearray) -> None:
-        """Put a new record into a directory, lengthened if need be (`card.full`)."""
+        """Adds a record to a directory, and lengthens the directory if necessary (`card.full`)."""
         count, per_sector = len(record) // SLOT, self._sector // SLOT
         data = bytearray(slots.data)
         start = slots.free_run(count, per_sector)
@@ -52,7 +53,7 @@ class Directories:
             self._write_sector(slots, data, sector)
 
     def rewrite(self, slots: Slots, record: Record, size: int, first: int, now: datetime) -> None:
-        """Give a file a new content, in one write."""
+        """Points the record of a file to a new content, in one write."""
         data = bytearray(slots.data)
         at = record.slot * SLOT
         data[at : at + SLOT] = rewritten(bytes(data[at : at + SLOT]), size, first, now)
@@ -78,7 +79,7 @@ class Directories:
         for slot in range(record.first_slot, record.slot + 1):
             data[slot * SLOT] = _DELETED[0]
         data[start * SLOT : stop * SLOT] = new
-        if stop > slots.end:  # the end mark moves; what follows it may be anything
+        if stop > slots.end:  # the end mark moves; the bytes after it are undefined
             if stop == last and any(data[last * SLOT : last * SLOT + 1]):
                 return False
             data[stop * SLOT : last * SLOT] = bytes((last - stop) * SLOT)
@@ -94,7 +95,7 @@ class Directories:
             self._write_sector(slots, data, sector)
 
     def _lengthen(self, slots: Slots, data: bytearray, needed: int) -> None:
-        """Append empty clusters until `needed` slots have room."""
+        """Appends empty clusters until there is space for `needed` slots."""
         missing = needed * SLOT - len(data)
         if missing <= 0:
             return

@@ -15,7 +15,7 @@ from passo.card.names import MAX_UNITS, is_presentable, stable_short_name
 
 SLOT = 32
 MAX_BYTES = 65536 * SLOT
-"""The longest directory."""
+"""The maximum size of a directory in bytes."""
 
 ATTR_READ_ONLY, ATTR_VOLUME, ATTR_DIRECTORY, ATTR_ARCHIVE = 0x01, 0x08, 0x10, 0x20
 _ATTR_LONG, _ATTR_LONG_MASK = 0x0F, 0x3F
@@ -24,8 +24,8 @@ _UNITS = 13
 _DELETED = 0xE5
 _LOWER_BASE, _LOWER_EXTENSION = 0x08, 0x10
 
-# Name, attributes, lower-case flags, tenths, time and date of creation, date of access, cluster
-# (high), time and date of change, cluster (low), size.
+# Name, attributes, lower-case flags, time of creation in 10 ms, time and date of creation, date of
+# access, cluster (high), time and date of change, cluster (low), size.
 _SHORT = struct.Struct("<11sBBBHHHHHHHI")
 _LONG = struct.Struct("<B10sBBB12sH4s")
 
@@ -38,14 +38,15 @@ class Record:
     attributes: int
     cluster: int
     first_slot: int
-    """Where its long name begins; equal to `slot` if it has none."""
+    """The first slot of its long name; equal to `slot` without a long name."""
     slot: int
-    """Where its 8.3 entry is."""
+    """The slot of its 8.3 entry."""
 
 
 @dataclass(frozen=True, slots=True)
 class Slots:
-    """A directory as read: its records, and where its end mark is (or the number of its slots)."""
+    """The content of a directory: its records, and the slot of its end mark (the number of slots if
+    there is no mark)."""
 
     records: list[Record]
     end: int
@@ -54,7 +55,7 @@ class Slots:
 
     @property
     def first_name(self) -> str:
-        """A name in it, also a hidden one; empty if the directory is empty."""
+        """Any name in the directory, even a hidden one; empty if the directory is empty."""
         for slot in range(self.end):
             name, attributes = (
                 self.data[slot * SLOT : slot * SLOT + 11],
@@ -65,7 +66,7 @@ class Slots:
         return ""
 
     def free_run(self, count: int, per_sector: int) -> int | None:
-        """The first deleted slots in sequence that lie in one sector, before the end mark."""
+        """The first run of `count` deleted slots within one sector, before the end mark."""
         run = 0
         for slot in range(self.end):
             if slot % per_sector == 0:
@@ -77,7 +78,7 @@ class Slots:
 
 
 def checksum(short: bytes) -> int:
-    """The sum of an 8.3 name that ties a long name to it (fatgen103: ChkSum)."""
+    """The checksum of an 8.3 name, which each part of its long name repeats (fatgen103: ChkSum)."""
     total = 0
     for byte in short:
         total = ((total & 1) << 7 | total >> 1) + byte & 0xFF
@@ -85,10 +86,8 @@ def checksum(short: bytes) -> int:
 
 
 def parse(data: bytearray, clusters: list[int]) -> Slots:
-    """The records of a directory without `.`, `..`, volume labels and names that no user could
-    type.
-
-    A long name counts if its parts are complete, in order and of the right checksum.
+    """The records of a directory without `.`, `..`, volume labels and names that cannot be typed. A
+    long name is used if its parts are complete, in order, and have the right checksum.
     """
     records: list[Record] = []
     parts: list[bytes] = []
@@ -123,8 +122,9 @@ def parse(data: bytearray, clusters: list[int]) -> Slots:
 
 
 def _with_ascii_names(records: list[Record]) -> list[Record]:
-    """Gives ASCII names. Hosts can name a file only in ASCII, and a card does not specify the code
-    page of its 8.3 names: if one has other characters, another one is made from the long name."""
+    """Gives each record an ASCII 8.3 name. Hosts can name a file only in ASCII, and a card does not
+    specify the code page of its 8.3 names. If an 8.3 name has other characters, a new one is made
+    from the long name."""
     taken = {record.entry.short_name for record in records}
     found: list[Record] = []
     for record in records:
@@ -234,7 +234,8 @@ def short_entry(name: bytes, entry: Entry, attributes: int, cluster: int) -> byt
 
 
 def rewritten(slot: bytes, size: int, cluster: int, modified: datetime) -> bytes:
-    """A file's slot with a new content: size, first cluster, time of change; archive bit set."""
+    """A copy of a file's slot with a new size, first cluster and time of change; sets the archive
+    bit."""
     name, attributes, lower, tenths, ctime, cdate, *_ = _SHORT.unpack(slot)
     stamp = Entry("", "", False, size, modified).fat_timestamp
     return _SHORT.pack(

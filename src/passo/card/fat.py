@@ -31,7 +31,8 @@ _PIECE = 1 << 18  # bytes copied at once
 
 
 class FatCard(Card):
-    """The FAT32 volume of an image or block device: the first primary partition, or all of it."""
+    """The FAT32 volume of an image or block device: its first primary FAT32 partition, or the whole
+    device."""
 
     def __init__(self, path: str | Path, now: Callable[[], datetime] = datetime.now) -> None:
         """`now()` is the local time that new files get.
@@ -51,7 +52,7 @@ class FatCard(Card):
         self._directories = Directories(self._volume)
 
     def list(self, directory: str = "/") -> list[Entry]:
-        """As `Card.list`: by their names, whatever the case."""
+        """As `Card.list`."""
         with self._lock:
             first, _ = self._directory(names.split(directory))
             entries = [record.entry for record in self._directories.load(first).records]
@@ -66,7 +67,7 @@ class FatCard(Card):
             return self._existing(*self._directory(parts[:-1]), parts[-1])[1].entry
 
     def open(self, path: str) -> Reader:
-        """As `Card.open`: several may read a file at once."""
+        """As `Card.open`; several readers may have a file open."""
         with self._file(path) as (first, where, name):
             record = self._existing(first, where, name)[1]
             full = f"{where}/{record.entry.name}"
@@ -86,7 +87,7 @@ class FatCard(Card):
         return Reader(record.entry.size, fetch, released)
 
     def create(self, path: str) -> Writer:
-        """As `Card.create`: a file that is replaced stays until the new one is whole."""
+        """As `Card.create`. A file that is replaced stays until the new one is complete."""
         with self._file(path) as (first, where, name):
             found = self._lookup(self._directories.load(first), name)
             if found:
@@ -116,7 +117,7 @@ class FatCard(Card):
             return writer
 
     def remove(self, path: str) -> None:
-        """As `Card.remove`: the entry goes first, then its clusters are free."""
+        """As `Card.remove`: deletes the entry first, then frees the clusters."""
         with self._file(path) as (first, where, name):
             slots, record = self._existing(first, where, name)
             full = f"{where}/{record.entry.name}"
@@ -151,8 +152,8 @@ class FatCard(Card):
                     raise
 
     def rename(self, path: str, to: str) -> None:
-        """As `Card.rename`: in one write where the directory's sector has room for the new name;
-        else a file is copied, for which there must be room, and a directory keeps its name
+        """As `Card.rename`, in one write if the directory's sector has space for the new name.
+        Otherwise a file is copied, which needs free space, and a directory keeps its name
         (`card.no-slots`)."""
         with self._lock:
             if self._rename_in_place(path, to):
@@ -164,7 +165,7 @@ class FatCard(Card):
         self.remove(path)
 
     def _rename_in_place(self, path: str, to: str) -> bool:
-        """False if it is a file that must be copied."""
+        """Renames in one write. False if the file must be copied instead."""
         with self._file(path) as (first, where, name), self._file(to) as (target, there, new):
             slots, record = self._existing(first, where, name)
             entry = record.entry
@@ -188,7 +189,7 @@ class FatCard(Card):
             return False
 
     def remove_directory(self, path: str) -> None:
-        """As `Card.remove_directory`: the entry goes first, then its clusters are free."""
+        """As `Card.remove_directory`: deletes the entry first, then frees the clusters."""
         with self._file(path) as (first, where, name):
             slots, record = self._existing(first, where, name)
             full = f"{where}/{record.entry.name}"
@@ -203,7 +204,7 @@ class FatCard(Card):
 
     @property
     def free_bytes(self) -> int:
-        """Whole free clusters, in bytes."""
+        """The size of all free clusters, in bytes."""
         with self._lock:
             return self._volume.table.free * self._volume.layout.cluster_bytes
 
@@ -217,7 +218,8 @@ class FatCard(Card):
             self._device.close()
 
     def _store(self, first: int, where: str, name: str, cluster: int, size: int) -> None:
-        """Names a finished chain: in a new record, or in place of a file's old content."""
+        """Enters a finished chain into the directory: in a new record, or in that of the file that
+        it replaces."""
         slots = self._directories.load(first)
         found = self._lookup(slots, name)
         if not found:
@@ -226,7 +228,7 @@ class FatCard(Card):
             return
         full = f"{where}/{found.entry.name}"
         self._check_replaceable(found, full)
-        if found.entry.name != name:  # an 8.3 name that another file got since `create`
+        if found.entry.name != name:  # since `create`, another file has got this 8.3 name
             self._files.check(full)
         if found.cluster:
             self._volume.table.check(found.cluster)
@@ -275,8 +277,8 @@ class FatCard(Card):
 
     @contextmanager
     def _file(self, path: str) -> Generator[tuple[int, str, str]]:
-        """The directory and its path, and the name in it as the caller wrote it. Call it with the
-        lock."""
+        """The directory, its path, and the file's name as the caller wrote it. Call it with the
+        lock held."""
         parts = names.split(path)
         if not parts:
             raise CardError.of("card.directory", "/")

@@ -1,4 +1,4 @@
-"""Files of a FAT32 volume: where their bytes are, and how new bytes are written."""
+"""Reads and writes the content of files on a FAT32 volume."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from passo.card.volume import Volume
 from passo.errors import CardError
 
 MAX_BYTES = 0xFFFFFFFF
-"""The longest file: its size has 32 bits."""
+"""The maximum size of a file: the field has 32 bits."""
 
 _PIECE = 256 * 1024
 
 
 class Extents:
-    """The runs of neighbouring clusters of a file, followed as far as it was read."""
+    """The runs of adjacent clusters of a file, followed only as far as the file was read."""
 
     def __init__(self, volume: Volume, first: int, size: int, path: str) -> None:
         self._volume = volume
@@ -30,12 +30,13 @@ class Extents:
         self._chain: Iterator[int] = volume.table.chain(first)
         self._known = 0
         self._index = array("I")
-        """For each run, which cluster of the file it begins with."""
+        """For each run, the index in the file of its first cluster."""
         self._start = array("I")
         self._next = 0
 
     def read_into(self, offset: int, into: memoryview) -> None:
-        """Fill `into` with the file's bytes from `offset`; `card.broken`, `card.removed`."""
+        """Fills `into` with the file's bytes from `offset` on. Raises CardError `card.broken` or
+        `card.removed`."""
         size = self._volume.layout.cluster_bytes
         self._follow((offset + len(into) - 1) // size + 1)
         while into:
@@ -53,8 +54,7 @@ class Extents:
             try:
                 cluster = next(self._chain, 0)
             except CardError:
-                # A caller that tries again when the card is back needs a file that has not ended
-                # because of this.
+                # The reader stays open, so that a caller can try again once the card is back.
                 chain = self._volume.table.chain(self._first)
                 self._chain = islice(chain, self._known, None)
                 raise
@@ -74,7 +74,8 @@ class Extents:
 
 
 class FatWriter(Writer):
-    """Collects clusters that no directory names, until `store` names them all at once."""
+    """Writes clusters that belong to no directory entry until `store` makes the entry for all of
+    them."""
 
     def __init__(
         self,
@@ -85,7 +86,7 @@ class FatWriter(Writer):
         lock: threading.RLock,
     ) -> None:
         """`store(first cluster or 0, size)` makes the directory's record; `released()` is called
-        once, when the writer has ended. The card's `lock` is held during every step."""
+        once, when the writer has ended. Every step holds the card's `lock`."""
         super().__init__()
         self._volume = volume
         self._path = path
@@ -98,7 +99,7 @@ class FatWriter(Writer):
         volume.begin()
 
     def give_up(self, error: CardError) -> None:
-        """Ends the file because the card is unmounted: later calls raise `error`."""
+        """Ends the writer because the card is unmounted; later calls raise `error`."""
         self.abort()
         self._failure = error
 
@@ -134,7 +135,7 @@ class FatWriter(Writer):
             try:
                 self._put(self._first, self._size)
             except CardError as error:
-                if is_removed(error):  # the record may be on the medium: keep its clusters
+                if is_removed(error):  # the record may be on the medium, so keep its clusters
                     self._first = 0
                 raise
             self._first = 0

@@ -1,7 +1,7 @@
 """A folder of the host as a card.
 
-Nothing outside the folder can be reached: every directory is opened relative to the one before it,
-without following symbolic links; links, devices and pipes are not on the card at all.
+Nothing outside the folder can be reached: each directory is opened relative to its parent, and
+symbolic links are not followed. Links, devices and pipes do not appear on the card.
 """
 
 from __future__ import annotations
@@ -24,11 +24,12 @@ from passo.errors import CardError
 
 _PARTIAL = ".passo-part-"
 """Prefix of the name under which a file is written. The rest depends only on the final name, so
-that the next attempt overwrites what a power cut has left. Such files are not on the card."""
+that the next attempt overwrites the remains of a power cut. Such files do not appear on the
+card."""
 
 _NAME_MAX = 255
 _LATEST = 0xFFFFFFFF
-"""The latest time of change that is reported, in s since 1970: 2106."""
+"""The latest time of change that is reported, in s since 1970; it is in the year 2106."""
 
 _DIRECTORY = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
@@ -36,7 +37,7 @@ _NEW = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
 def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
-    """The card error for an error of the host."""
+    """Converts an error of the host's file system to a card error."""
     value = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         return CardError.of("card.full", path, value=needed or "more", limit="none")
@@ -75,7 +76,7 @@ class FolderCard(Card):
     """The files below a folder; 8.3 names are made up from the long ones and stay the same."""
 
     def __init__(self, path: str | Path) -> None:
-        """Raises CardError `card.absent` where `path` is not a folder that can be read."""
+        """Raises CardError `card.absent` if `path` is not a readable folder."""
         self._path = str(path)
         self._lock = threading.RLock()
         self._files = OpenFiles()
@@ -99,9 +100,10 @@ class FolderCard(Card):
             return self._existing(folder, where, parts[-1])
 
     def open(self, path: str) -> Reader:
-        """As `Card.open`: the content is that of the file at this time. Reading raises CardError
-        `card.changed` after the file was rewritten in place, and at its beginning after another
-        file got its name. A file that is replaced while it is read can be read to its end."""
+        """As `Card.open`: the reader returns the content that the file has now. It raises CardError
+        `card.changed` if the file is rewritten in place. If another file takes its name, a reader
+        that has begun reads on to the end of the old file, and one at offset 0 raises
+        `card.changed`."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             full = f"{where}/{entry.name}"
@@ -135,7 +137,8 @@ class FolderCard(Card):
                     count = os.preadv(file, [into[done:]], offset + done)
                 except OSError as error:
                     raise CardError.of("card.removed", full, value=error.strerror) from error
-                check_unchanged(offset)  # after the read: the data was read before any change
+                # check after the read: then the data is older than any change
+                check_unchanged(offset)
                 if not count:
                     raise CardError.of(
                         "card.removed", full, value=f"it ends at {offset + done} bytes"
@@ -256,7 +259,7 @@ class FolderCard(Card):
 
     @contextmanager
     def _directory(self, parts: list[str]) -> Generator[tuple[int, str]]:
-        """A descriptor of the directory and its path in the card's own spelling."""
+        """A descriptor of the directory, and its path in the spelling of the card."""
         path = "/" + "/".join(parts)
         with self._lock:
             folder, where = os.dup(self._opened(path)), ""
@@ -277,7 +280,8 @@ class FolderCard(Card):
 
     @contextmanager
     def _file(self, path: str) -> Generator[tuple[int, str, str]]:
-        """The descriptor and path of a file's directory, and the file's name as asked for."""
+        """The descriptor and path of a file's directory, and the file's name as the caller wrote
+        it."""
         parts = names.split(path)
         if not parts:
             raise CardError.of("card.directory", "/")
@@ -314,7 +318,7 @@ class FolderCard(Card):
 
 
 class _FolderWriter(Writer):
-    """Writes to a temporary file, which takes the place of the file at the end."""
+    """Writes to a temporary file, which `close` renames to the file's name."""
 
     def __init__(self, place: _Place, name: str, released: Callable[[], None]) -> None:
         """`released()` is called once, when the writer has ended."""
@@ -324,11 +328,12 @@ class _FolderWriter(Writer):
         digest = hashlib.blake2b(names.fold(name).encode(), digest_size=12).hexdigest()
         self._partial = _PARTIAL + digest
         self._released = released
-        self._lock = threading.Lock()  # of its own: a slow medium delays no other call
+        # not the card's lock, so that a slow medium does not delay other calls
+        self._lock = threading.Lock()
         self._file = os.open(self._partial, _NEW, mode=0o666, dir_fd=place.folder)
 
     def give_up(self, error: CardError) -> None:
-        """Ends the writing because the card is unmounted: later calls raise `error`."""
+        """Ends the writer because the card is unmounted; later calls raise `error`."""
         self.abort()
         self._failure = self._failure or error
 

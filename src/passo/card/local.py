@@ -1,4 +1,4 @@
-"""Files of this computer that are printed like files of a card, named by their `file:` URI."""
+"""Files of this computer that can be printed like files of a card; a `file:` URI names them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _FLAGS = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
 
 
 def local_uri(path: str | os.PathLike[str]) -> str:
-    """The URI of a file; it names the same file from any working directory."""
+    """The absolute `file:` URI of a file."""
     return Path(path).resolve().as_uri()
 
 
@@ -30,8 +30,8 @@ def local_name(uri: str) -> str:
 
 
 def open_local(uri: str) -> Reader:
-    """The file, open for reading. Raises InputError, also for an empty file, a directory or a pipe;
-    so does a read that fails."""
+    """The file, open for reading. Raises InputError, also for an empty file, a directory or a pipe.
+    A failed read raises InputError too."""
     path = _path(uri)
     try:
         file = os.open(path, _FLAGS)

@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection
 from passo.errors import CardError
 
 MAX_UNITS = 255
-"""The longest name, in UTF-16 units."""
+"""The maximum length of a name, in UTF-16 units."""
 
 _FORBIDDEN = re.compile(r'["*/:<>?\\|]')
 _UNPRESENTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
@@ -23,8 +23,8 @@ _NOT_SHORT = re.compile(r"[^A-Z0-9!#$%&'()\-@^_`{}~]")
 
 
 def fold(name: str) -> str:
-    """The form in which names compare: upper case letter by letter, so that ß stays ß, and letters
-    composed with their accents (NFC), which other systems write apart."""
+    """The form in which names are compared: upper case letter by letter, so that ß stays ß, and
+    accents composed with their letters (NFC), because some systems store them separately."""
     if name.isascii():
         return name.upper()
     composed = unicodedata.normalize("NFC", name)
@@ -32,8 +32,8 @@ def fold(name: str) -> str:
 
 
 def is_presentable(name: str) -> bool:
-    """Whether a name can be shown on a console: no control characters, ends of lines, halves of
-    characters."""
+    """Whether a name can be shown on a console: no control characters, line ends or lone
+    surrogates."""
     return not _UNPRESENTABLE.search(name)
 
 
@@ -51,7 +51,7 @@ def check(name: str, path: str) -> None:
 
 
 def split(path: str) -> list[str]:
-    """The names on the way from the root; `..` goes back and stops at the root."""
+    """The names of a path from the root on; `..` removes the last name and stops at the root."""
     names: list[str] = []
     for name in path.split("/"):
         if name == "..":
@@ -74,7 +74,7 @@ def _basis(name: str) -> tuple[str, str]:
 
 
 def _first_free(name: str, taken: Collection[str], numbered: Callable[[str, int], str]) -> str:
-    """The name itself where it is 8.3, else its first numbered form that is not taken."""
+    """The name itself if it is a free 8.3 name, else its first numbered form that is free."""
     short = fold(name)
     if _SHORT.fullmatch(short) and short not in taken:
         return short
@@ -101,10 +101,8 @@ def short_name(name: str, taken: Collection[str]) -> str:
 
 
 def stable_short_name(name: str, taken: Collection[str]) -> str:
-    """The 8.3 name that a file of a folder gets.
-
-    It holds a checksum of the name, so that it stays the same when other files are added or
-    deleted.
+    """The 8.3 name of a file in a host folder. It contains a checksum of the long name, so that it
+    does not change when other files are added or deleted.
     """
     digest = f"{zlib.crc32(fold(name).encode('utf-8', 'surrogatepass')) & 0xFFFF:04X}"
 

@@ -85,9 +85,9 @@ class Table:
         self._changed.clear()
 
     def chain(self, first: int) -> Iterator[int]:
-        """The clusters of a chain. CardError `card.broken` where it leaves the volume, runs into a
-        free or bad cluster, or returns to itself (Brent's cycle detection: no memory, and an end
-        within three times the length of the loop and what leads to it)."""
+        """The clusters of a chain. CardError `card.broken` if the chain leaves the volume, reaches
+        a free or bad cluster, or has a loop. Brent's cycle detection finds a loop without extra
+        memory."""
         last = self._layout.last_cluster
         cluster, mark, steps, limit = first, 0, 0, 1
         while True:
@@ -161,7 +161,7 @@ class Table:
         raise self._broken("the number of free clusters", str(self._free), "0")
 
     def release(self, first: int) -> None:
-        """Free a chain that `check` has found whole, from its head on."""
+        """Frees a chain that `check` has accepted, from its head on."""
         previous = 0
         for cluster in self.chain(first):
             if previous:
@@ -170,6 +170,6 @@ class Table:
         self[previous] = 0
 
     def check(self, first: int) -> None:
-        """Raise `card.broken` unless the chain is whole."""
+        """Raises `card.broken` unless the chain is complete."""
         for _ in self.chain(first):
             pass

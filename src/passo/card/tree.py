@@ -1,4 +1,4 @@
-"""What the two kinds of card have in common: lookup of names, and which files are open."""
+"""Lookup of names and the list of open files, for both kinds of card."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ Item = TypeVar("Item")
 
 
 def lookup(items: Sequence[Item], name: str, entry: Callable[[Item], Entry]) -> Item | None:
-    """The item that has this name exactly, else in another case, else as its 8.3 name."""
+    """The item with exactly this name, else with the name in another case, else with it as 8.3
+    name."""
     wanted = fold(name)
     tests: tuple[Callable[[Entry], bool], ...] = (
         lambda found: found.name == name,
@@ -29,14 +30,15 @@ def lookup(items: Sequence[Item], name: str, entry: Callable[[Item], Entry]) -> 
 
 
 class OpenFiles:
-    """The files that are being read or written, so that none is removed or replaced."""
+    """The files that are open, so that none of them is removed or replaced."""
 
     def __init__(self) -> None:
         self._read: Counter[str] = Counter()
         self._written: set[str] = set()
 
     def check(self, path: str, *, to_read: bool = False) -> None:
-        """Raise `card.busy` if the file is being written, or read where that matters."""
+        """Raises `card.busy` if the file is being written, or, unless `to_read`, if it is being
+        read."""
         if fold(path) in self._written:
             raise CardError.of("card.busy", path, value="it is being written")
         if self._read[fold(path)] and not to_read:
@@ -60,19 +62,19 @@ class OpenFiles:
         self.check(to)
 
     def begin_read(self, path: str) -> None:
-        """A reader opens; any number may."""
+        """Registers a reader; a file may have several."""
         self.check(path, to_read=True)
         self._read[fold(path)] += 1
 
     def end_read(self, path: str) -> None:
-        """A reader is closed."""
+        """Removes a reader that was closed."""
         self._read[fold(path)] -= 1
 
     def begin_write(self, path: str) -> None:
-        """The one writer opens."""
+        """Registers the writer of a file; a file has at most one."""
         self.check(path)
         self._written.add(fold(path))
 
     def end_write(self, path: str) -> None:
-        """The writer is closed, or was not opened after all."""
+        """Removes the writer, which was closed or could not be opened."""
         self._written.discard(fold(path))

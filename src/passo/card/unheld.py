@@ -13,11 +13,9 @@ if TYPE_CHECKING:
 
 
 class Unheld(io.RawIOBase):
-    """A file of a card that is open only while a piece is read, so that it may be replaced or
-    removed between two reads: then the next read raises CardError `card.changed` or
-    `card.not-found`.
-
-    Another thread may close it; the next read raises ValueError then.
+    """A file of a card that is open only during a read, so that it can be replaced or removed
+    between two reads. After that, the next read raises CardError `card.changed` or
+    `card.not-found`. After another thread has closed it, the next read raises ValueError.
     """
 
     def __init__(self, card: Card, path: str) -> None:
@@ -40,7 +38,7 @@ class Unheld(io.RawIOBase):
         return self._at
 
     def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        """Go to `offset`, which is within the file."""
+        """Sets the position to `offset` bytes, which must be within the file."""
         base = {io.SEEK_SET: 0, io.SEEK_CUR: self._at, io.SEEK_END: self.size}[whence]
         self._at = min(max(base + offset, 0), self.size)
         return self._at

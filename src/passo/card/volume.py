@@ -1,9 +1,7 @@
-"""A mounted FAT32 volume: its clusters, and the marks around every change of it.
-
-While the volume changes it is marked as dirty, in bit 27 of the table's entry 1 (fatgen103, "FAT
-Data Structure": ClnShutBitMask). The FSInfo sector is updated before the mark is removed. A volume
-that was dirty when it was mounted stays dirty: a computer must repair what an earlier power cut
-left.
+"""A mounted FAT32 volume: its clusters, and the dirty mark during each change. While the volume
+changes, it is marked as dirty in bit 27 of the table's entry 1 (fatgen103, "FAT Data Structure":
+ClnShutBitMask). The FSInfo sector is updated before the mark is removed. A volume that was dirty
+when it was mounted stays dirty: a computer must repair what an earlier power cut left.
 """
 
 from __future__ import annotations
@@ -20,7 +18,7 @@ _INFO_LEAD, _INFO_STRUCT, _INFO_TRAIL = 0x41615252, 0x61417272, 0xAA550000
 
 
 class Volume:
-    """The volume on a device, found and checked when it is made (CardError `card.format`)."""
+    """The volume on a device. The constructor finds and checks it (CardError `card.format`)."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -48,7 +46,8 @@ class Volume:
         return data, clusters
 
     def write_clusters(self, clusters: list[int], data: bytes | bytearray | memoryview) -> None:
-        """Writes clusters, the last one padded with zeros; neighbours are written at once."""
+        """Writes clusters, the last one padded with zeros; adjacent clusters are written
+        together."""
         size = self.layout.cluster_bytes
         view = memoryview(data)
         begin = 0
@@ -63,7 +62,7 @@ class Volume:
                 begin = at
 
     def begin(self) -> None:
-        """Begins a change: marks the volume. Each call needs one of `end`."""
+        """Begins a change: marks the volume as dirty. Each call needs one call of `end`."""
         if self.device.read_only:
             raise CardError.of("card.read-only", self.device.path, value="it is write-protected")
         if not self._changes:
@@ -72,7 +71,7 @@ class Volume:
         self._changes += 1
 
     def end(self) -> None:
-        """Ends a change, successful or not: writes the table and FSInfo, then removes the mark
+        """Ends a change, even one that failed: writes the table and FSInfo, then removes the mark
         unless another change is in progress."""
         self._changes -= 1
         self.table.commit()
