@@ -1,1 +1,1 @@
-"""G-code: the table of commands and their syntax."""
+"""G-code: the table of all commands, and their syntax."""

@@ -12,17 +12,17 @@ from passo.errors import WordError
 from passo.gcode.registry import ANY, row_of
 from passo.gcode.stray import stray_of
 
-# KEY=VALUE is not G-code, so the lexer makes no words of it.
+# KEY=VALUE is not G-code, so the lexer does not split it into words.
 _PAIR = re.compile(
     r"([^\s=]+)(?:\s*=\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=]+\s*=)\S+)?)?", re.DOTALL
 )
 _QUOTED = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
-LARGEST = 1e9  # as in the words of moves
+LARGEST = 1e9  # the limit for words of moves, too
 
 
 class Command(NamedTuple):
-    """One command: `letter` and `number` (with `minor` as in M862.3), or a `name` of its own."""
+    """One command: `letter` and `number` (with `minor` as in M862.3), or a `name`."""
 
     line: int
     letter: str
@@ -39,8 +39,8 @@ class Command(NamedTuple):
         return f"{self.letter}{self.number}" + (f".{self.minor}" if self.minor else "")
 
     def check(self) -> None:
-        """Raises WordError for the first word with no number, or one beyond 1e9, unless the
-        declaration allows its letter alone; for a letter that comes twice; and for a character that
+        """Raises WordError for the first word without a number (unless the declaration allows its
+        letter alone) or with a number beyond 1e9, for a repeated letter, and for a character that
         is not G-code."""
         row = row_of(self.code)
         if self.name or row is None or row.bare is None:
@@ -66,7 +66,7 @@ class Command(NamedTuple):
                 raise WordError.of("input.number", value=letter)
 
     def words(self) -> dict[str, float]:
-        """Letters with their numbers; letters alone are left out."""
+        """The numbers by their letters, without letters that have no number."""
         return dict(words_of(self.text))
 
     def letters(self) -> list[str]:
@@ -79,8 +79,8 @@ class Command(NamedTuple):
 
 
 def pairs_of(text: str) -> dict[str, str]:
-    r"""KEY=VALUE parameters, keys in upper case. A value with blanks stands in " or '; in ", `\"`
-    is a quotation mark. Raises WordError for a key without a value."""
+    r"""KEY=VALUE parameters, keys in upper case. A value that contains blanks is quoted with " or
+    '; within ", `\"` is a quotation mark. Raises WordError for a key without a value."""
     pairs: dict[str, str] = {}
     for match in _PAIR.finditer(text):
         value = match[2]
@@ -101,12 +101,13 @@ def written(value: float) -> str:
 
 
 def numeral(value: float) -> str:
-    """A number in commands, to 10 digits: the E of an exponent would be a word of its own."""
+    """A number with up to 10 digits and without exponent, for a command: the E of an exponent would
+    be another word."""
     return f"{Decimal(f'{value:.10g}'):f}"
 
 
 def alone(command: Command) -> bool:
-    """Whether no other command follows in its line."""
+    """Whether the line contains no other command after this one."""
     row = row_of(command.code)
     if command.name or row is None or row.bare in (None, ANY):
         return True
@@ -118,8 +119,8 @@ def alone(command: Command) -> bool:
 
 
 def forced(command: Command) -> bool:
-    """A console's line that sets a heater or a fan at once (F), while another source moves the
-    machine."""
+    """Whether a console's line sets a heater or a fan at once (letter F), even while another source
+    moves the machine."""
     row = row_of(command.code)
     if row is None or not row.forced:
         return False
@@ -128,7 +129,7 @@ def forced(command: Command) -> bool:
 
 
 def _sets_at_once(letter: str, number: float | None, text: str | None) -> bool:
-    """Whether the command may be in `forced` lines, because it does not wait for its turn."""
+    """Whether a `forced` line may contain this word, because it does not make the command wait."""
     if number is None:
         return letter == "F" and text is None
     return letter == "S" or (letter in "TPR" and not isnan(number))
@@ -153,8 +154,8 @@ def _is_letter(character: str) -> bool:
 
 
 def unescaped(text: str) -> str:
-    r"""`\HH` is the byte of that number, in APrinter's strings: of UTF-8, if all are, else of
-    Latin-1."""
+    r"""The text with each `\HH` of APrinter's strings replaced by the byte of this hexadecimal
+    number. The bytes are read as UTF-8 if they are valid, else as Latin-1."""
     raw = _ESCAPE.sub(lambda m: bytes((int(m[1], 16),)), text.strip().encode())
     try:
         return raw.decode()

@@ -1,4 +1,4 @@
-"""Commands that the interpreter in the core carries out, without a handler.
+"""Commands that the interpreter in the core executes, without a handler in Python.
 `core/gcode/word_grammar.hpp` has the same rules for their words."""
 
 from __future__ import annotations

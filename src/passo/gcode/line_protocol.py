@@ -1,13 +1,12 @@
 """The line protocol of hosts: line numbers, checksums, resends. Sans-IO: bytes in, lines out.
 
-A numbered line is `N<number> <command>*<checksum>`, the checksum being the exclusive or of all
-bytes before the last `*`, in decimal. Its number must be one more than the last one's; M110 sets
-the last number. Lines without a number are accepted at any time and do not change the count.
+A numbered line is `N<number> <command>*<checksum>`. The checksum is the exclusive or of all bytes
+before the last `*`, in decimal. The number must be the last number plus one; M110 sets the last
+number. Lines without a number are accepted at any time and do not change the count.
 
-`*` and up to three digits at the end of a line without a number are its checksum if they are right.
-If they are wrong, they belong to the text of a command that takes a text (a label, a name of a
-file, a message); any other line is requested again. M117 and M118 have no checksum without a
-number.
+At the end of a line without a number, `*` and up to three digits are a checksum if it is right. If
+it is wrong, it is part of the text of a command that takes a text (a label, a file name, a
+message); any other line is requested again. M117 and M118 without a number have no checksum.
 
 Hosts parse the text after `Error:`. The reasons here contain the words by which hosts recognise a
 fault of the link, which a resend repairs; any other text after `Error:` makes them disconnect.
@@ -20,10 +19,10 @@ from collections import deque
 from typing import NamedTuple
 
 LONGEST = 65536  # maximum bytes of a line, as in files
-_REMEMBERED = 64  # lines: one that comes once more, as after two requests for it, is known by them
+_REMEMBERED = 64  # lines, so that a repeated line is recognised, as after two requests for it
 _MARK = b"\xef\xbb\xbf"  # of UTF-8
 _CTRL_Z = "\x1a"
-_ENDING = 16  # bytes at the end of a longer line that are searched for its checksum
+_ENDING = 16  # bytes at the end of a longer line, which may contain its checksum
 
 _NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d{1,18})(?!\d)\s*(.*)\Z", re.DOTALL)
 _CHECKSUM = re.compile(rb"\*\s*(\d{1,3})\s*\Z")
@@ -35,7 +34,7 @@ _MESSAGE = re.compile(r"\s*[Mm]11[78](?!\d)")
 _TAKES_TEXT = re.compile(
     r"\s*(?:[A-Za-z_]{2}|[Mm]0*(?:[01]|16|2[038]|3[02368]|486|531|550|587|928)(?!\d))"
 )
-# Those of them that do not look like a numbered line with a damaged beginning.
+# Commands of this list that do not look like a numbered line with a damaged beginning.
 _LABELS = re.compile(r"\s*(?:[A-Za-z_]{4}|[Mm]486\s+(?:[Ss]-?\d+\s*)?[Aa])")
 # Commands that name a file, in quotes.
 _QUOTED_NAME = re.compile(r'(\s*[Mm]0*(?:2[38]|3[0236]|928)\s+"[^"]*")\s*(?:;|\Z)')
@@ -45,17 +44,19 @@ _QUOTED_VALUE = re.compile(r"""(?<![^\s=])(?:"(?:\\.|[^"\\])*"|'[^']*')""")
 
 
 class Line(NamedTuple):
-    """A line to carry out; `number` if it had one. `text` has no number, checksum or comment; its
-    bytes beyond ASCII are escaped as surrogates, which no pattern takes for digits or blanks."""
+    """A line to execute, with its `number` or None. `text` is the line without number, checksum and
+    comment. Its bytes beyond ASCII are surrogate escapes, so that no pattern reads them as digits
+    or blanks."""
 
     text: str
     number: int | None = None
 
 
 class Refusal(NamedTuple):
-    """A line that is not carried out. The host receives `reason`; with `resend` it is asked for
-    that line, and must send `ok`. `text` is the content of an intact line that came out of order,
-    or the beginning of one that is too long. `lost` if the host will not send it again."""
+    """A line that is not executed. The host receives `reason`. `resend` is the number of the line
+    to request again; the console then sends `ok` too. `text` is the content of an intact line with
+    the wrong number, or the beginning of a line that is too long. `lost` if the host will not send
+    the line again."""
 
     reason: str
     resend: int | None
@@ -64,8 +65,8 @@ class Refusal(NamedTuple):
 
 
 class _Incoming:
-    """The bytes of a line as they come in. At most LONGEST of them are kept; of a longer line also
-    the last ones, and the exclusive or of those between."""
+    """The bytes of a line that has not ended. At most LONGEST bytes are kept. Of a longer line, the
+    last bytes and the exclusive or of the bytes between are kept too."""
 
     def __init__(self) -> None:
         self.kept = bytearray()
@@ -75,7 +76,7 @@ class _Incoming:
 
     @property
     def too_long(self) -> bool:
-        """Whether bytes beyond `kept` have come."""
+        """Whether the line is longer than LONGEST."""
         return bool(self._ending)
 
     def add(self, data: bytes) -> None:
@@ -103,13 +104,14 @@ class _Incoming:
 
 
 class LineProtocol:
-    """One console's incoming bytes. Keeps at most one unfinished line of LONGEST bytes."""
+    """Splits the bytes of one console into lines and checks them. Keeps at most one unfinished line
+    of LONGEST bytes."""
 
     def __init__(self) -> None:
-        self.last = 0  # number of the last line taken
+        self.last = 0  # number of the last accepted line
         self._incoming = _Incoming()
-        self._begun = False  # a line has come
-        self._numbering = False  # lines with numbers have come
+        self._begun = False  # a line has arrived
+        self._numbering = False  # a line with a number has arrived
         self._taken: deque[int] = deque(maxlen=_REMEMBERED)  # hashes of the last lines
 
     @property
@@ -118,7 +120,8 @@ class LineProtocol:
         return bool(self._incoming.kept)
 
     def feed(self, data: bytes) -> list[Line | Refusal]:
-        """The lines that these bytes complete, in order. Blank lines and comments are not lines."""
+        """Returns the lines that these bytes complete, in order, without blank lines and
+        comments."""
         # A zero byte is noise that the exclusive or does not detect.
         data = data.replace(b"\0", b"").replace(b"\r", b"\n")
         first, *others = data.split(b"\n")
@@ -134,7 +137,7 @@ class LineProtocol:
         return found
 
     def _line(self, raw: _Incoming) -> Line | Refusal | None:
-        if not self._begun:  # a file that is piped in may begin with it
+        if not self._begun:  # a file from a pipe may begin with a byte order mark
             self._begun = True
             if raw.kept.startswith(_MARK):
                 del raw.kept[: len(_MARK)]
@@ -182,11 +185,11 @@ class LineProtocol:
             if not right and (_LABELS if self._numbering else _TAKES_TEXT).match(text):
                 return Line(uncommented(text))
             if self._numbering or not (right or ";" in text):
-                # Its number is damaged, because lines without a number are not checked.
+                # A line without a number has no checksum here, so its number must be damaged.
                 return self._asked_again("checksum mismatch")
             text = text[:star]
         elif self._numbering and _FRAGMENT.match(text):
-            # A host has hung up within the line, and this is the next host's first line.
+            # A host has disconnected within a line, and this is the first line of the next host.
             return self._asked_again("checksum mismatch")
         text = uncommented(text)
         set_number = _SET_NUMBER.match(text)
@@ -195,8 +198,8 @@ class LineProtocol:
         return Line(text) if text else None
 
     def _count_from(self, command: re.Match[str], number: int | None) -> Refusal | None:
-        """M110 in the line of this number: the count continues from its N word, or else from this
-        number."""
+        """Handles M110 in the line `number`: the next number follows its N word, or `number` if it
+        has none."""
         sign, digits = command[1], command[2]
         if digits is not None:
             if len(digits) > _MAX_DIGITS:
@@ -218,7 +221,8 @@ def _left_out(line: str, text: str) -> Refusal:
 
 
 def _ends_in_comment(text: str) -> bool:
-    """Whether the beginning of a line contains its whole command."""
+    """Whether this beginning of a line already contains the start of its comment, and so the whole
+    command."""
     return ";" in text and not _MESSAGE.match(text)
 
 
@@ -247,7 +251,7 @@ def uncommented(text: str) -> str:
 
 
 def _exclusive_or(data: bytes | bytearray) -> int:
-    """The exclusive or of all bytes, folded in halves because an endless line has many."""
+    """The exclusive or of all bytes. It folds halves, which is fast for a very long line."""
     total, size = int.from_bytes(data, "big"), len(data)
     while size > 1:
         size = (size + 1) // 2

@@ -1,11 +1,11 @@
-"""Which files are programs, by the endings of their names."""
+"""Recognises G-code files by the endings of their names."""
 
 from __future__ import annotations
 
 from pathlib import PurePosixPath
 
 PROGRAMS = (".gcode", ".g", ".gc", ".gco", ".nc", ".ngc", ".cnc", ".tap")
-"""How the names of G-code files end."""
+"""Endings of the names of G-code files."""
 
 
 def is_program(name: str) -> bool:

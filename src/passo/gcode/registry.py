@@ -12,27 +12,27 @@ _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
 class Kind(Enum):
-    """The part that carries a command out in a print without consoles."""
+    """The part that executes a command in a print without consoles."""
 
     MOTION = "motion"  # the interpreter in the core
     PRINTER = "printer"  # a handler of the job
-    USER = "user"  # none: the command waits for the user, which takes no time
-    QUIET = "quiet"  # none, and nothing is missing
-    SERVED = "served"  # none, with a warning: the command sets up a served printer
+    USER = "user"  # none: the command waits for the user, which takes no time here
+    QUIET = "quiet"  # none: the command has no effect in such a print
+    SERVED = "served"  # none, with a warning: the command only sets up a served printer
     NOT_BUILT = "not built"  # none, with a warning; a console receives the reason
 
 
 class When(Enum):
-    """When a command of a console acts."""
+    """When a command from a console takes effect."""
 
-    IMMEDIATE = "immediate"  # as soon as its line is reached, also while another source moves
-    PLANNED = "planned"  # in its place among the moves
-    EXCLUSIVE = "exclusive"  # at standstill; no other source moves the machine meanwhile
-    AHEAD = "ahead"  # before all lines that wait
+    IMMEDIATE = "immediate"  # at once, even while another source moves the machine
+    PLANNED = "planned"  # in order with the moves
+    EXCLUSIVE = "exclusive"  # at standstill, while no other source may move the machine
+    AHEAD = "ahead"  # before all lines that still wait
 
 
 class Subject(Enum):
-    """The part of the reference page that a command is in."""
+    """The section of the reference page that lists a command."""
 
     MOVES = "Moves"
     POSITIONS = "Positions, units and planes"
@@ -54,13 +54,13 @@ class Subject(Enum):
 
 
 ANY = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-AXES = "ABCDEHIJKUVWXYZ"  # also letters of motors
+AXES = "ABCDEHIJKUVWXYZ"  # and letters of motors
 
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """A command: its code or name, where the reference lists it, when it acts on a console, its
-    parameters with their units, and one sentence."""
+    """A command: its code or name, the section of the reference, when it takes effect from a
+    console, its parameters with units, and one sentence that describes it."""
 
     code: str
     subject: Subject
@@ -68,32 +68,34 @@ class Declaration:
     parameters: str
     text: str
     kind: Kind = Kind.PRINTER
-    bare: str | None = ""  # letters that need no number; None: what follows is not read as words
+    # letters that need no number; None: the rest of the line is a text, not words
+    bare: str | None = ""
     nan: bool = False  # `S nan` is not a number, and switches the heater off
-    repeats: str = ""  # letters that may come more than once
-    lacks: str = ""  # why it has no effect on a machine without the part; otherwise `text`
-    forced: bool = False  # with F a console's line acts at once
+    repeats: str = ""  # letters that may be repeated
+    # on a machine without the part, this text says why the command has no effect; else `text`
+    lacks: str = ""
+    forced: bool = False  # with F, a line from a console acts at once
     in_turn: bool = (
-        False  # immediate, but in a file, which is read ahead, after the moves before it
+        False  # immediate on a console, but in a file it acts after the moves before it
     )
     only_during_print: bool = False  # immediate only during a print; otherwise planned
-    while_halted: bool = True  # if immediate, it acts while the printer is halted, too
+    while_halted: bool = True  # if immediate, it also acts while the printer is halted
 
 
 class Role(Enum):
-    """Which of a command's handlers a method is."""
+    """Which of the two handlers of a command a method is."""
 
     DECLARED = "declared"  # acts as the declaration says
-    IN_PROGRAM = "in program"  # acts in its place in a program or in a line of several commands
+    IN_PROGRAM = "in program"  # acts in order within a program or a line of several commands
 
 
 _declared: dict[str, Declaration] = {}
 _roles: dict[Callable[..., Any], tuple[tuple[str, Role], ...]] = {}
-_load: list[Callable[[], object]] = []  # imports all modules that declare commands
+_load: list[Callable[[], object]] = []  # functions that import all modules with commands
 
 
 def declare(*declarations: Declaration) -> None:
-    """Adds commands that need no handler. Raises ValueError for a code that is there already."""
+    """Adds commands that need no handler. Raises ValueError for a code that is declared already."""
     for declaration in declarations:
         if declaration.code in _declared:
             raise ValueError(f"{declaration.code} is declared twice")
@@ -117,7 +119,7 @@ def command(
     only_during_print: bool = False,
     while_halted: bool = True,
 ) -> Callable[[_Method], _Method]:
-    """Declares a command, and marks the method that carries it out; the fields are those of
+    """Declares a command, and marks the method that executes it; the arguments are the fields of
     Declaration. Raises ValueError for a code that is declared already."""
     declare(
         Declaration(
@@ -129,8 +131,8 @@ def command(
 
 
 def in_program(*codes: str) -> Callable[[_Method], _Method]:
-    """Marks a method that carries these commands out in their place in a program, if the handler
-    beside their declaration acts at once, or is that of a live printer."""
+    """Marks a method that executes these commands in order within a program. Needed if the handler
+    beside the declaration acts at once, or works only on a live printer."""
     return _marked(Role.IN_PROGRAM, *codes)
 
 
@@ -143,7 +145,7 @@ def _marked(role: Role, *codes: str) -> Callable[[_Method], _Method]:
 
 
 def commands_of(part: type) -> Iterator[tuple[str, Role, str]]:
-    """The commands that the methods of a class carry out: code, role and name of the method."""
+    """The commands that the methods of a class execute: code, role and name of the method."""
     for name, method in vars(part).items():
         if callable(method):
             for code, role in _roles.get(method, ()):
@@ -151,8 +153,8 @@ def commands_of(part: type) -> Iterator[tuple[str, Role, str]]:
 
 
 def load_with(load: Callable[[], object]) -> None:
-    """`load` imports every module that declares commands. It is called when a command is looked up
-    that no module has declared so far, and before the whole table is read."""
+    """Registers `load`, which imports every module that declares commands. It is called at the
+    look-up of a command that is not declared so far, and before the whole table is read."""
     _load[:] = [load]
 
 
@@ -162,7 +164,7 @@ def _complete() -> None:
 
 
 def row_of(code: str) -> Declaration | None:
-    """The declaration of a command, None for one that is unknown. G1.1 is not G1."""
+    """The declaration of a command; None for an unknown one. G1.1 is not G1."""
     if code not in _declared:
         _complete()
     return _declared.get(code)

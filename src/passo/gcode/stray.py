@@ -1,4 +1,4 @@
-"""Characters that are not G-code, each with its name."""
+"""Finds characters that are not G-code, and names them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import unicodedata
 from passo import _core
 from passo.errors import Problem
 
-_ODD = re.compile(r"[,#\[{=?]|[^\x00-\x7f]|\.\d*\.")  # used in few commands
+_ODD = re.compile(r"[,#\[{=?]|[^\x00-\x7f]|\.\d*\.")  # allowed in few commands
 _DECIMAL_COMMA = re.compile(r"(?<=\d),(?=\d)")
 _HINTS = {  # by Unicode's category
     "Pd": "Write - for a minus; a comment begins with ;",
@@ -18,12 +18,12 @@ _HINTS = {  # by Unicode's category
     "Cf": "Remove it; an editor that shows control characters finds it",
 }
 _NAMES = {0xFEFF: "byte order mark"}
-_MINUS = 0x2212  # of Unicode's symbols, not of its dashes
+_MINUS = 0x2212  # its category is that of symbols, not of dashes
 
 
 def stray_of(text: str, *, any_character: bool) -> Problem | None:
-    """The first character of a command's text that is not G-code; unless `any_character`, only one
-    that changes the meaning of the text, or that a word processor has put in place of another one.
+    """The first character of a command's text that is not G-code. Unless `any_character`, only
+    characters count that change the meaning of the text, or that word processors insert for others.
     """
     if not any_character and _ODD.search(text) is None:
         return None
@@ -32,8 +32,8 @@ def stray_of(text: str, *, any_character: bool) -> Problem | None:
 
 
 def stray_problem(token: str, code: int, file: str = "", line: int | None = None) -> Problem:
-    """The problem of a word that contains the character of this code; a code below 0 is a byte that
-    is not UTF-8."""
+    """The problem for a word that contains the character `code` (Unicode); a negative code means a
+    byte that is not UTF-8."""
     values = {"value": token}
     if code < 0:
         values["axis"] = f"the byte 0x{-code:02X} (not UTF-8)"

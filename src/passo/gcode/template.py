@@ -1,7 +1,7 @@
 """Templates of G-code in Klipper's language: Jinja2 in its sandbox, with bounds on time and size.
 
-A sandbox keeps a template from the computer, but not from a loop without end or a text that fills
-the memory. Each loop, call and filter here counts steps, and each value has a largest size.
+The sandbox protects the computer's data, but does not prevent an endless loop or a text that fills
+the memory. So each loop, call and filter here counts steps, and each value has a maximum size.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from jinja2.runtime import Context, Macro, Undefined
 from jinja2.sandbox import SandboxedEnvironment
 from jinja2.visitor import NodeTransformer
 
-# Of one call, with all macros that it calls.
-MAX_STEPS = 100_000  # some tenths of a second
+# For one call, including all macros that it calls.
+MAX_STEPS = 100_000  # less than a second
 MAX_LINES, MAX_BYTES = 10_000, 1_000_000  # of its result
 MAX_CHARACTERS = 65_536  # of one text within a template
-MAX_ITEMS = 10_000  # of one list, with all lists in it, or of a range
+MAX_ITEMS = 10_000  # in one list, including nested lists, or in a range
 _MAX_BITS = 4096  # of an integer
-_MAX_WIDTH = 1000  # columns, that a text is padded to
+_MAX_WIDTH = 1000  # columns to which a text is padded
 _MAX_DIGITS = 30  # decimals that a number is rounded to
-_ITEM = 64  # characters of a text that cost as much as an item of a list
+_ITEM = 64  # characters of a text that count as one item of a list
 
 # Methods of values that templates may call. All others of these types are refused.
 _METHODS: Mapping[type, str] = {
@@ -46,11 +46,11 @@ _FILTERS = (
     " list lower map max min reject rejectattr replace reverse round select selectattr sort string"
     " title trim unique upper wordcount tojson"
 )
-_WIDE = re.compile(r"\d{4,}|\*|\{[^{}]*\{")  # a format with a large width, or one that is a value
+_WIDE = re.compile(r"\d{4,}|\*|\{[^{}]*\{")  # a format with a large width, or a width from a value
 
 
 class TemplateFault(Exception):
-    """What is wrong with a template, at a line of it (None: of the whole)."""
+    """An error in a template, with its line (None: in the template as a whole)."""
 
     def __init__(self, reason: str, line: int | None = None) -> None:
         super().__init__(reason)
@@ -58,7 +58,8 @@ class TemplateFault(Exception):
 
 
 class Budget:
-    """The steps, bytes and lines that are left of one call, with all macros that it calls."""
+    """The steps, bytes and lines that one call may still use, including all macros that it
+    calls."""
 
     def __init__(self) -> None:
         self._steps, self._bytes, self._lines = MAX_STEPS, MAX_BYTES, MAX_LINES
@@ -81,7 +82,7 @@ class Budget:
 
 
 class Template:
-    """One template. Rendering it changes only what its functions change."""
+    """One template. Rendering has no effect except that of the functions it calls."""
 
     def __init__(self, text: str) -> None:
         """Raises TemplateFault, with the line, if the text is not a template."""
@@ -94,9 +95,8 @@ class Template:
             raise TemplateFault(_sentence(error)) from None
 
     def render(self, values: Mapping[str, Any], budget: Budget) -> str:
-        """The rendered text. Raises TemplateFault with the line where it fails, also if a budget is
-        used up. A function among `values` may raise an error that is not an ordinary error of
-        Python; it passes through."""
+        """The rendered text. Raises TemplateFault with the line of the error, also if the budget is
+        used up. A PassoError of a function among `values` passes through."""
         self._environment.begin(budget)
         parts: list[str] = []
         try:
@@ -133,15 +133,15 @@ def _sentence(error: BaseException) -> str:
 
 
 class _Missing(Undefined):
-    """A name without a value: it is false, and may have a default. Writing it into G-code is an
-    error, where Jinja2 would write nothing."""
+    """A name without a value: it is false in a condition, and `default` replaces it. Writing it
+    into G-code is an error; plain Jinja2 would write an empty text."""
 
     __slots__ = ()
     __str__ = Undefined._fail_with_undefined_error  # pyright: ignore[reportPrivateUsage]
 
 
 class _Bounded(NodeTransformer):
-    """Adds counters to a template: at loops, comparisons, joined texts and written lists."""
+    """Adds counters to a template: to loops, comparisons, joined texts and list literals."""
 
     def visit_For(self, node: nodes.For) -> nodes.Node:  # noqa: N802
         written = sum(len(data.data) for data in node.find_all(nodes.TemplateData))
@@ -200,8 +200,8 @@ class _Environment(SandboxedEnvironment):
         self._budget, self._characters = Budget(), 0
 
     def begin(self, budget: Budget) -> None:
-        """A rendering begins. It may write eight times the text that it returns, because blocks
-        that are kept in variables count too."""
+        """Starts a rendering. The rendering may write eight times the size of its result, because
+        blocks that are stored in variables count too."""
         self._budget, self._characters = budget, 8 * MAX_BYTES
 
     def _parse(self, source: str, name: str | None, filename: str | None) -> nodes.Template:
@@ -267,7 +267,8 @@ class _Environment(SandboxedEnvironment):
 
     def _limited(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
         """A filter that counts steps, and whose result is limited in size."""
-        passes = hasattr(function, "jinja_pass_arg")  # a context or the environment comes first
+        # the context or the environment is its first argument
+        passes = hasattr(function, "jinja_pass_arg")
 
         @wraps(function)
         def limited(*args: Any, **kwargs: Any) -> Any:
@@ -327,7 +328,8 @@ class _Environment(SandboxedEnvironment):
             raise TemplateFault("it writes too much text")
 
     def _counted(self, values: Any, written: int) -> Iterator[Any]:
-        """The items of a loop whose body writes so many characters of its own."""
+        """The items of a loop; each of them costs steps, and the `written` characters of the loop's
+        body."""
         for value in values:
             self._budget.spend(1)
             self._write(written)
@@ -383,7 +385,7 @@ def _most_of(value: Sized) -> int:
 
 
 def _weight(value: object) -> int:
-    """The number of steps that it costs to visit all of a value."""
+    """The number of steps for a visit of the whole value."""
     if isinstance(value, str):
         return len(value) // _ITEM
     if isinstance(value, list | tuple | dict):
@@ -392,8 +394,7 @@ def _weight(value: object) -> int:
 
 
 def _items(value: object) -> Iterator[object]:
-    """The items of a list or a table and of all nested ones; one that is in two places counts
-    twice."""
+    """The items of a list or a table and of all nested ones; an item in two places counts twice."""
     if isinstance(value, dict):
         value = list(cast("dict[object, object]", value).values())
     if isinstance(value, list | tuple):
