@@ -1,1 +1,1 @@
-"""Geometries: from the nozzle's X, Y, Z to the motors' positions and back, one file each."""
+"""Geometries: each file converts X, Y, Z of the nozzle to motor positions and back."""

@@ -16,13 +16,13 @@ Offset = Annotated[float, Field(ge=-1e4, le=1e4)]
 
 
 class Unreachable(ValueError):
-    """No motor positions reach this point, or these positions give no point."""
+    """No motor positions reach the point, or no point belongs to the motor positions."""
 
 
 class GeometryModel(BaseModel):
-    """Parameters of a geometry. `actuators` names its motors, `rotary` those in degrees. If it
-    `lifts_together`, a move of Z in the middle moves all of them alike. `arms` are the actuators
-    that home by their own endstops, because no move of an axis moves one of them alone."""
+    """The parameters of a geometry. `actuators` names its motors; those in `rotary` count in
+    degrees. If it `lifts_together`, a Z move in the middle moves all motors equally. `arms` are
+    actuators that need their own endstops, because no axis move moves one of them alone."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True
@@ -34,29 +34,28 @@ class GeometryModel(BaseModel):
 
     @property
     def square(self) -> Self:
-        """The same geometry with axes at right angles, as the endstops have them."""
+        """The same geometry without skew: homing uses it."""
         return self
 
     def spec(self) -> dict[str, Any]:
-        """Kind and parameters as plain numbers, for the core."""
+        """The kind and the parameters as plain numbers, for the core."""
         return self.model_dump()
 
     def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
         """The same geometry on a machine. `middle` is the middle of its axes, mm; `limits` are
-        those of the positions of actuators, infinite without limits. Angles of arms that turn about
-        a shoulder end on the far side of it, seen from that middle."""
+        those of the positions of actuators, infinite without limits. The angle range of an arm with
+        a shoulder ends on the side of the shoulder that is away from the middle."""
         del middle, limits
         return self
 
     def options(self) -> dict[str, float]:
-        """Its parameters by APrinter's names, lengths in mm; empty for a geometry without
+        """The parameters by APrinter's names, lengths in mm; empty for a geometry without
         parameters."""
         return {}
 
     def inverse(self, point: Point) -> Point:
-        """Positions of the actuators (mm or degrees) with the nozzle at `point` (mm), by the core.
-
-        Raises Unreachable.
+        """The actuator positions (mm or degrees) for the nozzle position `point` (mm). Computed by
+        the core. Raises Unreachable.
         """
         found = self._found(point)
         if found is None:
@@ -69,8 +68,8 @@ class GeometryModel(BaseModel):
         return None if isnan(a) or isnan(b) or isnan(c) else (a, b, c)
 
     def forward(self, actuators: Point) -> Point:
-        """The nozzle's position (mm) for these actuator positions, by the core. Raises
-        Unreachable."""
+        """The nozzle position (mm) for the actuator positions (mm or degrees). Computed by the
+        core. Raises Unreachable."""
         try:
             return _core.Geometry(self.spec()).forward(actuators)
         except ValueError:
@@ -82,15 +81,17 @@ class GeometryModel(BaseModel):
         return self._found(point) is not None
 
     def why_not(self, point: Point) -> str:
-        """Why no line may lead over `point` (mm), which the core has refused."""
+        """The reason why the core has refused a line over `point` (mm)."""
         return self.reason(point) or self.edge(point)
 
     def reason(self, point: Point) -> str:
-        """What is too far from this point (mm), with value and limit; empty if nothing is."""
+        """The part that does not reach `point` (mm), with value and limit; empty if all parts reach
+        it."""
         del point
         return ""
 
     def edge(self, point: Point) -> str:
-        """The boundary at this point (mm), next to which the motors reach other points."""
+        """The reason why no line may cross `point` (mm), although the motors reach the points
+        around it."""
         del point
         return "it lies on the edge of what the motors reach"

@@ -1,4 +1,4 @@
-"""Cartesian: one motor an axis."""
+"""Cartesian: one motor for each axis."""
 
 from __future__ import annotations
 

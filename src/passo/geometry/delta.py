@@ -1,4 +1,5 @@
-"""Linear delta: three carriages on vertical towers, rods of fixed length to the effector."""
+"""Linear delta: three carriages on vertical towers; rods of fixed length connect them to the
+effector."""
 
 from __future__ import annotations
 
@@ -40,8 +41,8 @@ class Delta(GeometryModel):
         ]
 
     def options(self) -> dict[str, float]:
-        """APrinter subtracts both offsets from its rod radius; `radius` already has them
-        subtracted."""
+        """The parameters by APrinter's names, lengths in mm. APrinter subtracts both offsets from
+        its rod radius; `radius` has them subtracted already."""
         first, *_ = self.rods
         corrections = {f"DeltaDiagonalRodCorr{i}": r - first for i, r in enumerate(self.rods, 1)}
         return {
@@ -54,7 +55,7 @@ class Delta(GeometryModel):
         }
 
     def reason(self, point: Point) -> str:
-        """The limit radius, or the rod that is too short."""
+        """The limit radius that the point exceeds, or the rod that is too short."""
         x, y, _ = point
         if x * x + y * y > self.limit_radius**2:
             return (

@@ -39,7 +39,7 @@ class DualScara(GeometryModel):
     """Added to X of both shoulders, in mm."""
     y_offset: Offset = 0.0
     """Y of both shoulders, in mm."""
-    # Each arm's direction to the nozzle, degrees, in the middle of the range of its angles.
+    # For each arm, its direction to the nozzle in the middle of its angle range, degrees.
     _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
 
     def spec(self) -> dict[str, Any]:
@@ -47,8 +47,8 @@ class DualScara(GeometryModel):
         return self.model_dump() | {"middles": list(self._middles)}
 
     def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
-        """The range of angles of each arm ends opposite to the bed's middle. Of the possible turns
-        it is the one that contains the limits."""
+        """The angle range of each arm, one full turn, ends on the side opposite to the middle of
+        the bed. Full turns are added until it contains the limits."""
         a, b = (degrees(atan2(*self._from_shoulder(arm, middle))) for arm in (0, 1))
         faced = self.model_copy()
         faced._middles = (a, b)
@@ -60,7 +60,7 @@ class DualScara(GeometryModel):
         return faced
 
     def edge(self, point: Point) -> str:
-        """The angles of an arm end on the far side of its shoulder."""
+        """The boundary on the far side of a shoulder, where the angle range of its arm ends."""
         for arm, shoulder in enumerate((self.shoulder1_x, self.shoulder2_x)):
             dx, dy = self._from_shoulder(arm, point)
             if at_end(dx, dy, self._middles[arm]):
@@ -85,7 +85,8 @@ class DualScara(GeometryModel):
         return point[0] - self.x_offset - shoulder, point[1] - self.y_offset
 
     def reason(self, point: Point) -> str:
-        """How far each arm reaches, or the joint at the nozzle, which must stay convex."""
+        """The reach of the arm that is too short, or the joint at the nozzle, which must stay
+        convex."""
         for arm in (0, 1):
             d = hypot(*self._from_shoulder(arm, point))
             nearest, farthest = reach(

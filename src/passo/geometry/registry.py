@@ -1,4 +1,5 @@
-"""Every geometry, by the `kind` in a machine file. A new one is one file and one entry here."""
+"""Every geometry, by the `kind` in a machine file. A new geometry is one file and one entry
+here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rotational delta: three arms turn on the base, rods hang the effector from their elbows."""
+"""Rotational delta: three arms turn on the base, and rods connect their elbows to the effector."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class RotaryDelta(GeometryModel):
         }
 
     def reason(self, point: Point) -> str:
-        """The arm, of those at 0, +120 and -120 degrees about Z, that does not reach the point. Its
-        elbow is at arm length from the shoulder and at rod length from the joint."""
+        """The arm (at 0, +120 or -120 degrees about Z) that does not reach the point: no elbow
+        position is at arm length from the shoulder and at rod length from the joint."""
         for name, turn in zip("ABC", (0.0, radians(120), radians(-120)), strict=True):
             px, py, pz = point
             x = px * cos(turn) + py * sin(turn)

@@ -1,4 +1,5 @@
-"""SCARA: an upper arm about the shoulder, a forearm at its end, and an independent Z."""
+"""SCARA: an upper arm turns about the shoulder, a forearm turns at its end, and Z is
+independent."""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ class Scara(GeometryModel):
     """X of the shoulder, in mm."""
     y_offset: Offset = 0.0
     """Y of the shoulder, in mm."""
-    # Each arm's direction to the nozzle, degrees, in the middle of the range of its angles.
+    # For each arm, its direction to the nozzle in the middle of its angle range, degrees.
     _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
 
     def spec(self) -> dict[str, Any]:
@@ -43,8 +44,8 @@ class Scara(GeometryModel):
         return self.model_dump() | {"middles": list(self._middles)}
 
     def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
-        """The range of angles ends opposite to the bed's middle. Of the possible turns it is the
-        one that contains the limits."""
+        """The angle range, one full turn, ends on the side opposite to the middle of the bed. Full
+        turns are added until it contains the limits."""
         towards = degrees(atan2(middle[1] - self.y_offset, middle[0] - self.x_offset))
         faced = self.model_copy()
         faced._middles = (towards, towards)
@@ -56,7 +57,7 @@ class Scara(GeometryModel):
         return faced
 
     def edge(self, point: Point) -> str:
-        """The angles end on the far side of the shoulder."""
+        """The boundary on the far side of the shoulder, where the angle range ends."""
         x, y = point[0] - self.x_offset, point[1] - self.y_offset
         behind = at_end(y, x, self._middles[0])
         return why_it_ends(self.x_offset, self.y_offset) if behind else super().edge(point)
@@ -72,7 +73,7 @@ class Scara(GeometryModel):
         }
 
     def reason(self, point: Point) -> str:
-        """How far the arms reach."""
+        """The minimum or maximum reach of the arms that the point violates."""
         d = hypot(point[0] - self.x_offset, point[1] - self.y_offset)
         nearest, farthest = reach(self.arm1, self.arm2)
         if nearest <= d <= farthest:

@@ -1,4 +1,4 @@
-"""The range of the angles of an arm that swings about a shoulder in the plane X, Y."""
+"""The angle range of an arm that turns about a shoulder in the X, Y plane."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from math import atan2, degrees, radians, tau
 
 Limits = tuple[float, float]
 
-_LEFT_MM = 0.01  # nearly stretched or folded, an arm would have to turn too fast for any move
+# excluded at both ends: an almost stretched or folded arm would have to turn too fast
+_LEFT_MM = 0.01
 _AT_END_DEG = 1e-4
 
 
 def reach(part1: float, part2: float) -> Limits:
-    """The minimum and maximum distance from its shoulder, mm, that an arm of two parts reaches."""
+    """The minimum and maximum distance, mm, that an arm of two parts reaches from its shoulder."""
     return abs(part1 - part2) + _LEFT_MM, part1 + part2 - _LEFT_MM
 
 
@@ -27,18 +28,19 @@ def direction(y: float, x: float, middle_deg: float) -> float:
 
 
 def at_end(y: float, x: float, middle_deg: float) -> bool:
-    """Whether the range of angles ends here, where an arm would jump by a full turn."""
+    """Whether the angle range ends in this direction, where the arm would jump by a full turn."""
     return abs(degrees(direction(y, x, middle_deg)) - middle_deg) > 180 - _AT_END_DEG
 
 
 def turned(angle_deg: float, limits: Limits) -> float:
-    """The correction that brings an angle within limits: 0, a full turn, or 0 if none does."""
+    """The degrees to add so that an angle is within the limits: 0 or a full turn; 0 if neither
+    helps."""
     low, high = limits
     return next((turn for turn in (0.0, 360.0, -360.0) if low <= angle_deg + turn <= high), 0.0)
 
 
 def why_it_ends(x: float, y: float) -> str:
-    """Why no line crosses the place on the far side of the shoulder at x, y, mm."""
+    """The reason why no line may cross the boundary on the far side of the shoulder at x, y, mm."""
     return (
         f"behind the shoulder at X {x:g}, Y {y:g} its arms would have to turn back by a full turn;"
         " lead the line round the shoulder's other side"

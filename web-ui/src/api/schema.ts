@@ -562,8 +562,8 @@ export interface ManualProbeStatus {
   above_mm?: number | null;
 }
 
-/** `heights[j][i]`, mm, is the bed at (xs[i], ys[j]). Both axes ascend evenly, with at least two
- * points. Raises CommandError for anything else. */
+/** `heights[j][i]`, mm, is the height of the bed at (xs[i], ys[j]). Each axis has at least two
+ * points, ascending in even steps. Raises CommandError otherwise. */
 export interface Mesh {
   xs: number[];
   ys: number[];
@@ -869,8 +869,9 @@ export interface StoredFile {
   complete: boolean;
 }
 
-/** A mesh with how it was measured. `date` as text; `bed_c`: the bed's temperature; `reference`:
- * how Z 0 was found. Empty or None where a file does not say it. */
+/** A mesh and the conditions of its measurement: `date` as text, the temperature of the bed
+ * `bed_c` in °C, and `reference`, the source of Z 0. A value that the file does not have is empty
+ * or None. */
 export interface StoredMesh {
   name: string;
   mesh: Mesh;
