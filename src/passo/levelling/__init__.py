@@ -1,1 +1,1 @@
-"""The shape of the bed and the geometry of the machine, from probed heights: arithmetic alone."""
+"""Calculations only: the shape of the bed and the geometry of the machine from probed heights."""

@@ -1,4 +1,4 @@
-"""Where a mesh is probed: its grid, the part of the bed that a job needs, and areas to avoid."""
+"""The points of a mesh: its grid, the part of the bed that a job needs, and areas to avoid."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Area = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """Places of a mesh: so many along X and Y, evenly in an area. With `radius`, mm, only those at
-    most so far from the middle of the area are probed."""
+    """The points of a mesh: `count` along X and along Y, evenly spread over an area. With
+    `radius`, mm, only points within this distance of the area's middle are probed."""
 
     area: Area
     count: tuple[int, int]
@@ -42,8 +42,8 @@ class Grid:
         return places
 
     def mesh(self, height: Callable[[float, float], float]) -> Mesh:
-        """The mesh of the heights at `probed()`, mm. In a round one, a place beyond the radius gets
-        the height of the nearest probed one of its row, else of the row next to it."""
+        """The mesh from the heights at `probed()`, mm. On a round bed, a point beyond the radius
+        gets the height of the nearest probed point in its row, else of the next row."""
         rows: list[list[float] | None] = []
         for y in self.ys:
             inside = [i for i, x in enumerate(self.xs) if self._is_probed(x, y)]
@@ -61,12 +61,13 @@ class Grid:
     def _is_probed(self, x: float, y: float) -> bool:
         x0, y0, x1, y1 = self.area
         far = hypot(x - (x0 + x1) / 2, y - (y0 + y1) / 2)
-        return self.radius is None or far <= self.radius + 0.01  # what columns are rounded by
+        # the tolerance is the rounding of the columns
+        return self.radius is None or far <= self.radius + 0.01
 
     def adapted(self, job: Area, margin_mm: float) -> Grid:
-        """The grid over what a job covers and a margin around it, as dense as this one, with at
-        least 3 points an axis (4 where the other axis has more than 6); never beyond this grid.
-        Raises CommandError if the job does not touch it."""
+        """A grid over the area of a job and a margin around it, as dense as this grid and never
+        beyond it. Each axis has at least 3 points (4 if the other axis has more than 6). Raises
+        CommandError if the job does not touch it."""
         x0, y0, x1, y1 = self.area
         box = (
             max(x0, job[0] - margin_mm),
@@ -97,13 +98,14 @@ def check_avoided(areas: Sequence[Area]) -> None:
 def places_around(
     x: float, y: float, within: Area, avoid: Sequence[Area]
 ) -> list[tuple[float, float]]:
-    """Where to probe in place of a point: itself, if no area to avoid holds it; else up to four
-    places where its row and its column leave that area, inside of `within`. The height of the point
-    is the mean of theirs. Raises CommandError if no place is left."""
+    """The places to probe instead of a point. Outside of all areas to avoid, this is the point
+    itself. Otherwise it is up to four places within `within`, where the row and the column of the
+    point leave the area; the mean of their heights is the height of the point. Raises CommandError
+    if no place is left."""
     area = next((a for a in avoid if a[0] <= x <= a[2] and a[1] <= y <= a[3]), None)
     if area is None:
         return [(x, y)]
-    # Rounded away from the area, so that a place on its rim is outside.
+    # Round away from the area, so that a place on its edge is outside.
     left, low = (floor(c * 100 - 1) / 100 for c in area[:2])
     right, high = (ceil(c * 100 + 1) / 100 for c in area[2:])
     places = [(left, y), (right, y), (x, low), (x, high)]

@@ -1,4 +1,5 @@
-"""What is added to Z: a fit, a mesh or both, which fade out above the first layers."""
+"""The correction that is added to Z: a fit, a mesh or both, which fade out above the first
+layers."""
 
 from __future__ import annotations
 
@@ -13,28 +14,29 @@ from passo.levelling.fits import Fit
 from passo.levelling.mesh import Interpolation, Mesh
 
 MAX_CELL_MM = 5.0
-"""Of the core's map for a quadric: a curvature of 4e-5/mm is then met to 0.25 µm."""
+"""The spacing of the core's map for a quadric, mm: a curvature of 4e-5/mm is then exact to 0.25
+µm."""
 REFINED = 4
-"""Intervals of the core's map for each of a bicubic mesh."""
+"""Intervals of the core's map for each interval of a bicubic mesh."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fade:
-    """The correction is whole up to `start_mm` of Z, and falls evenly to `target_mm`, which is the
-    same everywhere, at `end_mm`."""
+    """The correction applies fully up to Z `start_mm`, and changes linearly until, at Z `end_mm`,
+    it is `target_mm` everywhere."""
 
     start_mm: float
     end_mm: float
     target_mm: float = 0.0
 
     def factor(self, z: float) -> float:
-        """1 to 0."""
+        """The fraction of the correction at this Z, mm: from 1 down to 0."""
         share = (self.end_mm - z) / (self.end_mm - self.start_mm)
         return min(max(share, 0.0), 1.0)
 
 
 class HeightMapTarget(Protocol):
-    """The core's plan: `passo._core.Job` or `Motion`."""
+    """The part of the core that takes a height map: `passo._core.Job` or `Motion`."""
 
     def set_height_map(
         self,
@@ -57,34 +59,35 @@ class Correction:
     fade: Fade | None = None
 
     def plain(self, x: float, y: float) -> float:
-        """What is added to Z at the bed, mm."""
+        """The correction at the bed, without fade, mm."""
         plane = self.fit.height(x, y) if self.fit else 0.0
         return plane + (self.mesh.height(x, y, self.interpolation) if self.mesh else 0.0)
 
     def height(self, x: float, y: float, z: float = 0.0) -> float:
-        """What is added to Z, mm, where Z is that of the program."""
+        """The correction at a point, mm; `z` is the Z of the program."""
         c = self.plain(x, y)
         if self.fade is None:
             return c
         return self.fade.target_mm + self.fade.factor(z) * (c - self.fade.target_mm)
 
     def raised(self, mm: float) -> Correction:
-        """Higher everywhere by so much."""
+        """A copy that is higher by `mm` everywhere."""
         if self.mesh is not None:
             rows = tuple(tuple(round(z + mm, 9) for z in row) for row in self.mesh.heights)
             return replace(self, mesh=replace(self.mesh, heights=rows))
         return self.accumulated(Fit(mm))
 
     def accumulated(self, fit: Fit) -> Correction:
-        """With a fit that was measured while this correction was on, as APrinter's G32 adds it."""
+        """A copy with `fit` added, which was measured while this correction was on, as in
+        APrinter's G32."""
         return replace(self, fit=fit if self.fit is None else self.fit + fit)
 
     def even_map(
         self, area: Area
     ) -> tuple[tuple[float, float], tuple[float, float], list[list[float]]]:
-        """The core's map: first point, spacing and rows of heights, mm. A mesh gives its own grid,
-        refined if it is bicubic; a fit alone covers `area`. Beyond the map its edge applies, so
-        with a fit and a mesh the map covers both."""
+        """The map for the core: first point, spacing and rows of heights, mm. A mesh gives its own
+        grid, refined if it is bicubic; a fit alone covers `area`. Outside of its map the core uses
+        the height at the edge, so with a fit and a mesh the map covers both."""
         fit, mesh = self.fit, self.mesh
         quadratic = fit is not None and any(fit.coefficients[3:])
         spans = [(area[0], area[2]), (area[1], area[3])]
@@ -104,7 +107,7 @@ class Correction:
             for places, (low, high) in zip((mesh.xs, mesh.ys), spans, strict=True):
                 n = (len(places) - 1) * parts
                 step = (places[-1] - places[0]) / n
-                # Cells of the mesh's own size, as far as the fit is to reach.
+                # Add cells of the mesh's size up to the limits of the fit.
                 before = max(ceil((places[0] - low) / step - 1e-9), 0) if fit else 0
                 after = max(ceil((high - places[-1]) / step - 1e-9), 0) if fit else 0
                 firsts.append(places[0] - before * step)
@@ -119,9 +122,9 @@ class Correction:
 
 
 def apply(correction: Correction | None, area: Area, core: HeightMapTarget) -> None:
-    """Sets the core's height map; None: the bed is flat. `area`: what the nozzle can reach, mm. No
-    motor moves; Z of the plan changes. Only while nothing is queued. Raises CommandError if the
-    heights differ by more than the correction can fade."""
+    """Sets the core's height map; None means a flat bed. `area` is the area that the nozzle can
+    reach, mm. No motor moves, but the Z of the plan changes. Call it only while no move is queued.
+    Raises CommandError if the heights differ by more than the correction can fade."""
     if correction is None:
         core.set_height_map((0.0, 0.0), (1.0, 1.0), [])
         return

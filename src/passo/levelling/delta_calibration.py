@@ -1,8 +1,7 @@
-"""The geometry of a delta, from heights of a flat bed and, for its rods, measured distances.
-
-Each probed point is kept as the distances of the carriages from their endstops: these do not depend
-on the parameters that are sought. Gauss-Newton steps then make the heights of the nozzle there, by
-the parameters, those of the bed.
+"""Calibrates the geometry of a delta from heights of a flat bed and, for its rods, from measured
+distances. Each probed point is stored as the distances of the carriages from their endstops, which
+do not depend on the unknown parameters. Gauss-Newton steps change the parameters until the nozzle
+heights at these points match the bed.
 """
 
 from __future__ import annotations
@@ -18,9 +17,9 @@ from passo.geometry.delta import Delta
 from passo.levelling.least_squares import RankError, solve
 
 Factors = Literal[6, 7, 9]
-"""6: radius, angles of towers A and B (that of C would only turn the bed), three endstops. 7: also
-a common length of the rods, which heights hardly determine: 0.01 mm of noise changes it by 1.3 mm.
-9: three rods, with measured distances only."""
+"""The numbers of parameters. 6: radius, angles of towers A and B (the angle of C would only turn
+the bed), three endstops. 7: also one length for all rods, which heights hardly determine: 0.01 mm
+of noise changes it by 1.3 mm. 9: three rod lengths, only with measured distances."""
 
 _ROUNDS = 10
 _DIFFERENCE = 1e-3  # mm or degrees, for derivatives
@@ -29,7 +28,7 @@ _SETTLED = 1e-10
 
 @dataclass(frozen=True, slots=True)
 class DeltaMachine:
-    """A delta, and the position of each carriage at its endstop, mm."""
+    """A delta geometry, and the position of each carriage at its endstop, mm."""
 
     geometry: Delta
     endstops: Point
@@ -42,7 +41,8 @@ class DeltaMachine:
         return ea - a, eb - b, ec - c
 
     def nozzle(self, drops: Point) -> Point:
-        """The inverse of `drops`. Raises Unreachable."""
+        """The nozzle position, mm, for the drops of the carriages; the inverse of `drops`. Raises
+        Unreachable."""
         ea, eb, ec = self.endstops
         a, b, c = drops
         return self.geometry.forward((ea - a, eb - b, ec - c))
@@ -50,8 +50,8 @@ class DeltaMachine:
 
 @dataclass(frozen=True, slots=True)
 class Distance:
-    """Two marks of a print: the drops of the carriages there, and what was measured between them,
-    mm."""
+    """Two marks of a printed part: the drops of the carriages at each, and the measured distance
+    between them, mm."""
 
     first: Point
     second: Point
@@ -60,7 +60,7 @@ class Distance:
 
 @dataclass(frozen=True, slots=True)
 class ChangeLimits:
-    """What a calibration may change at most; beyond it, something else is wrong."""
+    """The maximum changes by a calibration; a larger change suggests a mechanical fault."""
 
     radius_mm: float = 5.0
     angle_deg: float = 3.0
@@ -70,7 +70,8 @@ class ChangeLimits:
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """Parameters before and after, with the rms of what heights (and distances) deviate, mm."""
+    """The parameters before and after, with the RMS deviation of the heights (and distances),
+    mm."""
 
     before: DeltaMachine
     after: DeltaMachine
@@ -163,7 +164,8 @@ def _gauss_newton(
 
 
 def _changed(machine: DeltaMachine, step: Sequence[float]) -> DeltaMachine:
-    """`step`: of the radius, the first two angles, the endstops, and one rod for all or three."""
+    """The machine after a step of the parameters: radius, the first two angles, the endstops, and
+    one or three rod lengths."""
     geometry = machine.geometry
     rods = [*step[6:]] if len(step) == 9 else [*step[6:7]] * 3 if len(step) == 7 else [0.0] * 3
     a, b, c = geometry.angles

@@ -1,4 +1,4 @@
-"""Planes and quadrics through probed heights, as APrinter corrects its bed."""
+"""Fits planes and quadrics to probed heights, as in APrinter's bed correction."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Point = tuple[float, float, float]
 @dataclass(frozen=True, slots=True)
 class Fit:
     """c(x, y) = c0 + cx x + cy y + cxx x² + cxy x y + cyy y², in mm; the squares are 0 in a linear
-    fit. `residual_rms`: deviation of the points from the last fit, mm."""
+    fit. `residual_rms` is the RMS deviation of the points from the last fit, mm."""
 
     c0: float = 0.0
     cx: float = 0.0
@@ -40,8 +40,8 @@ class Fit:
         return self.c0 + (self.cx + self.cxx * x + self.cxy * y) * x + (self.cy + self.cyy * y) * y
 
     def __add__(self, other: Fit) -> Fit:
-        """What was corrected before and what a new fit found above that; the residual is that of
-        the new fit."""
+        """The sum of an earlier correction and a new fit that was measured on top of it, with the
+        residual of the new fit."""
         return Fit(
             self.c0 + other.c0,
             self.cx + other.cx,
@@ -60,7 +60,7 @@ def fit(points: Sequence[Point], method: Method) -> Fit:
     for number, (_, _, z) in enumerate(points, 1):
         if not isfinite(z):
             raise CommandError.of("levelling.no-height", value=z, place=number)
-    # In coordinates from the middle of the points and of about 1: this keeps the digits.
+    # Use coordinates relative to the middle of the points, scaled to about 1, to keep precision.
     (mx, my), scale = _middle(points), _reach(points)
     rows = [_terms((x - mx) / scale, (y - my) / scale, method) for x, y, _ in points]
     a0, ax, ay, axx, axy, ayy = (*solve(rows, [z for *_, z in points]), 0.0, 0.0, 0.0)[:6]
@@ -79,8 +79,9 @@ def fit(points: Sequence[Point], method: Method) -> Fit:
 
 
 def check_points(places: Sequence[tuple[float, float]], method: Method) -> None:
-    """Raises CommandError if no heights at these places can determine the plane or quadric: too few
-    places, two that count as one, or all on a line or on one curve of second degree."""
+    """Raises CommandError if no heights at these places can determine the plane or quadric: there
+    are too few places, two places are too close, or all are on a line or on one curve of second
+    degree."""
     needed = UNKNOWNS[method]
     if len(places) < needed:
         raise CommandError.of(
@@ -122,8 +123,8 @@ def _reach(places: Sequence[tuple[float, ...]]) -> float:
 
 
 def line_through(places: Sequence[tuple[float, ...]]) -> tuple[float, float]:
-    """The direction of the line that fits X and Y of the places best, in radians from X, and what
-    they deviate from it at most, mm."""
+    """The direction of the line that fits X and Y of the places best, in radians from X, and the
+    maximum deviation of the places from it, mm."""
     mx, my = _middle(places)
     sxx = sum((p[0] - mx) ** 2 for p in places)
     syy = sum((p[1] - my) ** 2 for p in places)

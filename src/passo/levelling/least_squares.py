@@ -1,7 +1,7 @@
 """Linear least squares by Householder reflections (Golub & Van Loan, Matrix Computations, 5.2-5.4).
 
-With column pivoting the diagonal of R falls, so it gives the rank too. Problems here have at most
-some 100 rows and 9 columns: plain Python is fast enough, and needs no further package.
+With column pivoting the diagonal of R decreases, so it shows the rank too. Problems here have at
+most some 100 rows and 9 columns: plain Python is fast enough.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from math import hypot, sqrt
 
 RANK_LIMIT = 1e-4
-"""Of the diagonal of R, relative to its first number. A column below it amplifies the noise of
-probes 10 000 times or more."""
+"""The minimum of a diagonal element of R, relative to the first. A column below it would amplify
+the noise of probes at least 10 000 times."""
 
 
 class RankError(ValueError):
@@ -23,7 +23,7 @@ class RankError(ValueError):
 
 
 def solve(rows: Sequence[Sequence[float]], values: Sequence[float]) -> list[float]:
-    """The x that makes the sum of (row · x - value)² least. Columns are scaled to length 1 first.
+    """The x that minimises the sum of (row · x - value)². Columns are scaled to length 1 first.
     Raises RankError if the rows do not determine x."""
     n = len(rows[0])
     lengths = [sqrt(sum(row[k] ** 2 for row in rows)) or 1.0 for k in range(n)]
@@ -41,8 +41,8 @@ def solve(rows: Sequence[Sequence[float]], values: Sequence[float]) -> list[floa
 
 
 def _reduce(matrix: list[list[float]], right: list[float]) -> tuple[list[int], list[float]]:
-    """Makes R of the matrix, in place above its diagonal, and reflects the right side too. Returns
-    the order of the columns and the diagonal."""
+    """Computes R in place, above the diagonal of `matrix`, and reflects `right` too. Returns the
+    order of the columns and the diagonal of R."""
     n = len(matrix[0])
     order, diagonal = list(range(n)), [0.0] * n
     for k in range(min(n, len(matrix))):

@@ -1,9 +1,8 @@
-"""Meshes: heights of the bed on an even grid, and what lies between its points.
-
-Between the points a mesh is bilinear, or bicubic: the cubic of Catmull and Rom (A class of local
-interpolating splines, 1974) along X, then along Y. At the rim the point beyond continues the
-parabola of the last three, p(-1) = 3 p0 - 3 p1 + p2, so that a dome is met exactly up to its edge;
-with two points, the line. Beyond the grid the height of its edge applies.
+"""Meshes: heights of the bed on an even grid, and the interpolation between the points. It is
+bilinear or bicubic. Bicubic is the cubic of Catmull and Rom (A class of local interpolating
+splines, 1974) along X, then along Y. At the edge of the grid, the missing neighbour continues the
+parabola of the last three points, p(-1) = 3 p0 - 3 p1 + p2, so that a dome is exact up to the edge;
+with two points it continues their line. Outside of the grid, the height is that of the edge.
 """
 
 from __future__ import annotations
@@ -22,15 +21,15 @@ _EVEN_MM = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """`heights[j][i]`, mm, is the bed at (xs[i], ys[j]). Both axes ascend evenly, with at least two
-    points. Raises CommandError for anything else."""
+    """`heights[j][i]`, mm, is the height of the bed at (xs[i], ys[j]). Each axis has at least two
+    points, ascending in even steps. Raises CommandError otherwise."""
 
     xs: tuple[float, ...]
     ys: tuple[float, ...]
     heights: tuple[tuple[float, ...], ...]
 
     def __post_init__(self) -> None:
-        """Checks what the mesh is made of."""
+        """Checks the axes and the heights."""
         for axis, places in (("X", self.xs), ("Y", self.ys)):
             _check_even(axis, places)
         if len(self.heights) != len(self.ys) or any(len(r) != len(self.xs) for r in self.heights):
@@ -48,7 +47,7 @@ class Mesh:
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """Between points along X and Y, mm."""
+        """The distance between points along X and along Y, mm."""
         return (
             (self.xs[-1] - self.xs[0]) / (len(self.xs) - 1),
             (self.ys[-1] - self.ys[0]) / (len(self.ys) - 1),
@@ -56,7 +55,7 @@ class Mesh:
 
     @property
     def mean(self) -> float:
-        """Of all heights, mm."""
+        """The mean of all heights, mm."""
         return sum(map(sum, self.heights)) / (len(self.xs) * len(self.ys))
 
     @property
@@ -65,7 +64,7 @@ class Mesh:
         return min(map(min, self.heights)), max(map(max, self.heights))
 
     def height(self, x: float, y: float, interpolation: Interpolation = "bilinear") -> float:
-        """The bed at X, Y, mm."""
+        """The height of the bed at X, Y, mm."""
         (i, u), (j, v) = _cell(self.xs, x), _cell(self.ys, y)
         if interpolation == "bilinear":
             low, high = (
@@ -77,18 +76,19 @@ class Mesh:
         return _cubic(column, j - rows[0], v)
 
     def refined(self, parts: int) -> Mesh:
-        """The bicubic mesh with so many intervals in place of each."""
+        """A mesh with `parts` intervals for each interval of this one, by bicubic interpolation."""
         xs, ys = (_refine(places, parts) for places in (self.xs, self.ys))
         return Mesh(xs, ys, tuple(tuple(self.height(x, y, "bicubic") for x in xs) for y in ys))
 
     def lowered(self, mm: float) -> Mesh:
-        """All heights less by so much."""
+        """A copy with all heights lowered by `mm`."""
         return Mesh(self.xs, self.ys, tuple(tuple(z - mm for z in row) for row in self.heights))
 
     def with_zero_at(
         self, x: float, y: float, interpolation: Interpolation = "bilinear"
     ) -> tuple[Mesh, float]:
-        """The mesh whose height at a reference point is 0, and by how much it is lower, mm."""
+        """A copy that is shifted so that its height at a reference point is 0, and the amount by
+        which it was lowered, mm."""
         shift = self.height(x, y, interpolation)
         return self.lowered(shift), shift
 
@@ -110,7 +110,7 @@ def _refine(places: Sequence[float], parts: int) -> tuple[float, ...]:
 
 
 def _cell(places: Sequence[float], at: float) -> tuple[int, float]:
-    """The interval, and the fraction of it from 0 to 1."""
+    """The index of the interval, and the fraction within it from 0 to 1."""
     last = len(places) - 2
     share = (at - places[0]) / (places[-1] - places[0]) * (last + 1)
     i = min(max(floor(share), 0), last)
@@ -118,9 +118,9 @@ def _cell(places: Sequence[float], at: float) -> tuple[int, float]:
 
 
 def _cubic(p: Sequence[float], i: int, u: float) -> float:
-    """From p[i] to p[i + 1], at the fraction u."""
+    """The value between p[i] and p[i + 1] at the fraction u."""
     a, b = p[i], p[i + 1]
-    # A missing neighbour continues what the others show: a parabola, else a line.
+    # A missing neighbour continues a parabola, or a line if there are only two points.
     before = p[i - 1] if i > 0 else _beyond(p[i : i + 3])
     after = p[i + 2] if i + 2 < len(p) else _beyond(p[max(i - 1, 0) : i + 2][::-1])
     at_a, at_b = 0.5 * (b - before), 0.5 * (after - a)

@@ -1,4 +1,4 @@
-"""Meshes as named files: RepRapFirmware's height map (version 2), then one line of Passo's own.
+"""Meshes as named files: RepRapFirmware's height map (version 2), then one line for Passo.
 
     RepRapFirmware height map file v2 generated at 2026-11-25 02:00, min error -0.050, …
     axis0,axis1,min0,max0,min1,max1,radius,spacing0,spacing1,num0,num1
@@ -6,7 +6,7 @@
     0.1, 0.04, …
     ;passo {"name": "default", "bed_c": 60.0, "reference": "probe", …}
 
-Numbers have all their digits, so that a mesh is the same, bit for bit, after it is read.
+Numbers have all their digits, so that a stored mesh is read back bit for bit.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ _WHEN = re.compile(r" generated at ([^,]*)")
 
 @dataclass(frozen=True, slots=True)
 class StoredMesh:
-    """A mesh with how it was measured. `date` as text; `bed_c`: the bed's temperature; `reference`:
-    how Z 0 was found. Empty or None where a file does not say it."""
+    """A mesh and the conditions of its measurement: `date` as text, the temperature of the bed
+    `bed_c` in °C, and `reference`, the source of Z 0. A value that the file does not have is empty
+    or None."""
 
     name: str
     mesh: Mesh
@@ -42,7 +43,7 @@ class StoredMesh:
 
 
 class MeshStore:
-    """The stored meshes of one printer, by their names. This one keeps them in memory."""
+    """The stored meshes of one printer, by their names. This class keeps them in memory."""
 
     def __init__(self) -> None:
         self.all: dict[str, StoredMesh] = {}
@@ -59,20 +60,20 @@ class MeshStore:
         self.all[stored.name] = stored
 
     def remove(self, name: str) -> None:
-        """Forgets a stored mesh. Raises CommandError."""
+        """Deletes a stored mesh. Raises CommandError."""
         self.named(name)
         del self.all[name]
 
 
 def check_name(name: str) -> str:
-    """The name, which is also that of a file. Raises CommandError if it may not be."""
+    """Returns the name of a mesh. Raises CommandError if it cannot be a file name."""
     if not _NAME.fullmatch(name):
         raise CommandError.of("levelling.mesh-name", value=name)
     return name
 
 
 def summary(mesh: Mesh) -> str:
-    """RepRapFirmware's words: min error, max error, mean, deviation."""
+    """The statistics in the format of RepRapFirmware: min error, max error, mean, deviation."""
     low, high = mesh.range
     squares = [(z - mesh.mean) ** 2 for row in mesh.heights for z in row]
     deviation = (sum(squares) / len(squares)) ** 0.5
@@ -106,8 +107,8 @@ def to_csv(stored: StoredMesh) -> str:
 
 
 def from_csv(text: str, name: str) -> StoredMesh:
-    """The mesh of a file of this name, also of RepRapFirmware itself and of its older versions.
-    Raises CommandError with the line that is wrong."""
+    """Parses a mesh file, also one that RepRapFirmware or an older version of it has written.
+    `name` is the name of the mesh. Raises CommandError with the line that is wrong."""
     lines = text.splitlines()
 
     def wrong(line: int, limit: str) -> CommandError:
@@ -156,8 +157,8 @@ def from_csv(text: str, name: str) -> StoredMesh:
 
 
 def profile_data(stored: StoredMesh) -> dict[str, Any]:
-    """The mesh as Klipper's BED_MESH_PROFILE and its object bed_mesh show it: points, row by row
-    from the front, and how they are interpolated."""
+    """The mesh in the format of Klipper's profiles and its object bed_mesh: the points row by row
+    from the front, and the parameters of the interpolation."""
     mesh = stored.mesh
     bicubic = stored.interpolation == "bicubic"
     parts = 3 if bicubic else 0
@@ -179,8 +180,8 @@ def profile_data(stored: StoredMesh) -> dict[str, Any]:
 
 
 def bed_mesh_status(active: StoredMesh | None, stored: dict[str, StoredMesh]) -> dict[str, Any]:
-    """Klipper's object bed_mesh: the mesh in use, measured and as it is corrected, and all that are
-    stored."""
+    """Klipper's object bed_mesh: the measured points of the active mesh, its interpolated points,
+    and all stored meshes."""
     profiles = {name: profile_data(mesh) for name, mesh in stored.items()}
     if active is None:
         return {
@@ -205,5 +206,5 @@ def bed_mesh_status(active: StoredMesh | None, stored: dict[str, StoredMesh]) ->
 
 @lru_cache(maxsize=8)
 def _fine(mesh: Mesh) -> Mesh:
-    """Clients ask for it several times a second."""
+    """Cached, because clients ask for it several times a second."""
     return mesh.refined(4)

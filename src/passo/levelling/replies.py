@@ -1,7 +1,7 @@
 """Replies with heights of the bed, in the forms that hosts and screens parse.
 
 OctoPrint's Bed Visualizer takes each line of numbers with a decimal point as a row, in the order
-printed, front row first, until a line with "ok". Screens of BIGTREETECH know a table by its
+printed, front row first, until a line with "ok". Screens of BIGTREETECH recognise a table by its
 heading, and skip a fixed number of lines and columns. So each table has a number in each cell, and
 no other line between its heading and its end.
 """
@@ -22,12 +22,12 @@ def bilinear_grid(mesh: Mesh) -> list[str]:
 
 
 def subdivided_grid(mesh: Mesh) -> list[str]:
-    """Marlin's table of a bicubic mesh, as it is corrected."""
+    """Marlin's table of a bicubic mesh, with the interpolated points."""
     return ["Subdivided with CATMULL ROM Leveling Grid:", *_numbered(mesh.refined(4).heights, 5)]
 
 
 def mesh_data(mesh: Mesh, offset_mm: float = 0.0) -> list[str]:
-    """Marlin's table of a mesh that is measured by hand."""
+    """Marlin's table of a manually measured mesh."""
     nx, ny = len(mesh.xs), len(mesh.ys)
     return [
         "Mesh Bed Level data:",
@@ -44,7 +44,8 @@ def topography_csv(mesh: Mesh) -> list[str]:
 
 
 def correction_matrix(fit: Fit) -> list[str]:
-    """Marlin's rotation by the tilt of a plane; the other coefficients are not in it."""
+    """Marlin's rotation matrix for the tilt of the fit. Quadratic coefficients are not part of
+    it."""
     a, b = fit.cx, fit.cy
     x = [c / hypot(1, a) for c in (1, 0, a)]
     y = [c / hypot(1, b) for c in (0, 1, b)]
@@ -70,7 +71,8 @@ def probe_height(number: int, height_mm: float) -> str:
 
 
 def corrections(fit: Fit, *, relative: bool) -> str:
-    """APrinter's line of coefficients: of the last G32, or of all (M937)."""
+    """APrinter's line of coefficients: of the last G32 (`relative`), or of the whole correction
+    (M937)."""
     head = "RelativeCorrections" if relative else "EffectiveCorrections"
     names = ("Z", "X", "Y", "XX", "XY", "YY")
     pairs = zip(names, fit.coefficients, strict=True)
@@ -78,14 +80,14 @@ def corrections(fit: Fit, *, relative: bool) -> str:
 
 
 def set_points(mesh: Mesh) -> list[str]:
-    """Commands that set the mesh again, for M503."""
+    """Commands that restore the mesh, for M503."""
     return [
         f"G29 W I{i} J{j} Z{z:.5f}" for j, row in enumerate(mesh.heights) for i, z in enumerate(row)
     ]
 
 
 def _numbered(rows: Sequence[Sequence[float]], digits: int) -> list[str]:
-    """A line of column numbers, then each row with its own number; a sign before each height."""
+    """A line of column numbers, then each row with its own number; each height has a sign."""
     head = "".join(f"{i:{digits + 4}d}" for i in range(len(rows[0])))
     return [
         head,

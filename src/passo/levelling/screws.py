@@ -1,4 +1,5 @@
-"""Bed screws: what to turn, in turns of a clock: 00:15 is a quarter of a turn."""
+"""Bed screws: how far to turn each one, as hours and minutes of a clock: 00:15 is a quarter of a
+turn."""
 
 from __future__ import annotations
 
@@ -9,13 +10,14 @@ from passo.config.calibration import Thread
 
 PITCH_MM = {"M3": 0.5, "M4": 0.7, "M5": 0.8, "M6": 1.0}
 EXACT_MM = 0.001
-"""A screw that is off by less stays as it is."""
+"""A screw with a smaller error, in mm, needs no turn."""
 
 
 @dataclass(frozen=True, slots=True)
 class Screw:
-    """What one screw needs. `mm`: how much higher the first screw is than this one; `clockwise`:
-    to bring the bed to the height of the first screw."""
+    """The adjustment of one screw. `mm` is the height of the bed at the first screw minus the
+    height at this one. `clockwise` is the direction that brings the bed to the height of the first
+    screw."""
 
     name: str
     mm: float
@@ -25,13 +27,13 @@ class Screw:
 
     @property
     def adjust(self) -> str:
-        """As Klipper has it: CW 00:15."""
+        """The adjustment in Klipper's format: CW 00:15."""
         return f"{'CW' if self.clockwise else 'CCW'} {self.turns:02d}:{self.minutes:02d}"
 
 
 def adjustments(heights: Sequence[tuple[str, float]], thread: Thread) -> list[Screw]:
-    """Name and height of the bed at each screw, mm; the first is the one that stays. `cw` threads
-    lift the bed where they are turned clockwise."""
+    """Computes the adjustments from the name of each screw and the height of the bed there, mm. The
+    first screw stays. A thread `cw…` lifts the bed when it is turned clockwise."""
     size, direction = thread.split()
     base = heights[0][1]
     found: list[Screw] = []

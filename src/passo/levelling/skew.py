@@ -8,9 +8,9 @@ from passo.errors import CommandError
 
 
 def skew_factor(ac: float, bd: float, ad: float) -> float:
-    """The tangent of what the angle between two axes differs from a right one, from the diagonals
-    AC and BD of a parallelogram and its side AD, mm. Raises CommandError if no parallelogram has
-    these lengths."""
+    """The tangent of the angle by which two axes deviate from a right angle. It follows from the
+    diagonals AC and BD and the side AD of a printed parallelogram, mm. Raises CommandError if no
+    parallelogram has these lengths."""
     square = 2 * ac**2 + 2 * bd**2 - 4 * ad**2
     side = sqrt(square) / 2 if square > 0 and ad > 0 else 0.0
     cosine = (ac**2 - side**2 - ad**2) / (2 * side * ad) if side else 2.0
@@ -20,5 +20,5 @@ def skew_factor(ac: float, bd: float, ad: float) -> float:
 
 
 def skew_degrees(factor: float) -> float:
-    """What the angle between the axes differs from a right one."""
+    """The angle, in degrees, by which the axes deviate from a right angle."""
     return degrees(atan(factor))

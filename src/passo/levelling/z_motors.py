@@ -1,4 +1,4 @@
-"""What each Z motor must be moved by, so that a tilted gantry or bed gets level."""
+"""The move of each Z motor that levels a tilted gantry or bed."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from passo.levelling.fits import MIN_DISTANCE_MM, Point, fit, line_through
 
 
 def tilt_adjustments(pivots: Sequence[tuple[float, float]], points: Sequence[Point]) -> list[float]:
-    """The height of the measured plane at each motor's pivot, mm. The motor lifts its side of the
-    gantry by this, against the motor with the lowest number. Points on a line, as two are, leave
-    the tilt across it as it is. Raises CommandError with less than two places."""
+    """The height of the measured plane at each motor's pivot, mm. Each motor lifts its side of the
+    gantry by this height, relative to the motor with the smallest height. If all points are on a
+    line, as two points always are, the tilt across the line stays as it is. Raises CommandError for
+    fewer than two places."""
     if len(points) < 2:
         raise CommandError.of("levelling.few-points", value=len(points), limit=2, method="tilt")
     angle, width = line_through(points)
@@ -38,12 +39,12 @@ def tilt_adjustments(pivots: Sequence[tuple[float, float]], points: Sequence[Poi
 def gantry_adjustments(
     points: Sequence[Point], corners: tuple[tuple[float, float], tuple[float, float]]
 ) -> list[float]:
-    """Of a gantry on four belts: what each motor must lift its corner by, mm, so that all corners
-    get the same height above the bed.
+    """The lift of each motor of a gantry on four belts, mm, after which all corners have the same
+    height above the bed.
 
-    Points and motors: front left, back left, back right, front right. A point's third number is the
-    height of the nozzle at the trigger less that of the bed. `corners`: X, Y of the first and the
-    third corner of the gantry, where its belts are."""
+    Points and motors: front left, back left, back right, front right. The third number of a point
+    is the nozzle height at the trigger minus the height of the bed. `corners`: X, Y of the first
+    and the third corner of the gantry, where its belts are."""
     front_left, back_left, back_right, front_right = points
     (x0, y0), (x1, y1) = corners
 
@@ -59,9 +60,9 @@ def gantry_adjustments(
 
 
 def lifts(adjustments: Mapping[str, float], max_adjust_mm: float) -> dict[str, float]:
-    """What each motor moves up, mm: nothing for one of them, and no motor down, so that none gets
-    against its limit. Raises CommandError if one would move by more than the limit against
-    another, which the mechanics may not allow."""
+    """The upward move of each motor, mm. The smallest is 0, so that no motor moves down against its
+    limit. Raises CommandError if a motor would move by more than `max_adjust_mm` relative to
+    another, which may damage the mechanics."""
     lowest = min(adjustments.values())
     found = {name: mm - lowest for name, mm in adjustments.items()}
     motor = max(found, key=lambda name: found[name])
@@ -73,8 +74,8 @@ def lifts(adjustments: Mapping[str, float], max_adjust_mm: float) -> dict[str, f
 
 
 def check_progress(spreads: Sequence[float], motors: Sequence[str]) -> None:
-    """Raises CommandError if the last of the spreads of the points, one a round, mm, is greater
-    than the one before it: then motors and pivots probably are in another order."""
+    """Raises CommandError if the spread of the points, mm, is larger in the last round than in the
+    round before. Probably the motors and the pivots are not in the same order."""
     if len(spreads) > 1 and spreads[-1] > spreads[-2]:
         raise CommandError.of(
             "levelling.motor-order",
