@@ -1,4 +1,4 @@
-"""Calibration of a thermistor's β against true temperatures: the rule of averages, and a fit."""
+"""Calibrates the β of a thermistor against true temperatures: by averages, and by least squares."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from passo.levelling.least_squares import RankError, solve
 
 MIN_BETA_K, MAX_BETA_K = 1000.0, 10_000.0
 MAX_C_PER_K = 1e-5
-FAR = 1 / 3  # of the reading: no real β is further off
-_MIN_POINTS = 4  # of the three coefficients, so that a residual is left
+FAR = 1 / 3  # fraction of the reading: no real β has a larger error
+_MIN_POINTS = 4  # for three coefficients, so that a residual is left
 _INVERSE_GOLDEN = (sqrt(5) - 1) / 2
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A temperature that was shown, and the true one that a thermometer measured, °C."""
+    """A reading of the thermistor, and the true temperature by a thermometer, °C."""
 
     shown_c: float
     true_c: float
@@ -26,8 +26,8 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """A new β, with the resistance at 25 °C and C of the equation, and what they would have shown
-    at each point beyond the true temperature, °C."""
+    """A new β, with the resistance at 25 °C and the coefficient C of the equation, and the error
+    that they would have had at each point, °C."""
 
     beta_k: float
     residuals_c: tuple[float, ...]
@@ -41,9 +41,8 @@ class Calibration:
 
 
 def by_averages(ntc: Ntc, points: Sequence[Point]) -> Calibration:
-    """The common rule: β · mean of the shown / mean of the true temperatures.
-
-    It overcorrects: it scales in °C, where the thermistor's equation is linear in 1/T.
+    """The common rule: β · mean of the readings / mean of the true temperatures. It overcorrects,
+    because it scales °C, but the equation of a thermistor is linear in 1/T.
     """
     ratio = sum(p.shown_c for p in points) / sum(p.true_c for p in points)
     return _with_beta(ntc, points, ntc.beta_k * ratio)
@@ -69,14 +68,14 @@ def by_least_squares(ntc: Ntc, points: Sequence[Point]) -> Calibration:
 def by_steinhart_hart(ntc: Ntc, points: Sequence[Point]) -> Calibration | None:
     """All three coefficients of 1/T = A + B·ln R + C·(ln R)³ by least squares in kelvin (J. S.
     Steinhart, S. R. Hart, 1968); None with fewer than four points, with points too close to each
-    other, or where the result is not that of an NTC resistor. It holds between the points, and less
+    other, or if the result is not an NTC resistor. It is accurate between the points, and less so
     beyond them."""
     if len(points) < _MIN_POINTS:
         return None
     rows: list[tuple[float, float, float]] = []
     for point in points:
         x, kelvin = log(ntc.ohm(point.shown_c)), point.true_c + ZERO_C
-        # An error of 1/T counts as one of T: dT = -T² · d(1/T).
+        # Weights that turn an error of 1/T into one of T: dT = -T² · d(1/T).
         rows.append((kelvin**2, kelvin**2 * x, kelvin**2 * x**3))
     try:
         a, b, c = solve(rows, [point.true_c + ZERO_C for point in points])
@@ -102,6 +101,6 @@ def _with_beta(ntc: Ntc, points: Sequence[Point], beta_k: float) -> Calibration:
 
 
 def _residuals(ntc: Ntc, new: Ntc, points: Sequence[Point]) -> tuple[float, ...]:
-    """What `new` would show beyond the true temperatures, °C, where `ntc` showed the points."""
+    """The errors, °C, that `new` would have at the points, which were read with `ntc`."""
     shown = (new.celsius(ntc.ohm(p.shown_c)) for p in points)
     return tuple(s - p.true_c for s, p in zip(shown, points, strict=True))

@@ -1,4 +1,4 @@
-"""Makes the controller, the protections and the model of the core from a machine file's heater."""
+"""Converts a heater of the machine file to the core's controller, protections and model."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SLOW_WATCH_S = 90.0  # a bed near its maximum temperature gains 2 °C in a minu
 
 
 def model_of(heater: Heater) -> _core.HeatModel:
-    """The model that a tune has found; before a tune, the simulated heater's."""
+    """The thermal model that a tune has found, or, before a tune, that of the simulated heater."""
     if (m := heater.model) is not None:
         return _core.HeatModel(m.rise_c, m.time_constant_s, m.sensor_lag_s, m.fan_loss, m.ambient_c)
     s = heater.simulated
@@ -50,16 +50,16 @@ def pid_gains(model: _core.HeatModel) -> tuple[float, float, float]:
 
 
 def arrival_of(heater: Heater) -> _core.Arrival:
-    """The condition for having reached its target."""
+    """The condition under which a heater has reached its target."""
     a, swings = heater.arrival, isinstance(heater.control, BangBangControl)
     usual_s = 0.0 if swings else _SETTLES_S
     return _core.Arrival(a.window_c, a.leaves_c, usual_s if a.seconds is None else a.seconds)
 
 
 def limits_of(heater: Heater) -> _core.ProtectionLimits:
-    """The heater's protections. If the file does not describe how the heater heats, the model
-    deviation is watched only if the file asks for it: the usual figures would be wrong for a heater
-    of another power."""
+    """The heater's protections. Without a thermal model in the file, the model deviation is
+    monitored only if the file asks for it: the default figures would be wrong for a heater of
+    another power."""
     p = heater.protection
     judged = heater.known_model or "deviation" in p.model_fields_set
     usual_s = _HOTEND_WATCH_S if heater.kind == "hotend" else _SLOW_WATCH_S

@@ -11,21 +11,20 @@ MIN_CYCLES, MAX_CYCLES = 3, 20
 HEADROOM_C = 15.0  # minimum distance of a target from the heater's limit
 
 _OVERSHOOT_C = 20.0
-_TIMEOUT_S = 1200.0  # for the sum of the times since the last two switchings
+_TIMEOUT_S = 1200.0  # limit for the sum of the times since the last two switchings
 _FIRST_USED = 2  # cycles before it are not yet balanced
 
 
 class TuneError(ValueError):
-    """A tune that cannot begin; the text is the reply."""
+    """A tune that cannot start; the text is the reply."""
 
 
 class RelayTune:
-    """Takes the samples of a heater that is controlled by `control` and has the target.
-
-    The heater swings around `target_c`; each cycle gives gains by rule number `rule`. When `done`,
-    either `result` has the gains of the last cycle, or `failed` says why there are none; then
-    switch the heater off, or give it a control with these gains. `label` names it in the lines, as
-    in `Hotend:0`, `BED`, `CHAMBER`.
+    """Relay autotune of one heater. The caller gives the heater `control` and the target, and
+    passes its samples to `feed`. The temperature oscillates around `target_c`; each cycle gives
+    gains by the rule of this number. When `done`, `result` has the gains of the last cycle, or
+    `failed` has the reason; then switch the heater off, or give it a controller with these gains.
+    `label` names it in the lines, as in `Hotend:0`, `BED`, `CHAMBER`.
     """
 
     control = _core.RelayControl(half_cycle_s=5.0)
@@ -97,7 +96,7 @@ class RelayTune:
         return []
 
     def _cycle(self, sample: _core.HeatSample, now_s: float) -> list[str]:
-        """The power rises again: a cycle is over."""
+        """Evaluates a cycle, which ends when the power rises again."""
         lines: list[str] = []
         if self._count > 0:
             bias, swing = (
@@ -117,7 +116,8 @@ class RelayTune:
         return lines
 
     def _reckon(self, tu_s: float) -> list[str]:
-        """Ku = 4 d / (π a), where the relay switches by ±d and the temperature swings by ±a."""
+        """Ku = 4 d / (π a), for a relay of amplitude d and a temperature oscillation of amplitude
+        a."""
         ku = 4 * FULL_POWER * self._swing / (pi * (self._most_c - self._least_c) / 2)
         rule = RULES[self.rule]
         self._gains = rule.gains(ku, tu_s)

@@ -1,10 +1,10 @@
-"""Rules that derive PID gains from an oscillation."""
+"""Tuning rules: PID gains from an oscillation."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-FULL_POWER = 255.0  # in the unit of gains, which is that of Klipper's and Marlin's
+FULL_POWER = 255.0  # in the unit of gains, as in Klipper and Marlin
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,11 +6,12 @@ from math import exp, log
 
 Rows = list[tuple[float, float]]
 
-_NUDGE = 1e-5  # of a logarithm, for a derivative
+_NUDGE = 1e-5  # step of a logarithm, for a numerical derivative
 
 
 def step_response(t_s: float, rise_c: float, time_constant_s: float, lag_s: float) -> float:
-    """Rise at a time after a step of power: two first-order lags in series, of different length."""
+    """The temperature rise at a time after a power step: two first-order lags in series with
+    different time constants."""
     slow = time_constant_s * exp(-t_s / time_constant_s)
     fast = lag_s * exp(-t_s / lag_s)
     return rise_c * (1 - (slow - fast) / (time_constant_s - lag_s))

@@ -1,4 +1,5 @@
-"""Step-response tune: the model of a heater, from full power, then from holding a temperature."""
+"""Step-response tune: finds the thermal model of a heater from full power, then from a constant
+temperature."""
 
 from __future__ import annotations
 
@@ -10,18 +11,18 @@ _MIN_RISE_C = 20.0
 _COLD_C = 45.0  # a heater that starts hotter is not at ambient temperature
 _MIN_SAMPLES = 20
 _TIMEOUT_S = 3600.0
-_LAGS_BEFORE = 6.0  # of settling, in lags of the sensor, before the power is averaged
+_LAGS_BEFORE = 6.0  # settling time, in lags of the sensor, before the power is averaged
 _HOLD_S = 40.0
-# Until the fan's part is known: this value is close enough for the protections with any fan.
+# The assumed effect of the fan until it is measured: close enough for the protections with any fan.
 _ANY_FAN_LOSS = 0.5
 
 
 class StepTune:
-    """Takes the samples of a heater that starts at room temperature, and has the target.
-
-    After each sample, set `control` and `fan` (the speed, 0 to 1, of the fan that cools the heater)
-    as they are then: full power up to the target; then, `with_fan`, the target is held without and
-    with the fan. When `done`, `result` has the model, or `failed` says why there is none.
+    """Step-response tune of a heater that starts at room temperature. The caller sets the target,
+    passes the samples to `feed`, and after each sample sets the heater's controller to `control`
+    and its fan to the speed `fan`, 0 to 1. The heater runs at full power up to the target; then the
+    tune holds the target without the fan and, `with_fan`, with it. When `done`, `result` has the
+    model, or `failed` has the reason.
     """
 
     def __init__(
