@@ -1,1 +1,1 @@
-"""Probes: what each kind needs in the machine file, and how it gets to the bed and back."""
+"""Probes: the keys of each kind in the machine file, and how it is deployed and stowed."""

@@ -1,4 +1,4 @@
-"""What every probe has in common, and what a kind may do with the head that carries it."""
+"""The common base of all probes, and the methods of the print head that a probe may use."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ HeightOffset = Annotated[float, Field(ge=-30, le=30)]
 
 
 class Head(Protocol):
-    """The head with its probe. Methods raise Stopped after M108 and M410, unless the probe is being
-    stowed after a failure, and MachineError."""
+    """The print head with its probe. Every method may raise MachineError. After M108 and M410 they
+    raise Stopped, unless the probe is being stowed after a failure."""
 
     def triggered(self) -> bool:
-        """Asks the board. Lets time pass."""
+        """Asks the board whether the probe is triggered. Lets time pass."""
         ...
 
     async def sleep(self, seconds: float) -> None:
         """Lets time pass."""
 
     async def pulse(self, width_us: float, seconds: float) -> None:
-        """Pulses the control pin 50 times a second, for a while."""
+        """Sends pulses of `width_us` to the control pin, 50 times a second for `seconds`."""
 
     @property
     def z_mm(self) -> float:
-        """The height of the nozzle, mm of the machine."""
+        """The Z of the nozzle in machine coordinates, mm."""
         ...
 
     async def move(
@@ -40,13 +40,14 @@ class Head(Protocol):
         y: float | None = None,
         z: float | None = None,
     ) -> None:
-        """The nozzle straight to a place, mm of the machine; axes that are not given stay."""
+        """Moves the nozzle in a straight line to machine coordinates, mm; an axis without a value
+        stays."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mechanism:
-    """What a simulated probe does with its head, as `passo._core.ProbeMechanism` has it: pulses of
-    a servo in µs, the place of a dock, and where the head leaves to without the probe, mm."""
+    """The behaviour of a simulated probe, for `passo._core.ProbeMechanism`: pulses of a servo in
+    µs, the place of a dock, and the place that the head leaves to without the probe, mm."""
 
     kind: Literal["fixed", "servo", "bltouch", "dock"] = "fixed"
     deploy_us: float = 0.0
@@ -57,9 +58,11 @@ class Mechanism:
 
 
 class Probe(Model):
-    """What every probe has. A probe that does not get to the bed by itself is fixed."""
+    """The keys that every probe has, and its deployment, which does nothing for a probe that is
+    fixed."""
 
-    travels_to_deploy: ClassVar[bool] = False  # else it is deployed over the first point
+    # if False, the probe is deployed above the first point
+    travels_to_deploy: ClassVar[bool] = False
     offset_mm: Pair = [0.0, 0.0]
     """X and Y from the nozzle to the probe."""
     start_mm: Annotated[float, Field(gt=0, le=100)] = 10.0
@@ -76,28 +79,29 @@ class Probe(Model):
 
     @property
     def mechanism(self) -> Mechanism:
-        """Its simulated counterpart."""
+        """The mechanism of the simulated probe."""
         return Mechanism()
 
     def start_pulse(self) -> tuple[float, float] | None:
-        """Width, µs, and time, s, of the pulses that stow it when the boards start."""
+        """The width, µs, and the duration, s, of the pulses that stow the probe when the boards
+        start; None if it needs none."""
         return None
 
     def width_us(self, degrees: float) -> float:
-        """The pulse of an angle of M280, as Marlin has it."""
+        """The pulse width for an angle of M280, as in Marlin."""
         return 544 + degrees * 1856 / 180
 
     async def deploy(self, head: Head) -> None:
-        """Gets it to the bed, before a run. Raises CommandError if it does not get there."""
+        """Deploys the probe before a run. Raises CommandError if that fails."""
 
     async def arm(self, head: Head) -> None:
-        """Before each descent. Raises CommandError if the probe is not ready."""
+        """Prepares the probe before each descent. Raises CommandError if the probe is not ready."""
 
     async def disarm(self, head: Head) -> None:
-        """After each descent that has measured; after a failure `stow` follows."""
+        """Called after each successful descent; after a failure, `stow` is called instead."""
 
     async def stow(self, head: Head) -> None:
-        """Takes it away from the bed, after a run. Raises CommandError if it is still there."""
+        """Stows the probe after a run. Raises CommandError if that fails."""
 
 
 class SensingProbe(Probe):
@@ -118,7 +122,7 @@ class SensingProbe(Probe):
     samples: Annotated[int, Field(ge=1, le=50)] = 1
     """The measured descents to each point."""
     result: Literal["median", "mean"] = "median"
-    """What counts of several samples."""
+    """How several samples are combined."""
     tolerance_mm: Annotated[float, Field(gt=0, le=10)] = 0.05
     """The maximum difference between the samples of one point."""
     retries: Annotated[int, Field(ge=0, le=20)] = 2
@@ -132,10 +136,10 @@ class SensingProbe(Probe):
 
 
 def not_deployed(found: str, expected: str) -> CommandError:
-    """What a probe that does not get to the bed raises."""
+    """The error of a probe that cannot be deployed."""
     return CommandError.of("probe.not-deployed", value=found, limit=expected)
 
 
 def not_stowed(found: str, expected: str) -> CommandError:
-    """What a probe that does not get away from the bed raises."""
+    """The error of a probe that cannot be stowed."""
     return CommandError.of("probe.not-stowed", value=found, limit=expected)

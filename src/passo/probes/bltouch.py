@@ -1,7 +1,6 @@
-"""BLTouch and 3DTouch: a pin that a coil puts out, commanded by the pulses of a servo.
-
-The widths are those of Antclabs' BLTouch. At a touch the pin draws back by itself, and the output
-is high for some 10 ms. In touch mode it is a level: high while the pin is in or touches.
+"""BLTouch and 3DTouch: a coil moves a pin, on command of servo pulses. The pulse widths are those
+of Antclabs' BLTouch. At a touch the pin retracts by itself, and the output is high for about 10 ms.
+In touch mode the output is a level: high while the pin is retracted or touches.
 """
 
 from __future__ import annotations
@@ -25,13 +24,14 @@ COMMANDS = {
 }
 """Pulses, µs, by the names of Klipper's BLTOUCH_DEBUG."""
 _COMMAND_S = 0.1  # five pulses
-_MOVE_S = 0.68  # of the pin, out or in
+_MOVE_S = 0.68  # of the pin, to deploy or stow
 _TRIES = 3
 
 
 class BLTouch(SensingProbe):
-    """A BLTouch or a 3DTouch. Passo verifies before a run that its pin is up, that it is felt, and
-    that it gets down, and after each descent that it is up again."""
+    """A BLTouch or a 3DTouch. Before a run, Passo verifies that the pin is stowed, that the output
+    reports it, and that the pin can be deployed; after each descent, that the pin is stowed
+    again."""
 
     kind: Literal["bltouch"]
     """BLTouch or 3DTouch."""
@@ -57,11 +57,11 @@ class BLTouch(SensingProbe):
         return Mechanism("bltouch")
 
     def start_pulse(self) -> tuple[float, float]:
-        """The pin is put up."""
+        """The pulses that stow the pin."""
         return PIN_UP, _MOVE_S
 
     async def deploy(self, head: Head) -> None:
-        """Verifies the sensor; the pin goes out before each descent."""
+        """Verifies the sensor. The pin itself is deployed before each descent."""
         if self.output:
             for width in (SET_5V if self.output == "5v" else SET_OD, STORE):
                 await head.pulse(width, _COMMAND_S)
@@ -78,7 +78,7 @@ class BLTouch(SensingProbe):
             raise not_deployed("triggered", "open in touch mode with its pin down")
 
     async def arm(self, head: Head) -> None:
-        """Puts the pin out. An alarm, which keeps the output high, is released once."""
+        """Deploys the pin. If the output stays high, which is an alarm, the alarm is reset once."""
         for left in (1, 0):
             await head.pulse(PIN_DOWN, _MOVE_S)
             if self.touch_mode:
@@ -91,12 +91,12 @@ class BLTouch(SensingProbe):
         raise not_deployed("triggered", "open with its pin down; its lamp blinks in an alarm")
 
     async def disarm(self, head: Head) -> None:
-        """Puts the pin up."""
+        """Stows the pin."""
         if not self.touch_mode:
             await head.pulse(PIN_UP, _MOVE_S)
 
     async def stow(self, head: Head) -> None:
-        """Puts the pin up, and verifies that."""
+        """Stows the pin, and verifies it."""
         await self._put_up(head)
 
     async def _put_up(self, head: Head) -> None:

@@ -1,4 +1,4 @@
-"""A probe that the head fetches from a dock, and brings back."""
+"""A probe that the head fetches from a dock and returns to it."""
 
 from __future__ import annotations
 
@@ -51,16 +51,16 @@ class DockProbe(SensingProbe):
     async def deploy(self, head: Head) -> None:
         """Fetches the probe."""
         if self.check and not head.triggered():
-            return  # the head has it already
+            return  # the probe is at the head already
         await self._into_dock(head)
         await self._travel(head, self.approach_mm, self.dock_mm_s)
         if self.check and head.triggered():
             raise not_deployed("triggered", "open once the head has fetched the probe")
 
     async def stow(self, head: Head) -> None:
-        """Brings the probe back."""
+        """Returns the probe to the dock."""
         if self.check and head.triggered():
-            return  # the head has lost it, or never had it
+            return  # the probe is not at the head
         await self._into_dock(head)
         await self._travel(head, self.leave_mm, self.dock_mm_s)
         if self.check and not head.triggered():

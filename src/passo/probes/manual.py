@@ -1,4 +1,4 @@
-"""No probe but a sheet of paper."""
+"""Manual probing with a sheet of paper."""
 
 from __future__ import annotations
 

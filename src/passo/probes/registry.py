@@ -1,4 +1,5 @@
-"""Every kind of probe, by the `kind` in a machine file. A new one is a file and an entry here."""
+"""Every kind of probe, by the `kind` in a machine file. A new kind is one file and one entry
+here."""
 
 from __future__ import annotations
 

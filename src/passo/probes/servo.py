@@ -1,4 +1,4 @@
-"""A switch on the arm of a servo."""
+"""A probe on the arm of a servo."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class ServoProbe(SensingProbe):
         )
 
     def start_pulse(self) -> tuple[float, float]:
-        """The arm is turned up."""
+        """The pulses that turn the arm up."""
         return self.width_us(self.stow_deg), self.turn_s
 
     async def deploy(self, head: Head) -> None:
