@@ -44,16 +44,17 @@ _MODULES = dict.fromkeys(_ERRORS, "errors") | {
 }
 
 
-# Where a program sets up no handler, warnings do not go to standard error.
+# If a program sets up no log handler, warnings do not appear on standard error.
 logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
-# Commands are declared beside their handlers, in layers above the one that looks them up.
+# The modules that declare commands are in layers above the registry, so they are imported by name
+# here.
 registry.load_with(lambda: import_module("passo.command_modules"))
 
 
 def __getattr__(name: str) -> Any:
-    """The library's names, loaded at first use so that the command line starts quickly."""
+    """Loads a name of the library at its first use, so that the command line starts quickly."""
     if name in _MODULES:
         return getattr(import_module(f"passo.{_MODULES[name]}"), name)
     raise AttributeError(f"module 'passo' has no attribute {name!r}")

@@ -1,4 +1,4 @@
-"""One printer with all that `passo serve` has: its files, its prints, its commands."""
+"""Assembles one printer with the parts of `passo serve`: files, prints, commands."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A printer that understands every command of a console, and the parts that a program uses."""
+    """A printer with every command of a console, and its parts for use by programs."""
 
     printer: Printer
     runner: Runner
@@ -66,11 +66,11 @@ def assembled(
     reports: str | None = None,
     skips: Skips = NOTHING,
 ) -> Assembly:
-    """A printer with all that `passo serve` has, except the consoles. `reports` is the beginning of
-    the paths of halt reports; without it they are written to `state`. `skips` are commands that its
-    prints may leave out. Call it within a running event loop. Raises MachineError, CardError if
-    `card` cannot be used, and InputError if another process uses `state`; the board is released
-    then."""
+    """Assembles a printer with all parts of `passo serve` except the consoles. `reports` is the
+    prefix of the paths of halt reports; without it they are written to `state`. `skips` are
+    commands that its prints may skip. Call it within a running event loop. Raises MachineError,
+    CardError if `card` cannot be used, and InputError if another process uses `state`; after an
+    error the board is released."""
     printer = Printer(machine, free=free, skips=skips)
     listen = printer.state.unheard.append
     printer.state.listeners.append(listen)
@@ -157,7 +157,7 @@ def _keep_variables(printer: Printer, folder: Path | None) -> None:
 
 
 def _keep_meshes(printer: Printer, folder: Path | None, objects: PrintObjects) -> None:
-    """Gives the printer the stored meshes, and what of the bed the print covers."""
+    """Gives the printer the stored meshes, and the area of the bed that the print covers."""
     printer.levelling.job_area = lambda: covered(objects.all)
     if folder is None:
         return
@@ -167,7 +167,7 @@ def _keep_meshes(printer: Printer, folder: Path | None, objects: PrintObjects) -
 
 
 def _start_by_itself(printer: Printer, library: Library, keeper: JournalKeeper | None) -> None:
-    """Starts `auto0.g`, unless the printer is halted or a print was interrupted."""
+    """Starts the print of `auto0.g`, unless the printer is halted or a print was interrupted."""
     offered = keeper is not None and keeper.offer()
     if not offered and printer.state.start_failure is None:
         library.autostart()

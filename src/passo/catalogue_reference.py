@@ -24,9 +24,9 @@ _STATUS = {
     ExitStatus.BAD_INPUT: "the G-code or another input is wrong",
     ExitStatus.MACHINE_FAULT: "the machine or its board failed",
 }
-# The values in a sentence, by their names.
+# The placeholders of a sentence, and their names on the page.
 _VALUES = {"axis": "name", "key": "key", "value": "value", "limit": "limit", "held": "time"}
-# A sentence that begins like this continues the name of a file.
+# A sentence with this beginning continues the name of a file.
 _OF_A_FILE = ("begins", "can", "cannot", "exists", "has", "holds", "is", "needs", "was", "would")
 _PLACE = re.compile(r"\{(\w+)[^{}]*(?:\{\w+\}[^{}]*)*\}")
 

@@ -1,8 +1,9 @@
-"""Time for everything that waits. Host time is the event loop's own: `loop.time()`, in seconds.
+"""Time for everything that waits. Host time is the time of the event loop: `loop.time()`, in
+seconds.
 
 There are three loops: real; scaled (a multiple of real time); and virtual, which jumps to the next
 deadline whenever all tasks wait, so that hours pass in moments and each run is the same. Code that
-waits uses asyncio's own timers and never depends on which loop it runs on.
+waits uses the timers of asyncio and does not depend on the kind of loop.
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ _T = TypeVar("_T")
 
 
 class _Scaled(selectors.DefaultSelector):
-    """Waits a fraction of the given time."""
+    """A selector that waits a fraction of the given time."""
 
     def __init__(self, scale: float) -> None:
         super().__init__()
         self._scale = scale
 
     def select(self, timeout: float | None = None) -> Any:
-        """The events that become ready within `timeout` seconds of the loop; None: without
-        limit."""
+        """Waits for events, at most `timeout` seconds of the loop (None: without limit), and
+        returns those that are ready."""
         return super().select(timeout if timeout is None else timeout / self._scale)
 
 
@@ -48,7 +49,7 @@ class ScaledLoop(asyncio.SelectorEventLoop):
 
 
 class _Jumping(selectors.DefaultSelector):
-    """Never waits: if nothing is ready, time jumps ahead."""
+    """A selector that never waits: if no event is ready, time jumps forward."""
 
     def __init__(self, pass_time: Callable[[float], None]) -> None:
         super().__init__()
@@ -87,7 +88,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self.set_default_executor(_AtOnce())
 
     def pass_time(self, seconds: float) -> None:
-        """So much time passes at once, in which no task runs, as while the program computes."""
+        """Advances the time by `seconds` without running a task, as if the program computed for so
+        long."""
         self._virtual_s += seconds
 
     def time(self) -> float:

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from passo.catalogue import CATALOGUE, Entry, ExitStatus
 
-_LOGGED = ("axis", "value", "limit")  # of a problem's values
+_LOGGED = ("axis", "value", "limit")  # values of a problem that are logged
 _LONGEST_VALUE = 500  # characters; users write lines of any length
 _STEERS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # C0 and C1 (ECMA-48), but tab and line feed
 
@@ -20,8 +20,8 @@ def _escaped(character: re.Match[str]) -> str:
 
 
 class _Sentence(Formatter):
-    """Puts values into a sentence: only the beginning of long ones, and without terminal control
-    characters (a compiler may print several lines)."""
+    """Formats a sentence with values. Long values are cut, and control characters of terminals are
+    removed; line ends stay, because a compiler may print several lines."""
 
     def format_field(self, value: object, format_spec: str) -> str:
         """The value as text, at most `_LONGEST_VALUE` characters and an ellipsis."""
@@ -87,9 +87,8 @@ class Problem:
 
 
 class PassoError(Exception):
-    """Raised for what the user must fix; carries every problem that was found, not only the first.
-
-    `status` is what the command line returns.
+    """The base of errors that the user must fix. It has every problem that was found, not only the
+    first. `status` is the exit status of the command line.
     """
 
     def __init__(self, problems: Sequence[Problem]) -> None:
@@ -101,7 +100,7 @@ class PassoError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickles the problems."""
-        # The text alone is not enough: an error passes to another process with its problems.
+        # The default pickles only the text, but another process needs the problems too.
         return _restored, (type(self), self.problems), self.__dict__
 
     @classmethod
@@ -115,12 +114,12 @@ class PassoError(Exception):
         hint: str = "",
         **values: object,
     ) -> Self:
-        """The error of one problem: a code of the catalogue, its place, its values."""
+        """An error with one problem: a code of the catalogue, its place in a file, its values."""
         return cls([Problem(code, file, line, values, hint)])
 
 
 def _restored(cls: type[PassoError], problems: Sequence[Problem]) -> PassoError:
-    """An error as it was before it was pickled, whatever arguments its class has."""
+    """Rebuilds a pickled error, whatever arguments its constructor has."""
     error = cls.__new__(cls)
     PassoError.__init__(error, problems)
     return error
@@ -135,11 +134,11 @@ class InputError(PassoError):
 
 
 class CommandError(PassoError):
-    """A command could not be carried out; the printer itself is well."""
+    """A command could not be executed; the printer itself has no fault."""
 
     @classmethod
     def bad_value(cls, word: str, value: float, limit: str) -> Self:
-        """A word of the command has a value that is not within its limit."""
+        """The error for a word of a command whose value is outside its limit."""
         return cls.of("command.value", axis=word, value=f"{value:g}", limit=limit)
 
 
@@ -164,8 +163,8 @@ class WebError(PassoError):
 
 
 def in_words(error: BaseException) -> PassoError:
-    """A PassoError unchanged; any other error as a fault of the program, with the error as its
-    cause."""
+    """Returns a PassoError unchanged, and any other error as the cause of a PassoError that reports
+    a fault of the program."""
     if isinstance(error, PassoError):
         return error
     fault = MachineError.of("machine.program", value=f"{type(error).__name__}: {error}")

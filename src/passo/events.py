@@ -1,4 +1,4 @@
-"""What a live printer reports by itself: each event is a value of one of these types."""
+"""The events that a live printer reports; each event is a value of one of these types."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ class StateChanged:
 
 @dataclass(frozen=True, slots=True)
 class TemperatureChanged:
-    """A heater's target has changed, or its reading by 1 °C; None until its sensor has reported."""
+    """The target of a heater has changed, or its reading by at least 1 °C. The reading is None
+    until the sensor has reported."""
 
     heater: str
     celsius: float | None
@@ -31,7 +32,8 @@ class TemperatureChanged:
 
 @dataclass(frozen=True, slots=True)
 class LayerChanged:
-    """The moves of another layer have begun. `layers` is None until the file was planned."""
+    """The moves of another layer have begun. `layers`, the number of layers, is None until the
+    whole file is planned."""
 
     file: str
     layer: int
@@ -66,7 +68,7 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A line that goes to all consoles, as they receive it."""
+    """A line that all consoles receive."""
 
     text: str
 

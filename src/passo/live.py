@@ -45,12 +45,12 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 _T = TypeVar("_T")
-_MAX_EVENTS = 10_000  # that wait for a slow reader
+_MAX_EVENTS = 10_000  # maximum of events that wait for a slow reader
 
 
 @dataclass(frozen=True, slots=True)
 class PrintSummary:
-    """A print from a file that is over: print time without pauses, and the filament of all
+    """A finished print from a file: its print time without pauses, and the filament of all
     extruders together."""
 
     file: str
@@ -60,11 +60,9 @@ class PrintSummary:
 
 
 def run(main: Coroutine[Any, Any, _T], *, clock: Literal["real", "virtual"] | float = "real") -> _T:
-    """Runs a coroutine as `asyncio.run` does, in a time of its own.
-
-    `clock` is `real`; `virtual`, in which every wait is over at once and each run is the same; or a
-    factor: so many times as fast as real. All printers that `main` opens share that time. Boards
-    that are not simulated need `real`.
+    """Runs a coroutine like `asyncio.run`, with its own clock. `clock` is `real`, `virtual` (every
+    wait ends at once, and each run is the same), or a factor of the speed of real time. All
+    printers that `main` opens share that time. Boards that are not simulated need `real`.
     """
     scale = 1.0 if clock == "real" else None if clock == "virtual" else float(clock)
     with asyncio.Runner(loop_factory=lambda: new_loop(scale)) as runner:
@@ -74,8 +72,8 @@ def run(main: Coroutine[Any, Any, _T], *, clock: Literal["real", "virtual"] | fl
 class Printer:
     """A live printer, as `passo serve` runs it: open it with `async with`.
 
-    At the end of the block heaters and laser go off and the board is released. All methods belong
-    to one event loop; any number of printers may share it.
+    At the end of the block, heaters and laser are switched off, and the board is released. All
+    methods belong to one event loop; any number of printers may share it.
     """
 
     def __init__(
@@ -91,13 +89,13 @@ class Printer:
         machine_source: str = "",
         restarts: bool = False,
     ) -> None:
-        """`machine` is a machine, or the name or file of one. `fast`: print time of a simulated
-        board passes as fast as it can, but only while something waits for it. `card` is the SD card
-        (a folder, an image or a device). `state` is the folder of settings, history, the journal
-        and a report of each halt; without it `halt_reports` begins the path of the reports, if
-        given. `skip_unknown` and `skip_levelling` let prints leave out commands as `Machine.print`
-        does. `machine_source` is the file that a given machine was loaded from. With `restarts` the
-        web may end the printer to restart it, see `serve`. Raises ConfigError."""
+        """`machine` is a machine, or the name or file of one. With `fast`, the print time of a
+        simulated board passes as fast as possible, but only while a task waits for it. `card` is
+        the SD card (a folder, an image or a device). `state` is the folder of settings, history,
+        the journal and a report of each halt; without it, `halt_reports` is the prefix of the paths
+        of the reports, if given. `skip_unknown` and `skip_levelling` let prints skip commands, see
+        `Machine.print`. `machine_source` is the file that a given machine was loaded from. With
+        `restarts` the web may end the printer to restart it, see `serve`. Raises ConfigError."""
         self._source = machine_source
         if isinstance(machine, str | os.PathLike):
             self._source = os.fspath(machine)
@@ -111,7 +109,7 @@ class Printer:
         self._observed: Observer | None = None
         self._client: Client | None = None
         self._bridged: LiveBridge | None = None
-        self._places: list[str] = []  # where hosts, browsers and Moonraker connect
+        self._places: list[str] = []  # addresses for hosts, browsers and Moonraker
         self._web: WebThread | None = None
         self._opened_accounts: Accounts | None = None
         self._kept_temperatures: TemperatureHistory | None = None
@@ -168,12 +166,11 @@ class Printer:
     # -- what it does -----------------------------------------------------------------------------
 
     async def send(self, line: str) -> Reply:
-        """Carries out one line of G-code and returns its answer.
-
-        A move is answered when it is planned; `M400` waits until the machine is at standstill.
-        Raises CommandError if the line is not carried out, and ValueError for more than one line.
-        If the calling task is cancelled, a line that has not begun is not carried out, and a wait
-        ends as with M108: moves that are planned still happen.
+        """Executes one line of G-code and returns its answer. The answer to a move comes when the
+        move is planned; `M400` waits until the machine is at standstill. Raises CommandError if the
+        line is refused, and ValueError for more than one line. If the calling task is cancelled, a
+        line that has not started is dropped, and a wait ends as with M108; planned moves are still
+        executed.
         """
         self._raise_if_ended()
         if self._client is None:
@@ -181,13 +178,13 @@ class Printer:
         return await self._client.send(line)
 
     async def print(self, path: str | os.PathLike[str]) -> PrintSummary:
-        """Prints a file of this computer, and returns when the last move is done or the print was
-        cancelled. A pause is part of it.
+        """Prints a file of this computer, and returns after the last move or the cancellation of
+        the print. It keeps waiting during a pause.
 
         If the calling task is cancelled, the print is cancelled, too: the machine brakes, and
         heaters and fans go off. Raises InputError for a file that cannot be read, CommandError
-        while another one is printed, and CommandError or MachineError when the print fails; heaters
-        keep their targets then, so that `resume` can continue after the line that failed.
+        during another print, and CommandError or MachineError when the print fails. After a failed
+        line, heaters keep their targets, so that `resume` can continue after the line.
         """
         self._raise_if_ended()
         assembly, printer = self._opened, self._printer
@@ -254,12 +251,13 @@ class Printer:
     def inject_fault(
         self, part: str, value: str, *, after_s: float = 0.0, for_s: float | None = None
     ) -> None:
-        """Gives a part of the simulated printer a fault after so many seconds of print time, for so
-        many or permanently; `none` ends one (docs/how-to/simulate-faults.md). Raises CommandError
-        for a part or a fault that does not exist, and for real boards."""
+        """Gives a part of the simulated printer a fault `after_s` seconds of print time from now,
+        for `for_s` seconds or permanently; the fault `none` ends one
+        (docs/how-to/simulate-faults.md). Raises CommandError for a part or a fault that does not
+        exist, and for real boards."""
         self._printer.faults.order(FaultOrder(part, value, after_s, for_s))
 
-    # -- what it reports --------------------------------------------------------------------------
+    # -- reports --------------------------------------------------------------------------
 
     @property
     def status(self) -> Status:
@@ -273,8 +271,8 @@ class Printer:
 
     @property
     def start_messages(self) -> tuple[str, ...]:
-        """The messages from the start, until the first console has shown them, and why the printer
-        is halted, if it is."""
+        """The messages of the start that no console has shown so far, and the reason if the printer
+        is halted."""
         printer = self._printer
         halted = (f"Printer halted: {printer.state.why_halted}",) if printer.halted else ()
         return (*printer.state.unheard, *halted)
@@ -286,13 +284,13 @@ class Printer:
     def on_status(
         self, call: Callable[[Status], object], *, every_s: float = 1.0
     ) -> Callable[[], None]:
-        """Calls `call` with the status now, and then every `every_s`, of host time or of print time
-        if that runs faster; the minimum is 0.25 s. Returns a function that ends it."""
+        """Calls `call` with the status now, and then every `every_s` seconds (at least 0.25 s) of
+        host time, or of print time if that runs faster. Returns a function that ends the calls."""
         return self._observer.on_status(call, every_s)
 
     def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
         """Calls `call` with each event from now on: see `passo.events`. Returns a function that
-        ends it."""
+        ends the calls."""
         return self._observer.on_event(call)
 
     async def events(self) -> AsyncGenerator[Event]:
@@ -319,8 +317,8 @@ class Printer:
     async def open_tcp(
         self, host: str = "127.0.0.1", port: int = 0, *, clients: int = 2, advanced_ok: bool = False
     ) -> str:
-        """Opens a TCP console for so many clients at once; port 0 is any free port. Returns `tcp
-        HOST:PORT`. Raises ConsoleError."""
+        """Opens a TCP console for at most `clients` clients at once; port 0 is any free port.
+        Returns `tcp HOST:PORT`. Raises ConsoleError."""
         from passo.console.transports.streams import open_tcp
 
         opened = self._greet(advanced_ok=advanced_ok)
@@ -341,7 +339,7 @@ class Printer:
 
     async def open_stdin(self, over: Callable[[], None], *, advanced_ok: bool = False) -> str:
         """Opens standard input and output as a console; `over` is called when the input has ended
-        and its lines are done. Raises ConsoleError."""
+        and its last line is executed. Raises ConsoleError."""
         from passo.console.transports.streams import open_stdin
 
         opened = self._greet(advanced_ok=advanced_ok)
@@ -358,10 +356,10 @@ class Printer:
     ) -> str:
         """Serves the web interface, in a thread of its own; port 0 is any free port; `names` are
         the host names that clients may use for it; `log` is a log file that may be downloaded. With
-        `announce` it is made known in the local network by multicast DNS. Accounts are kept in the
-        folder `state`, else in memory (docs/explanation/security.md). Returns `http://HOST:PORT`.
-        Needs the extra `passo[web]`, and `passo[mdns]` to announce; raises InputError if nothing
-        can listen or be announced there, WebError if the accounts cannot be used, and ImportError
+        `announce`, multicast DNS announces it in the local network. Accounts are kept in the folder
+        `state`, else in memory (docs/explanation/security.md). Returns `http://HOST:PORT`. Needs
+        the extra `passo[web]`, and `passo[mdns]` to announce; raises InputError if the address
+        cannot be opened or announced, WebError if the accounts cannot be used, and ImportError
         without the extras."""
         from passo.web.access import Binding
         from passo.web.app import web_app
@@ -398,8 +396,8 @@ class Printer:
 
     @property
     def one_time_code(self) -> str:
-        """The code that creates the administrator of the web interface from another computer; empty
-        if there is one, or no web interface is open."""
+        """The code with which another computer creates the administrator of the web interface.
+        Empty if the administrator exists, or if no web interface is open."""
         return "" if self._opened_accounts is None else self._opened_accounts.code
 
     def open_klippy(self, path: str, *, log_file: str | None = None) -> str:
@@ -505,7 +503,7 @@ class Printer:
             raise MachineError.of("job.stopped", value="the printer has ended")
 
     def _ended(self, task: asyncio.Task[None]) -> None:
-        """The printer's own task is over, by its end or by a fault of the program."""
+        """Called when the task of the printer has ended, normally or by a fault of the program."""
         error: BaseException = MachineError.of("job.stopped", value="the printer has ended")
         error = error if task.cancelled() else task.exception() or error
         if self._client is not None:

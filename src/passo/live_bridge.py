@@ -49,9 +49,8 @@ TICK_S = 0.25  # between two snapshots, of host time, or of print time if that i
 
 
 class LiveBridge:
-    """The bridge of one printer. Create it in the printer's loop, and call `listen` and all later
-    methods in the web's loop. `close` is for the printer's loop. The latest snapshot includes each
-    call that has returned."""
+    """The bridge of one printer. Create and `close` it in the printer's loop; call `listen` and all
+    methods after it in the web's loop. The latest snapshot includes each call that has returned."""
 
     def __init__(
         self,
@@ -60,13 +59,13 @@ class LiveBridge:
         machine_source: str,
         places: Sequence[str] = (),
     ) -> None:
-        """`places` may grow while more are opened."""
+        """`places` are the open addresses; the list may grow later."""
         self._assembly, self._source, self._places = assembly, machine_source, places
         self._printer = assembly.printer
         self._loop = asyncio.get_running_loop()
         self._scripts = Client(self._printer)
         self._overtaking = Client(self._printer)
-        self._turn = asyncio.Lock()  # one script after the other
+        self._turn = asyncio.Lock()  # scripts run one after the other
         self._listeners: dict[asyncio.AbstractEventLoop, list[Listener]] = {}
         self._planner = ThreadPoolExecutor(1, "estimate", _be_modest)
         self._line_listeners: list[
@@ -110,14 +109,15 @@ class LiveBridge:
             self._tell(lambda listener: listener.on_snapshot(snapshot))
 
     def _called(self) -> None:
-        """A call shows in `latest`. Listeners get it with the next tick, so that many callers do
-        not cause many messages; at once only if the printer or the print has another state."""
+        """Updates `latest` after a call. Listeners receive the snapshot with the next tick, so that
+        many calls do not cause many messages, or at once if the state of the printer or of the
+        print has changed."""
         self._refresh()
         if _does(self._latest) != _does(self._told):
             self._tick()
 
     def _tell(self, tell: Callable[[Listener], None]) -> None:
-        """Crosses once to each loop, for any number of listeners."""
+        """Calls `tell` in each loop once, for any number of listeners."""
         for loop, listeners in list(self._listeners.items()):
             _call(loop, partial(_tell_each, listeners, tell))
 
@@ -163,7 +163,7 @@ class LiveBridge:
     # -- the web's loop ---------------------------------------------------------------------------
 
     async def _cross(self, coroutine: Coroutine[Any, Any, _T]) -> _T:
-        """Runs in the printer's loop, and is cancelled with the caller."""
+        """Runs a coroutine in the printer's loop, and cancels it when the caller is cancelled."""
         return await asyncio.wrap_future(asyncio.run_coroutine_threadsafe(coroutine, self._loop))
 
     async def _call(self, action: Callable[[], _T]) -> _T:
@@ -385,7 +385,7 @@ class LiveBridge:
         try:
             return await asyncio.wrap_future(work)
         finally:
-            source.close()  # which ends it, if it was cancelled
+            source.close()  # ends the estimate, if it was cancelled
 
     async def explain(self, path: str, line: int) -> Explanation:
         """As `Bridge.explain`."""
@@ -450,7 +450,7 @@ def _estimate(
 
 
 def _be_modest() -> None:
-    """Lowers the priority of this thread; on Linux a thread has a priority of its own."""
+    """Lowers the priority of this thread only; Linux allows that."""
     os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICE)
 
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class PlannedMove:
-    """A planned move and the limits that bound it. Times in s from the start of the file, lengths
-    in mm; `core` has all figures, and `steps` solves its step times."""
+    """A planned move and the limits that bound it. Times are in s from the start of the file,
+    lengths in mm. `core` has all figures, and `steps` solves the step times."""
 
     core: _core.Move
     start_s: float
@@ -76,7 +76,8 @@ class Machine:
         count, place = 0, None
         for move in moves:
             start, end = ([at[s] for s in slots] for at in (move.core.start_mm, move.core.end_mm))
-            # The first one, or homing has set axes; filament continues from its position.
+            # This is the first move, or homing has set the axes; filament continues from its
+            # position.
             if start != place and rows[i]["drive"] != "extruder":
                 solver.set_position([*start, 0.0])
                 count = solver.counts()[i]

@@ -1,4 +1,4 @@
-"""Serial devices at any rate that their driver supports."""
+"""Opens serial devices at any baud rate that their driver supports."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import tty
 # Any baud rate: termios2 of Linux (asm-generic/ioctls.h and termbits.h, as on x86 and ARM).
 _TCGETS2, _TCSETS2 = 0x802C542A, 0x402C542B
 _BOTHER, _CBAUD = 0o010000, 0o010017
-_RPMSG = "/dev/rpmsg"  # to a coprocessor (a PRU): it carries bytes, and has no terminal settings
+_RPMSG = "/dev/rpmsg"  # a channel to a coprocessor (a PRU), which has no terminal settings
 
 
 def open_serial_line(device: str, baud: int) -> int:
-    """A descriptor of the device, raw, non-blocking, for this program alone. Raises OSError."""
+    """Opens a device for this program alone, raw and non-blocking, and returns its descriptor.
+    Raises OSError."""
     line = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
     if device.startswith(_RPMSG) and not os.isatty(line):
         return line

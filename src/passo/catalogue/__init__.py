@@ -1,8 +1,8 @@
 """The error catalogue: each possible error has one text, the same on every console, page and log.
 
 An entry names the part of Passo or of the printer that it concerns, the sentence (with the measured
-value and the limit in it), the next action of the user, and the exit status. A file holds the codes
-of one subject, or of a few that belong together: `heat.runaway` is in heat.py.
+value and the limit in it), the next action of the user, and the exit status. Each file contains the
+codes of one subject, or of a few related ones: `heat.runaway` is in heat.py.
 """
 
 from __future__ import annotations

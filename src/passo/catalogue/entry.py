@@ -1,4 +1,4 @@
-"""A row of the error catalogue, and the exit status that it has."""
+"""A row of the error catalogue, and its exit status."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class ExitStatus(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One row of the catalogue; `says` is a format string over a problem's values."""
+    """One row of the catalogue; `says` is a format string for the values of a problem."""
 
     part: str
     says: str
