@@ -1,4 +1,4 @@
-"""Indices in the core's lists of positions: X, Y, Z, the active extruder, four further axes."""
+"""The indices of the core's position lists: X, Y, Z, the active extruder, four further axes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The correction of the bed that is in force on one printer."""
+"""The active bed correction of one printer."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class BedCorrection:
     """The height of the bed that is added to Z. Homing and probing switch it off while they run. It
     survives a restart of the boards. No motor moves when it changes, but Z of the plan does.
 
-    `correction` is the one that was last measured, set or loaded, also while it is not `on`. Only
-    while the machine is idle.
+    `correction` is the last one that was measured, set or loaded, even while it is not `on`. Call
+    the methods only while the machine is idle.
     """
 
     def __init__(self, rig: Rig, halted: Callable[[], bool]) -> None:
@@ -28,13 +28,13 @@ class BedCorrection:
         self.on = False
 
     def begin(self) -> None:
-        """The boards have been replaced, and the plan with them."""
+        """Call this after the boards and the plan have been replaced."""
         self._suspended = False
         self._apply()
 
     def use(self, correction: Correction | None, *, on: bool) -> None:
-        """Sets the correction, and switches it on or off; without one it is off. Raises
-        CommandError for one that fades too fast; nothing changes then."""
+        """Sets the correction, and switches it on or off; None switches it off. Raises CommandError
+        for a correction that fades too fast, without any change."""
         before = self.correction, self.on
         self.correction, self.on = correction, on and correction is not None
         try:
@@ -44,19 +44,19 @@ class BedCorrection:
             raise
 
     def suspend(self) -> None:
-        """Positions are those of the machine itself until `resume`."""
+        """Switches the correction off until `resume`: positions are machine positions."""
         self._suspended = True
         self._apply()
 
     def resume(self) -> None:
-        """The correction is in force again, if it is on."""
+        """Ends `suspend`: the correction applies again if it is on."""
         self._suspended = False
         if not self._halted():
             self._apply()
 
     @contextmanager
     def suspended(self) -> Generator[None]:
-        """Within the block, positions are those of the machine without correction."""
+        """Suspends the correction within the block."""
         if self._suspended:
             yield
             return
@@ -67,7 +67,7 @@ class BedCorrection:
             self.resume()
 
     def expected(self, x: float, y: float) -> float:
-        """The height of the bed at a place, mm, if it is known; else 0."""
+        """The height of the bed at X, Y by the last measurement, mm; 0 without one."""
         return self.correction.plain(x, y) if self.correction else 0.0
 
     def _apply(self) -> None:

@@ -1,4 +1,4 @@
-"""Which endstop stops which motors, derived from the machine file."""
+"""The assignment of endstops to the motors that they stop, from the machine file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from passo.probes.base import SensingProbe
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-_NUDGE = 1e-3  # mm, to see which actuators a move turns
+_NUDGE = 1e-3  # mm: a test move that shows which actuators an axis moves
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +30,8 @@ class Switch:
 
 
 def switches(machine: MachineConfig) -> tuple[Switch, ...]:
-    """All endstops, in the order of the machine file. One for a whole axis has the axis' name, one
-    for a single motor the motor's."""
+    """All endstops, in the order of the machine file. An endstop of a whole axis has the name of
+    the axis, one of a single motor the name of the motor."""
     found: list[Switch] = []
     for name, homing in machine.homing.items():
         if homing.pin is not None:
@@ -94,8 +94,8 @@ def homed_axes(machine: MachineConfig) -> set[str]:
 
 
 def named_axes(machine: MachineConfig, letters: str) -> set[str]:
-    """The axes that G28 homes for these letters; without letters, all that home by default. Arms
-    home together."""
+    """The axes that G28 homes for these letters; without letters, all axes that are homed by
+    default. Arms home together."""
     axes, homing = axis_order(machine.axes), machine.homing
     names = {name for name in axes if name.upper() in letters}
     names = names or {name for name in axes if name not in homing or homing[name].by_default}
@@ -103,7 +103,7 @@ def named_axes(machine: MachineConfig, letters: str) -> set[str]:
 
 
 def axes_lost(machine: MachineConfig, steppers: Collection[str]) -> set[str]:
-    """The axes with an endstop whose positions are unknown once these motors are off."""
+    """The axes with an endstop that lose their positions when these motors are switched off."""
     lost = set[str]()
     for name in machine.homing:
         if set(steppers) & set(steppers_of(machine, name)):
@@ -112,7 +112,8 @@ def axes_lost(machine: MachineConfig, steppers: Collection[str]) -> set[str]:
 
 
 def named_motors(machine: MachineConfig, text: str) -> list[str]:
-    """The motors of the letters in M18 or M84: axes, actuators, E; all without letters."""
+    """The motors that M18 or M84 names by letters of axes, actuators or E; without letters, all
+    motors."""
     letters = list(takewhile(lambda letter: letter != "S", letters_of(text)))
     if not letters:
         return list(machine.steppers)
@@ -137,8 +138,8 @@ def is_actuator(machine: MachineConfig, home: str) -> bool:
 
 
 def pressed_point(machine: MachineConfig, switch: Switch) -> Point:
-    """The position of the nozzle when it triggers an axis' endstop, with all other axes at home,
-    mm."""
+    """The nozzle position, mm, at which the endstop of an axis triggers while all other axes are at
+    home."""
     x, y, z = (
         machine.homing[name].position if name == switch.home else at
         for name, at in zip("xyz", machine.home_point, strict=True)
@@ -152,8 +153,8 @@ def _moved(point: Point, k: int, by: float) -> Point:
 
 
 def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float], ...]:
-    """How the trigger position of an endstop follows its motors, one motor for each actuator: the
-    weight of each motor's position, near home."""
+    """The weights of the motor positions whose sum tells the distance to an endstop, near home; one
+    motor for each actuator."""
     if len(switch.steppers) == 1:
         return ((switch.steppers[0], 1.0),)
     geometry = machine.geometry.square

@@ -1,4 +1,5 @@
-"""Homing: axes move to their endstops, fast, then back a little, then slowly."""
+"""Homing: each axis moves fast to its endstop, retracts a little, and approaches it again
+slowly."""
 
 from __future__ import annotations
 
@@ -32,15 +33,16 @@ if TYPE_CHECKING:
     from passo.motion.rig import Rig
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
 
-_FULL_TURN = 360.0  # of an arm whose range is not given
-_OVERRUN = 1.2  # an endstop is sought this far beyond the axis' whole range
-SLOW_OVERRUN = 2.0  # and this many times the retraction in the slow approach
+_FULL_TURN = 360.0  # range of an arm without limits
+_OVERRUN = 1.2  # the search for an endstop covers this multiple of the range of the axis
+SLOW_OVERRUN = 2.0  # and the slow approach this multiple of the retraction
 
 
 @dataclass(frozen=True, slots=True)
 class _HomingAxis:
-    """One axis or arm that moves to its endstops, in its own unit: mm, or degrees of an arm. `axis`
-    is its number among the axes, or among the actuators; `sign` the direction of its end."""
+    """An axis or arm that is being homed. Lengths are in its unit: mm, or degrees of an arm. `axis`
+    is its number among the axes, or among the actuators for an arm; `sign` is the direction to the
+    endstop."""
 
     name: str
     axis: int
@@ -50,12 +52,12 @@ class _HomingAxis:
 
     @property
     def home(self) -> float:
-        """Its position at its endstops."""
+        """Its position when its endstops trigger."""
         return self.config.position
 
     @property
     def slot(self) -> int:
-        """Its number among the axes of the core."""
+        """Its index in the core's position lists."""
         return slot_of_axis(self.axis)
 
     @property
@@ -65,8 +67,8 @@ class _HomingAxis:
 
 
 class Homer:
-    """Homes the axes of one printer. Callers hold the motion lock, and the machine is idle. Methods
-    raise CommandError, and MachineError."""
+    """Homes the axes of one printer. Call it with the motion lock held and the machine idle.
+    Methods raise CommandError, and MachineError."""
 
     def __init__(
         self,
@@ -82,14 +84,14 @@ class Homer:
         self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
         self._triggered, self._correction = triggered, correction
         self._lone_motors, self._prober = motors, prober
-        self._problem_of_job = problem  # the error at which the job stopped
+        self._problem_of_job = problem  # gives the error that stopped the job
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
         self._joints = False
         self.begin()
 
     def begin(self) -> None:
-        """The boards have been replaced."""
+        """Call this after the boards have been replaced."""
         self.offset_mm: dict[str, float] = {}  # of M206, by axis, at the last homing
 
     @property
@@ -98,7 +100,7 @@ class Homer:
 
     @property
     def active(self) -> bool:
-        """Homing or probing is in progress."""
+        """Whether homing or probing is in progress."""
         return self._triggered.active
 
     @property
@@ -111,14 +113,14 @@ class Homer:
         return homed_axes(self._machine)
 
     def states(self) -> dict[str, bool]:
-        """All endstops: whether they are triggered."""
+        """Asks the boards for the state of every endstop: True if triggered."""
         return {switch.name: self._endstops.pressed(switch.name) for switch in self._switches}
 
     async def home(self, letters: str) -> None:
-        """Homes the axes of these letters, all by default. An axis without an endstop is assumed to
-        be at home already. An axis that does not find its endstop is no longer homed. With the
-        letter O, homed axes stay as they are; with B the nozzle returns to its position, if that
-        was known."""
+        """Homes the axes of these letters, or all. An axis without an endstop is assumed to be at
+        home already. An axis that does not reach its endstop counts as not homed. With the letter
+        O, axes that are homed are skipped; with B, the nozzle returns to its earlier position if
+        all axes were homed."""
         back = "B" in letters and "b" not in self._axes
         letters = letters.replace("B", "") if back else letters
         before = None if self._rig.job.locked_axes else self._rig.job.machine_position
@@ -145,8 +147,9 @@ class Homer:
             raise CommandError([self._problem_of_job()])
 
     async def swing(self, x: float, y: float) -> None:
-        """Brings the nozzle over this place, machine mm, each arm on its own path: between two
-        places that arms reach, the straight line may leave their range."""
+        """Moves the nozzle over X, Y (machine coordinates, mm) with an independent move of each
+        arm, because the straight line between two reachable places may leave the range of the
+        arms."""
         rig, job, geometry = self._rig, self._rig.job, self._machine.geometry
 
         def point(position: Sequence[float]) -> Point:
@@ -192,8 +195,8 @@ class Homer:
             await self._by_probe()
 
     async def _rise(self) -> None:
-        """Before a head with a probe moves in X and Y, it is at least as high as the start of a
-        descent; where its height is not known it rises by so much."""
+        """Raises a head with a probe to the start height of a descent, before it moves in X and Y.
+        If Z is not homed, it rises by that height."""
         start, z = self._prober.probe.start_mm, self._at(Z)
         by = start if Z in self._rig.job.locked_axes else max(0.0, start - z)
         if by > 0:
@@ -203,7 +206,7 @@ class Homer:
             self._interrupts.raise_if_interrupted()
 
     async def _by_probe(self) -> None:
-        """Z alone, over the bed."""
+        """Homes Z with the probe."""
         try:
             await self._prober.home(self.travel("z"))
         except BaseException:
@@ -213,7 +216,7 @@ class Homer:
         self._set({"z": self._at(Z) + self.offset_mm["z"]})
 
     async def _by_switches(self, names: Sequence[str], *, everything: bool) -> None:
-        """Axes and arms at the same time, as far as they do not share a motor."""
+        """Homes axes and arms by their endstops, at the same time if they do not share a motor."""
         batch: list[_HomingAxis] = []
         with self._triggered.prepared():
             for way in self._ways(names, everything=everything):
@@ -225,7 +228,7 @@ class Homer:
                 await self._together(batch)
 
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_HomingAxis]:
-        """The homing moves, arms first. Z of a delta that has an endstop of its own needs the arms
+        """The axes and arms to home, arms first. The Z of a delta with a Z endstop needs the arms
         only for its position."""
         machine, homing = self._machine, self._machine.homing
         of_arms = set(machine.axes_of_arms)
@@ -273,7 +276,7 @@ class Homer:
 
         names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
         self._joints = arms
-        moved: list[tuple[_HomingAxis, float]] = []  # error of axis positions, for the search
+        moved: list[tuple[_HomingAxis, float]] = []  # lets positions be wrong during the search
         try:
             job.use_joints(arms)
             travel = [self.travel(way.name) for way in ways]
@@ -303,8 +306,8 @@ class Homer:
         self._set({n: at + self.offset_mm[n] for n, at in found.items()})
 
     async def _level(self, way: _HomingAxis) -> float:
-        """The motors of an axis, each at its own switch, get to the place of the one that is the
-        farthest inside; how far that is from home."""
+        """Aligns the motors of an axis, each of which is at its own endstop, with the innermost
+        motor. Returns the distance of that position from home."""
         offsets_mm = way.config.offsets_mm
         if not offsets_mm:
             return 0.0
@@ -315,7 +318,7 @@ class Homer:
         return inside
 
     def _arms_at_home(self, z: float) -> list[float]:
-        """The actuators with all arms at home, and Z there if it moves independently."""
+        """The actuator positions with all arms at home; `z` is used if Z moves independently."""
         machine = self._machine
         return [
             machine.homing[n].position if n in machine.geometry.arms else z
@@ -325,8 +328,8 @@ class Homer:
     async def _seek(
         self, ways: Sequence[_HomingAxis], travel: Sequence[float], *, fast: bool
     ) -> None:
-        """Moves all axes at once, each at its own speed, until each has triggered all its
-        endstops."""
+        """Moves all axes at the same time, each at its own speed, until all their endstops are
+        triggered."""
         rig = self._rig
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
@@ -360,7 +363,7 @@ class Homer:
         rig.job.set_axes(overshoot.places())
 
     async def _go(self, by: Sequence[float], ways: Sequence[_HomingAxis]) -> None:
-        """A move of all these axes, by so much towards their endstops."""
+        """Moves these axes together, each by its distance towards its endstops."""
         rig = self._rig
         target: dict[int, float] = {}
         square = 0.0

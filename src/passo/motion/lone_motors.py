@@ -1,4 +1,4 @@
-"""Moves of one motor alone, while the other motors that drive the same axis stand."""
+"""Moves of a single motor, while the other motors of the same axis do not move."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 class LoneMotors:
-    """Moves single motors of one printer. Callers hold the motion lock, the machine is idle, and no
-    board brakes by itself (`TriggeredMoves.prepared`)."""
+    """Moves single motors of one printer. Call it with the motion lock held, the machine idle, and
+    boards that do not brake without the host (`TriggeredMoves.prepared`)."""
 
     def __init__(self, rig: Rig, interrupts: Interrupts, triggered: TriggeredMoves) -> None:
         self._rig, self._interrupts, self._triggered = rig, interrupts, triggered
@@ -25,8 +25,8 @@ class LoneMotors:
 
     async def move(self, axis: str, by_mm: Mapping[str, float], speed_mm_s: float) -> None:
         """Moves each of these motors of a linear axis by its distance, one after the other. The
-        position of the axis stays. Raises Stopped after M108 or M410, and MachineError; then the
-        motors may be anywhere on their way."""
+        position of the axis in the plan stays. Raises Stopped after M108 or M410, and MachineError;
+        after an error, a motor may have made only a part of its move."""
         rig, job = self._rig, self._rig.job
         number = axis_order(rig.machine.axes).index(axis)
         slot = slot_of_axis(number)

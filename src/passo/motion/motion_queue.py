@@ -1,4 +1,4 @@
-"""Print time, and what happens as it passes: boards get moves, plans are settled, waits end."""
+"""Advances print time: sends moves to the boards, settles plans, ends waits."""
 
 from __future__ import annotations
 
@@ -18,24 +18,25 @@ if TYPE_CHECKING:
     from passo.board.boards import Boards
 
 TICK_S = 0.01  # host time between two checks of the board in real time
-HORIZON_S = 0.16  # of print time ahead that cannot be recalled: the board has it
-COMMITS_AHEAD_S = 0.2  # the same if motion is sent in commits, less the time to notice
-_SHARE_OF_SLOTS = 4  # a commit takes at most this part of the move queue
-RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
-TAKE_BACK_S = 1.0  # if more moves came in, that stop is cancelled when it is so near
+HORIZON_S = 0.16  # of print time ahead that is on the board and cannot be recalled
+COMMITS_AHEAD_S = 0.2  # the same for motion in commits, minus the time to notice a link loss
+_SHARE_OF_SLOTS = 4  # a commit takes at most 1/4 of the move queue
+# a plan with less time left is settled for a stop, because Python may stall for 0.5 s
+RUNNING_DRY_S = 0.9
+TAKE_BACK_S = 1.0  # if more moves have arrived, that stop is cancelled at this distance
 LEAD_S = 0.2  # from a command at standstill to its first step
-SOON_S = 0.3  # for a fan, a time so near counts as now
-MIN_LEAD_S = 0.05  # less than what is left after GATHER_S
-GATHER_S = 0.08  # host time at standstill to wait for more moves to plan with
+SOON_S = 0.3  # for a fan, a time this near counts as now
+MIN_LEAD_S = 0.05  # less than LEAD_S - GATHER_S
+GATHER_S = 0.08  # host time at standstill to wait for more moves before the plan starts
 BUFFER_S = 2.0  # of print time ahead; a console that sends more must wait
 MAX_QUEUED = 2048  # moves that wait for look-ahead
 _SAME_MM = 1e-6
-_STRIDE_S = 0.25  # print time between two checks if time is free
+_STRIDE_S = 0.25  # print time between two checks in free time
 
 
 @dataclass(slots=True)
 class Alarm:
-    """A call that is due at a print time, in ticks."""
+    """An action that is due at a print time, in ticks."""
 
     clock: int
     action: Callable[[], None]
@@ -45,10 +46,10 @@ class MotionQueue:
     """Lets print time pass for the boards and the plan of one machine. One task runs `run`; other
     calls come from the same event loop.
 
-    Print time follows the clock of a live board, or the event loop if boards are simulated. If it
-    is `free`, it passes as fast as it can, but only while a command waits for it, or while moves
-    are left and no host has sent a line for a moment. It does not pass while only the user is
-    waited for.
+    Print time follows the clock of a live board, or the event loop if boards are simulated. If time
+    is `free`, it passes as fast as possible, but only while a command waits for it, or while moves
+    are left and no host has just sent a line. It does not pass while a command waits only for the
+    user.
     """
 
     def __init__(
@@ -61,12 +62,14 @@ class MotionQueue:
     ) -> None:
         self._connection, self._job, self._free = connection, job, free
         self._on_mark = on_mark
-        self.on_motion: Callable[[], None] = lambda: None  # before moves leave for the board
+        # called before moves are sent to the board
+        self.on_motion: Callable[[], None] = lambda: None
         self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
         self.horizon_s = HORIZON_S
-        self.interrupted = False  # boards have stopped by themselves, who knows where
-        self.commits = False  # boards that are left alone brake, and keep warm for a minute
+        self.interrupted = False  # boards have braked without the host, at an unknown position
+        # boards that lose the host brake, and keep their heaters on for a minute
+        self.commits = False
         if connection.survives:
             self.horizon_s = COMMITS_AHEAD_S + TICK_S
             connection.use_commits(COMMITS_AHEAD_S)
@@ -75,17 +78,17 @@ class MotionQueue:
         self._loop = asyncio.get_running_loop()
         self._start_s = self._loop.time()
         self._start_clock = connection.now
-        # Print time, ticks, until which boards and marks have been served. On a busy computer the
-        # wall clock runs ahead of it; that time is still to come.
+        # Print time, ticks, up to which boards and marks are processed. On a busy computer it lags
+        # behind the wall clock.
         self.passed = self.now
         self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None], bool]] = []
         self._alarms: list[Alarm] = []
         self._woken = asyncio.Event()
         self._first_move_s: float | None = None
-        self._stop_clock = -1.0  # end of a plan that was settled only because it ran dry
+        self._stop_clock = -1.0  # end of a plan that was settled only because no more moves came
         self._heard_s = 0.0
         self._dirty = False
-        self._awaited = False  # the board is to answer
+        self._awaited = False  # a task waits for an answer of the board
         self._closed = False
 
     @property
@@ -103,22 +106,21 @@ class MotionQueue:
 
     @property
     def standing(self) -> bool:
-        """All moves so far are done, and all targets of heaters before and after them have reached
-        their heaters. Print time that no pass has processed yet does not count: events due in it
-        have not been carried out."""
+        """Whether all moves are done, and all heater targets of the plan are set. It uses the print
+        time that is processed already, because events after it have not happened yet."""
         job = self._job
         planned = job.queued == 0 and job.clock <= self.passed and not job.holds
         planned = planned and job.next_mark is None
         if not planned or not self._connection.survives:
             return planned
-        # Moves that the board does not have yet will be late, and it will report that.
+        # Moves that the board does not have yet will be late, and the board will report that.
         return not self.interrupted and self._connection.delivered
 
     @property
     def idle(self) -> bool:
-        """Nothing moves or dwells, or will soon; a new command may have reserved the time until its
-        first step."""
-        job, now = self._job, max(self.passed, 0)  # the job begins a moment after the boards
+        """Whether no move or dwell is in progress or planned. A new command that has reserved the
+        time until its first step counts as a move."""
+        job, now = self._job, max(self.passed, 0)  # the job starts a moment after the boards
         if self.standing:
             return True
         if job.queued > 0 or job.holds or job.clock > now + LEAD_S * self.hz:
@@ -128,7 +130,7 @@ class MotionQueue:
 
     @property
     def idle_s(self) -> float:
-        """Host time since anything moved or was commanded, seconds; 0 while something moves."""
+        """Host time in seconds since the last move or command; 0 during a move."""
         if not self.standing:
             self._heard_s = self._loop.time()
         return self._loop.time() - self._heard_s
@@ -140,14 +142,14 @@ class MotionQueue:
 
     @property
     def full(self) -> bool:
-        """The plan reaches far enough ahead."""
+        """Whether the plan reaches far enough ahead, so that callers must wait."""
         job = self._job
         ahead = job.clock - self.now + job.queued_ticks
         return ahead > BUFFER_S * self.hz or job.queued > MAX_QUEUED
 
     def before_moves(self) -> None:
-        """Call before adding to the plan: if the machine is idle, the plan starts again from
-        now."""
+        """Call this before adding to the plan: if the machine is idle, the plan restarts at the
+        present time."""
         self._heard_s = self._loop.time()
         job = self._job
         if job.queued == 0 and job.clock <= self.now + LEAD_S / 2 * self.hz:
@@ -165,9 +167,9 @@ class MotionQueue:
         speed_mm_s: float,
         within: Within = Within.LIMITS,
     ) -> bool:
-        """Adds a straight move to these positions, by axis index, in machine mm; other axes stay.
-        False, and nothing moves, if it is too long or not `within` the limits: see the error of the
-        job."""
+        """Adds a straight move to `target`: machine coordinates in mm by axis index; other axes
+        stay. Returns False without a move if it is too long or, with `within`, beyond the limits;
+        the error of the job has the reason."""
         places = [target.get(slot, math.nan) for slot in range(SLOTS)]
         self.before_moves()
         reached = self._job.move_to(places, speed_mm_s, within)
@@ -188,8 +190,8 @@ class MotionQueue:
         self._replanned()
 
     def shift(self, axis: int, mm: float) -> bool:
-        """Offsets all moves that the board does not have yet along an axis. False if that is out of
-        range; the error of the job says why."""
+        """Offsets all moves that the board does not have yet along an axis, by `mm`. Returns False
+        if that is out of range; the error of the job has the reason."""
         self.before_moves()
         if self._job.shift_from(self._earliest(), axis, mm) is None:
             return False
@@ -204,8 +206,8 @@ class MotionQueue:
         self._replanned()
 
     def record_at_once(self, target: int, value: int) -> float:
-        """Sets an output, by number, as early as the board can get it in time, or after the plan if
-        that ends soon. Returns the clock."""
+        """Sets output number `target` at the earliest clock at which the board receives the command
+        in time, or after the plan if the plan ends soon. Returns the clock."""
         job, clock = self._job, self._earliest()
         if job.queued == 0 and job.clock <= self.now + SOON_S * self.hz:
             clock = max(clock, job.clock + 1)
@@ -214,26 +216,27 @@ class MotionQueue:
         return clock
 
     def skip_dwell(self) -> None:
-        """Ends the current dwell, as early as it can be recalled."""
+        """Ends the current dwell at the earliest time that can still be changed."""
         if self._job.skip_dwell_from(self._earliest()) is not None:
             self._replanned()
 
     def hold(self) -> None:
-        """Brakes to a stop on the path and holds the rest of the plan. The laser goes off."""
+        """Brakes to a stop on the path and suspends the rest of the plan. The laser is switched
+        off."""
         self.before_moves()  # at standstill, the laser must not be switched off in the past
         self._job.hold_from(self._earliest())
         self._replanned()
 
     def stop(self, *, program: bool = True) -> None:
-        """Brakes to a stop on the path and discards the rest of the plan; of a `program` its
-        retraction, too. The laser goes off."""
+        """Brakes to a stop on the path and discards the rest of the plan. With `program`, the
+        retraction of the program is reset too. The laser is switched off."""
         self.before_moves()
         self._job.stop_from(self._earliest(), program)
         self._replanned()
 
     def use_commits(self, on: bool) -> None:
-        """Sets whether boards that can brake by themselves do so after a link loss: not while
-        endstops stop motors, as in homing. Only while the machine is idle."""
+        """Sets whether boards that support it brake after a link loss. They must not while endstops
+        stop motors, as in homing. Call it only while the machine is idle."""
         if not self._connection.survives:
             return
         if on:
@@ -246,15 +249,15 @@ class MotionQueue:
         self.commits = on
 
     def recover_from(self, serial: int) -> bool:
-        """The boards have stopped by themselves after a commit: holds the rest of the plan. False
-        if that commit is not known."""
+        """Call this when the boards have braked without the host after commit `serial`: suspends
+        the rest of the plan. False if the commit is unknown."""
         if self._job.recover_from(serial) is None:
             return False
         self._replanned()
         return True
 
     def release(self) -> None:
-        """Resumes the held plan."""
+        """Resumes the suspended plan."""
         if self._job.holds:
             self.on_motion()
         self.before_moves()
@@ -270,8 +273,9 @@ class MotionQueue:
         self._woken.set()
 
     async def until(self, condition: Callable[[], bool], *, idly: bool = False) -> None:
-        """Waits until the condition, which is checked as time passes, is true. `idly`: the
-        condition does not depend on print time, so free time need not pass once nothing moves."""
+        """Waits until the condition is true; it is checked as time passes. With `idly`, the
+        condition does not depend on print time, so free time need not pass once the machine is at
+        standstill."""
         if self._closed:
             raise asyncio.CancelledError
         if condition():
@@ -287,8 +291,8 @@ class MotionQueue:
                 self._waiting.remove(entry)
 
     def call_after(self, seconds: float, action: Callable[[], None]) -> Alarm | None:
-        """Calls an action once after so much print time, if that is free; else returns None: use a
-        timer of the loop."""
+        """Calls an action once after `seconds` of print time, if time is free. Otherwise returns
+        None, and the caller must use a timer of the loop."""
         if not self._free:
             return None
         alarm = Alarm(self.now + round(seconds * self.hz), action)
@@ -296,7 +300,7 @@ class MotionQueue:
         return alarm
 
     def cancel(self, alarm: Alarm) -> None:
-        """Cancels that call, if it was not made yet."""
+        """Cancels an alarm of `call_after` that is not due yet."""
         if alarm in self._alarms:
             self._alarms.remove(alarm)
 
@@ -341,40 +345,41 @@ class MotionQueue:
             await either(self._woken, GATHER_S / 2 if moving else None)
 
     def await_answer(self) -> None:
-        """Lets time pass, even if nothing waits for it, until the board reports that it has
+        """Lets time pass, even if no command waits for it, until the board reports that it has
         stopped."""
         self._awaited = True
         self._woken.set()
 
     def look(self) -> None:
-        """Lets time pass on the board, and no more. Raises MachineError."""
+        """Lets time pass on the boards, without sending or settling moves. Raises MachineError."""
         self._run(self.now)
 
     async def hear_stop(self) -> None:
-        """Lets time pass at the board only, until it reports that it has stopped: raises that
-        MachineError."""
+        """Lets time pass on the boards only, until a board reports its shutdown; raises the
+        MachineError of it."""
         while True:
             self._run(self.now + int(TICK_S * self.hz))
             await asyncio.sleep(TICK_S)
 
     async def catch_up(self) -> None:
-        """Waits until the loop's time reaches that of simulated boards, which questions have
-        advanced."""
+        """Waits until the time of the loop reaches that of simulated boards, which questions to
+        them have advanced."""
         while (ahead := self._connection.now - self.base - self.now) > 0:
             await asyncio.sleep(ahead / self.hz)
 
     def wait(self) -> None:
-        """Waits even if links are lost. Raises MachineError when a board has shut down."""
+        """Lets time pass on the boards even if links are lost. Raises MachineError when a board has
+        shut down."""
         self._connection.wait(max(self.base + self.now, self._connection.now))
 
     def stand_by(self) -> None:
-        """Lets time pass until now at boards that are shut down."""
+        """Lets time pass until the present time on boards that are shut down."""
         self._connection.stand_by(max(self.base + self.now, self._connection.now))
 
     def live_on(self, seconds: float) -> None:
-        """Lets so much time pass at the boards, in any state of the boards and their links."""
+        """Lets `seconds` pass on the boards, in any state of the boards and their links."""
         boards, until = self._connection, self._connection.now
-        if not boards.live:  # questions may have advanced it beyond the loop's
+        if not boards.live:  # questions may have advanced it beyond the time of the loop
             until = max(until + int(seconds * self.hz), self.base + self.now)
         boards.live_on(until)
 
@@ -383,7 +388,8 @@ class MotionQueue:
             self.on_motion()
         self._settle(now)
         while (mark := self._job.next_mark) is not None and mark[0] <= now:
-            self._run(mark[0])  # which may raise, or stop the plan: the mark must not be lost
+            # this may raise or stop the plan, so the mark is removed only afterwards
+            self._run(mark[0])
             if self._job.next_mark == mark:
                 self._job.pop_mark()
                 self._on_mark(mark[1], mark[2])
@@ -402,17 +408,17 @@ class MotionQueue:
             self._connection.run(until)  # a live board may send reports at any time
 
     def _settle(self, now: int) -> None:
-        """Settles a plan that runs dry for a stop. Moves that came in later cancel the stop, but
-        late, because all that is replanned is work done twice."""
+        """Settles a plan that is about to run out of moves for a stop. Moves that arrive later
+        cancel the stop, but as late as possible, because replanning repeats work."""
         job, stop = self._job, self._stop_clock
-        # After many short moves the stop lies within the settled part.
+        # After many short moves, the stop is within the settled part.
         passed_by = job.clock > stop
         near = job.queued > 0 and stop - now < TAKE_BACK_S * self.hz
         if stop > self._earliest() and (passed_by or near):
             self.replan()
         if job.queued == 0:
             if self._dirty:
-                job.flush()  # a fan may have been switched
+                job.flush()  # the plan may contain a fan command
             self._dirty = False
             return
         self._begin_in_time()
@@ -427,14 +433,14 @@ class MotionQueue:
             self._stop_clock = job.clock
 
     def _begin_in_time(self) -> None:
-        """After a stall of the program, delays moves from rest that should begin now."""
+        """After a stall of the program, delays moves from standstill that are due now."""
         job = self._job
         if job.queued > 0 and job.rests and job.clock < self.now + MIN_LEAD_S * self.hz:
             job.wait_until(self.now + LEAD_S * self.hz)
 
     def end_waits(self) -> None:
-        """Ends the waits whose conditions are true. If a condition raises an error, only its own
-        wait gets it. Raises MachineError."""
+        """Ends the waits whose conditions are true. If a condition raises an error, only its wait
+        raises it. Raises MachineError."""
         for condition, future, _ in list(self._waiting):
             try:
                 if not future.done() and condition():
@@ -446,7 +452,7 @@ class MotionQueue:
 
 
 async def either(event: asyncio.Event, timeout: float | None) -> None:
-    """Waits for the event, or until the time is over."""
+    """Waits for the event, at most `timeout` seconds."""
     try:
         async with asyncio.timeout(timeout):
             await event.wait()

@@ -1,4 +1,4 @@
-"""Offsets that a live printer adds to the plan: of home positions, and of babysteps."""
+"""The offsets of a live printer: home offsets and babysteps."""
 
 from __future__ import annotations
 
@@ -9,32 +9,33 @@ from passo.config.motor_roles import axis_order
 
 
 class Offsets:
-    """Home offsets (M206) and babysteps (M290) of one printer, mm by axis. `babysteps_mm` counts
-    live ones, since the axis was homed."""
+    """Home offsets (M206) and babysteps (M290) of one printer, mm by axis. `babysteps_mm` is the
+    sum of live babysteps since the axis was homed."""
 
     def __init__(self, machine: MachineConfig) -> None:
         homed = [a for a in axis_order(machine.axes) if not machine.axes[a].extruder]
         self.home_mm = dict.fromkeys(homed, 0.0)
         self.babysteps_mm = dict.fromkeys("xyz", 0.0)
-        self._suspended_mm = dict.fromkeys("xyz", 0.0)  # those that only the suspended job has
+        self._suspended_mm = dict.fromkeys("xyz", 0.0)  # babysteps of the suspended job only
 
     def homed(self, axes: Iterable[str]) -> None:
-        """These axes are at home: their babysteps belong to the suspended job alone."""
+        """Call this after homing these axes: their babysteps now apply only to the suspended
+        job."""
         for axis in axes:
             if axis in self.babysteps_mm:
                 self._suspended_mm[axis] += self.babysteps_mm[axis]
                 self.babysteps_mm[axis] = 0.0
 
     def suspend(self) -> None:
-        """The job is suspended, with its babysteps."""
+        """Call this when the job is suspended: stores its babysteps."""
         self._suspended_mm = dict.fromkeys("xyz", 0.0)
 
     def resume(self) -> None:
-        """The job resumes, with its babysteps."""
+        """Call this when the job resumes: restores its babysteps."""
         self.babysteps_mm = self.of_program_mm(suspended=True)
 
     def of_program_mm(self, *, suspended: bool) -> dict[str, float]:
-        """Babysteps of the program, mm by axis, also while its job is `suspended`."""
+        """The babysteps of the program, mm by axis. `suspended`: its job is suspended."""
         if not suspended:
             return dict(self.babysteps_mm)
         return {axis: mm + self._suspended_mm[axis] for axis, mm in self.babysteps_mm.items()}

@@ -1,4 +1,4 @@
-"""The current position of the machine, by the steps that the board has made."""
+"""The current position of the machine, from the steps that the boards have counted."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 class Positions:
-    """Real positions of one printer. The board counts steps; the plan knows where counting began.
-    An endstop stops a motor in mid-way: `lost` steps are then made up for by `settle`. `machine` is
-    that of the rig."""
+    """The real positions of one printer: the step counts of the boards plus the origins in the
+    plan. After an endstop has stopped a motor during a move, `settle` corrects the plan by the
+    `lost` steps. `machine` is that of the rig."""
 
     def __init__(
         self,
@@ -30,35 +30,35 @@ class Positions:
     ) -> None:
         self.machine = machine
         self._connection, self._job = connection, job
-        self._passed = passed  # the job's clock until which the plan was executed
+        self._passed = passed  # gives the job's clock up to which the plan is executed
         self._letters = [name.upper() for name in axis_order(machine.axes)]
         self.lost: dict[str, int] = {}
-        self.settled = True  # False: a board did not answer the last time
-        self.loosenings = 0  # how often motors of axes went off
+        self.settled = True  # False: a board did not answer the last question
+        self.loosenings = 0  # how often motors of axes were switched off
         self.settlings = 0  # how often the origins may have changed
-        # The motors were on without a break since another host ran: their counts are still valid.
+        # True if the motors have been on since another host ran, so that their counts are valid.
         self.held = connection.adopted
-        self.known: set[str] = set()  # axes that homed, or a recovery placed, and held since
-        self._loose: set[str] = set()  # homed axes whose motors were off since
+        self.known: set[str] = set()  # axes with valid positions, by homing or recovery
+        self._loose: set[str] = set()  # homed axes whose motors were switched off after homing
         self._frozen: list[float] | None = None
 
     def freeze(self) -> None:
-        """Axes home now. Positions of the plan are those of arms, or of axes that are not homed:
-        reports keep to where the program was, until `thaw`."""
+        """Call this before homing. Until `thaw`, reports show the last position of the program,
+        because the positions of the plan are those of arms or of axes that are not homed."""
         self._frozen = self._job.program_position
 
     def thaw(self) -> None:
-        """Positions are valid again."""
+        """Ends `freeze`: the positions of the plan are valid again."""
         self._frozen = None
 
     @property
     def program(self) -> list[float]:
-        """The program's coordinates at the end of the plan: the axes, then E."""
+        """The program's coordinates at the end of the plan, in mm: the axes, then E."""
         return self._frozen or self._job.program_position
 
     def settle(self) -> None:
-        """The machine is at standstill: the board will not execute the rest of the plan. Lets time
-        pass; raises MachineError."""
+        """Sets the plan to the real positions. Call it at standstill, when the boards will not
+        execute the rest of the plan. Lets time pass; raises MachineError."""
         self.settled = False
         self.settlings += 1
         for row in self._job.steppers():
@@ -67,7 +67,8 @@ class Positions:
         self.settled = True
 
     def loosen(self) -> None:
-        """Motors of axes are off: the axes may be moved by hand, and step counts do not show it."""
+        """Call this when motors of axes are switched off: the axes can then be moved by hand, which
+        step counts do not show."""
         axes = self.machine.axes
         self.held = False
         self.loosenings += 1
@@ -76,13 +77,13 @@ class Positions:
         self._loose = {name for name, axis in axes.items() if not axis.extruder}
 
     def trust(self, axes: Iterable[str] | None = None) -> None:
-        """These axes, all by default, are where the plan says: they are at home, or a print begins
-        with them as they are."""
+        """Marks the positions of these axes (default: all) as valid, after homing or at the start
+        of a print that assumes them."""
         self._loose = set() if axes is None else self._loose.difference(axes)
 
     def origins(self) -> dict[str, int]:
-        """Each motor's position, in steps, where the board's count of it is 0. Empty if a motor was
-        off since the axes were homed."""
+        """For each motor, its position in steps at which the board's count is 0. Empty if a motor
+        was switched off after homing."""
         if self._loose:
             return {}
         return {
@@ -91,9 +92,9 @@ class Positions:
         }
 
     def restore(self, origins: dict[str, int]) -> bool:
-        """Restores positions from these origins and the counts of a board that was adopted. False,
-        without any change, if the board does not know them, or a motor was off since. Lets time
-        pass; raises MachineError."""
+        """Restores the positions from `origins` and the step counts of an adopted board. Returns
+        False without any change if the board has no valid counts, or if a motor was switched off in
+        the meantime. Lets time pass; raises MachineError."""
         job, connection = self._job, self._connection
         rows = {row["name"]: row for row in job.steppers()}
         if not self.held or set(origins) != set(rows):
@@ -119,7 +120,7 @@ class Positions:
         return real
 
     def _places(self, real: dict[tuple[str, int], float]) -> list[float | None]:
-        """The axes, in machine mm, Z above the corrected bed; None if it is not known."""
+        """The axis positions in machine mm, with Z above the corrected bed; None if unknown."""
         machine = self.machine
         places: list[float | None] = [None] * len(machine.axes)
         try:
@@ -133,8 +134,8 @@ class Positions:
         return places
 
     def counts(self, board: Connection | None = None) -> dict[str, int]:
-        """The position in steps, now, of each motor, or of those of one board. Lets time pass;
-        raises MachineError."""
+        """The current position in steps of each motor, or of the motors of `board`. Asks the
+        boards. Lets time pass; raises MachineError."""
         names = None if board is None else {s.name for s in board.board.steppers}
         found: dict[str, int] = {}
         for row in self._job.steppers():
@@ -146,14 +147,14 @@ class Positions:
         return found
 
     def shown(self) -> dict[str, float]:
-        """The program's coordinates of the plan's current position, by axis letter and E, without a
-        question to a board; while axes home, those of where the program was."""
+        """The program's coordinates of the current position in the plan, mm by axis letter and E.
+        Does not ask a board. During homing, the last position of the program."""
         planned = None if self._frozen else self._planned(self._passed())
         return planned or dict(zip([*self._letters, "E"], self.program, strict=True))
 
     def at(self, clock: int) -> dict[str, float]:
-        """The program's coordinates of where the plan was at a clock of the job, at most about a
-        second ago; else of where the machine is now. Lets time pass; raises MachineError."""
+        """The program's coordinates of the plan at a clock of the job, if that was at most about a
+        second ago; otherwise those of the current position. Lets time pass; raises MachineError."""
         return self._planned(clock) or self.now()[0]
 
     def _planned(self, clock: int) -> dict[str, float] | None:
@@ -172,8 +173,9 @@ class Positions:
         }
 
     def now(self) -> tuple[dict[str, float], dict[str, int]]:
-        """The program's coordinates by the steps made so far, by axis letter and E, and the motors'
-        counts. Lets time pass; raises MachineError."""
+        """Asks the boards for their step counts. Returns the program's coordinates of the real
+        position, mm by axis letter and E, and the counts of the motors. Lets time pass; raises
+        MachineError."""
         machine, job = self.machine, self._job
         counts = self.counts()
         letters = self._letters

@@ -1,4 +1,5 @@
-"""The head as its probe uses it: moves without limits of the plan, pulses of a servo, and waits."""
+"""The head for the use by its probe: moves without the limits of the plan, pulses of a servo, and
+waits."""
 
 from __future__ import annotations
 
@@ -15,9 +16,9 @@ if TYPE_CHECKING:
 
 
 class ProbeHead:
-    """The head of one printer. Callers hold the motion lock, and the machine is idle before and
-    after each call. Methods raise Stopped after M108 and M410, unless `heeds_stops` is false, and
-    MachineError."""
+    """The head of one printer. Call it with the motion lock held and the machine idle, which it is
+    again after each call. Methods raise MachineError, and after M108 and M410 they raise Stopped
+    unless `heeds_stops` is false."""
 
     def __init__(self, rig: Rig, interrupts: Interrupts, triggered: TriggeredMoves) -> None:
         self._rig, self._interrupts, self._triggered = rig, interrupts, triggered
@@ -29,7 +30,7 @@ class ProbeHead:
 
     @property
     def z_mm(self) -> float:
-        """The height of the nozzle, mm of the machine."""
+        """The Z of the nozzle in machine coordinates, mm."""
         return self._rig.job.machine_position[Z]
 
     async def move(
@@ -40,7 +41,8 @@ class ProbeHead:
         y: float | None = None,
         z: float | None = None,
     ) -> None:
-        """The nozzle straight to a place, mm of the machine; axes that are not given stay."""
+        """Moves the nozzle in a straight line to machine coordinates, mm; an axis without a value
+        stays."""
         queue = self._rig.queue
         target = {slot: mm for slot, mm in ((X, x), (Y, y), (Z, z)) if mm is not None}
         queue.move(target, speed_mm_s, Within.ANYTHING)
@@ -52,7 +54,7 @@ class ProbeHead:
             await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
 
     async def sleep(self, seconds: float) -> None:
-        """Lets time pass; stops are heeded after it."""
+        """Waits; a stop in the meantime takes effect after the wait."""
         queue = self._rig.queue
         end = queue.now + seconds * queue.hz
         await queue.until(lambda: queue.now >= end or bool(self._interrupts.halted))
@@ -60,11 +62,11 @@ class ProbeHead:
             self._interrupts.raise_if_interrupted()
 
     async def pulse(self, width_us: float, seconds: float) -> None:
-        """Pulses the servo for a while."""
+        """Sends servo pulses of `width_us` for `seconds`."""
         self.pulse_at_start(width_us, seconds)
-        # The board gets the next pulses only after the end of these.
+        # Wait for the end of these pulses, before the next ones can be sent.
         await self.sleep(LEAD_S + seconds + LEAD_S / 2)
 
     def pulse_at_start(self, width_us: float, seconds: float) -> None:
-        """The same of boards that have just started, without a wait."""
+        """As `pulse`, on boards that have just started; does not wait."""
         self._rig.connection.pulse(SERVO, width_us * 1e-6, seconds, LEAD_S)

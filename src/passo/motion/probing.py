@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     from passo.motion.trigger_overshoot import TriggerOvershoot
     from passo.motion.triggered_moves import Interrupts, TriggeredMoves
 
-EARLY_MM = 1.0  # a probe that triggers so near to the start was triggered by something else
-APART_MM = 1.0  # two descents to one place that differ by more are not of the same bed
-_LIFT_MM = 0.5  # a triggered probe is asked again after each lift by so much
+EARLY_MM = 1.0  # a probe that triggers so near to the start did not touch the bed
+APART_MM = 1.0  # two descents to one place that differ by more show a fault
+_LIFT_MM = 0.5  # after each lift by this distance, a triggered probe is read again
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where the probe measures, mm, or the nozzle itself; `name` in sentences, `offset_mm` is added
-    to the height."""
+    """The place where the probe (or the nozzle itself) measures, mm. `name` is its name in
+    messages; `offset_mm` is added to the height."""
 
     x: float
     y: float
@@ -44,14 +44,14 @@ class Place:
     by_nozzle: bool = False
 
     def __str__(self) -> str:
-        """As messages show it."""
+        """The place as text for messages."""
         return f"X{self.x:g} Y{self.y:g}"
 
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """The height of the bed at the place of the probe, mm, to whole nanometres, and Z of the nozzle
-    when the probe triggered."""
+    """The height of the bed at a place, in mm rounded to nanometres, and the Z of the nozzle when
+    the probe triggered."""
 
     place: Place
     height_mm: float
@@ -59,12 +59,11 @@ class Measured:
 
 
 class Prober:
-    """Measures heights of the bed with the probe of one printer. Callers hold the motion lock, and
-    the machine is idle.
-
-    The nozzle never gets below `low_mm` of the probe, from the bed as it was measured last, else
-    from Z 0. `offset_mm` and `trigger_height_mm` are those in force. After a failure the nozzle is
-    lifted to `start_mm`, the heaters have their targets, and the axes are still homed.
+    """Measures heights of the bed with the probe of one printer. Call it with the motion lock held
+    and the machine idle. The nozzle never moves below the `low_mm` of the probe, relative to the
+    last measured bed, or to Z 0 without one. `offset_mm` and `trigger_height_mm` are the active
+    values. After a failure, the nozzle is lifted to `start_mm`, the heaters have their targets
+    again, and the axes are still homed.
     """
 
     def __init__(
@@ -86,7 +85,7 @@ class Prober:
         return self._rig.machine
 
     def reset(self) -> None:
-        """The offsets of the machine file."""
+        """Restores the offsets of the machine file."""
         probe = self._machine.probe
         dx, dy = probe.offset_mm if probe else (0.0, 0.0)
         self.offset_mm = dx, dy
@@ -96,16 +95,16 @@ class Prober:
             self.trigger_height_mm = self._sensing.trigger_height_mm
 
     def begin(self) -> None:
-        """The boards have been replaced, or have just started: a servo stows its probe."""
-        self._deployed = False  # by M401: it stays so between runs
+        """Call this after the boards have started or been replaced: a servo stows its probe."""
+        self._deployed = False  # by M401: the probe stays deployed between runs
         probe = self._machine.probe
         if probe is not None and (pulse := probe.start_pulse()):
             self._head.pulse_at_start(*pulse)
 
     @property
     def probe(self) -> SensingProbe:
-        """The probe of the machine, as M558 has set it. Raises CommandError without one, or with a
-        sheet of paper."""
+        """The probe with the values that M558 has set. Raises CommandError if the machine has no
+        probe, or a manual one."""
         self._require_sensor()
         assert self._sensing is not None
         return self._sensing
@@ -116,8 +115,8 @@ class Prober:
         return self._machine.probe.kind if self._machine.probe else ""
 
     def change(self, values: Mapping[str, float]) -> None:
-        """M558: other values of keys of the machine file, until a restart. Raises CommandError for
-        one that is out of range."""
+        """M558: replaces values of the machine file until a restart. Raises CommandError for a
+        value out of range."""
         probe = self.probe
         try:
             changed = type(probe).model_validate({**probe.model_dump(), **values})
@@ -136,7 +135,8 @@ class Prober:
 
     @property
     def carried(self) -> Probe:
-        """The probe of the machine, also a sheet of paper. Raises CommandError without one."""
+        """The probe of the machine, even a manual one. Raises CommandError if the machine has
+        none."""
         if self._machine.probe is None:
             raise CommandError.of("probe.none")
         return self._machine.probe
@@ -148,19 +148,19 @@ class Prober:
         return switch
 
     def nozzle_at(self, place: Place) -> tuple[float, float]:
-        """X and Y of the nozzle with the probe at a place."""
+        """X and Y of the nozzle, mm, when the probe is at `place`."""
         dx, dy = (0.0, 0.0) if place.by_nozzle else self.offset_mm
         return place.x - dx, place.y - dy
 
     def place_here(self) -> Place:
-        """The place of the probe now."""
+        """The current place of the probe."""
         x, y, *_ = self._rig.job.machine_position
         dx, dy = self.offset_mm
         return Place(round(x + dx, 6), round(y + dy, 6), "this place")
 
     @property
     def nozzle_xy_mm(self) -> tuple[float, float]:
-        """Where the nozzle is, mm of the machine."""
+        """X and Y of the nozzle in machine coordinates, mm."""
         x, y, *_ = self._rig.job.machine_position
         return round(x, 6), round(y, 6)
 
@@ -170,7 +170,8 @@ class Prober:
         return round(self._head.z_mm, 6)
 
     async def approach(self, place: Place) -> None:
-        """The nozzle over a place of the paper test, at the start height. Raises as `measure`."""
+        """Moves the nozzle over a place of the paper test, at the start height. Raises as
+        `measure`."""
         self.check([place])
         self._head.heeds_stops = True
         await self.clear_bed()
@@ -179,26 +180,27 @@ class Prober:
         await self._head.move(self.carried.lift_mm_s, z=self.carried.start_mm)
 
     async def go_to(self, place: Place, speed_mm_s: float) -> None:
-        """The nozzle, or the probe, over a place, at its height. Raises as `measure`."""
+        """Moves the probe, or the nozzle for a manual probe, over a place at its present height.
+        Raises as `measure`."""
         self.check([place])
         self._head.heeds_stops = True
         x, y = self.nozzle_at(place)
         await self._head.move(speed_mm_s, x=x, y=y)
 
     async def to_height(self, z_mm: float, speed_mm_s: float) -> None:
-        """The nozzle to a height. Raises as `measure`."""
+        """Moves the nozzle to `z_mm`. Raises as `measure`."""
         self._head.heeds_stops = True
         await self._head.move(speed_mm_s, z=z_mm)
 
     async def clear_bed(self) -> None:
-        """Up to the start height, unless the nozzle is as high. Raises as `measure`."""
+        """Lifts the nozzle to the start height, unless it is higher. Raises as `measure`."""
         self._head.heeds_stops = True
         if self._head.z_mm < self.carried.start_mm:
             await self._head.move(self.carried.lift_mm_s, z=self.carried.start_mm)
 
     def triggered(self) -> bool:
         """Asks the board whether the probe is triggered. Lets time pass; raises MachineError, and
-        CommandError of a sheet of paper."""
+        CommandError for a manual probe."""
         self._require_sensor()
         self.last_triggered = self._head.triggered()
         return self.last_triggered
@@ -208,7 +210,7 @@ class Prober:
             raise CommandError.of("probe.none" if self._machine.probe is None else "probe.paper")
 
     def check(self, places: Sequence[Place]) -> None:
-        """Raises CommandError unless X, Y and Z are homed, and nozzle and probe get to all these
+        """Raises CommandError unless X, Y and Z are homed, and nozzle and probe can reach all these
         places."""
         locked = [i for i in self._rig.job.locked_axes if i < 3]
         if locked:
@@ -217,7 +219,7 @@ class Prober:
             self.check_place(place)
 
     def check_place(self, place: Place) -> None:
-        """Raises CommandError unless nozzle and probe get to a place."""
+        """Raises CommandError unless nozzle and probe can reach a place."""
         machine, start = self._machine, self.carried.start_mm
         x, y = self.nozzle_at(place)
         nozzle = f"X{x:g} Y{y:g} Z{start:g}"
@@ -252,7 +254,7 @@ class Prober:
             self._deployed = True
 
     async def stow(self) -> None:
-        """M402. Raises as `measure`."""
+        """M402: stows the probe. Raises as `measure`."""
         self._require_sensor()
         self.check([])
         self._deployed = False
@@ -272,8 +274,9 @@ class Prober:
 
     @asynccontextmanager
     async def _session(self) -> AsyncGenerator[None]:
-        """The correction is off within. At the end, however it comes, the nozzle is at the start
-        height or above it after an error, and the probe is stowed, unless M401 has deployed it."""
+        """A probing session: the bed correction is off within the block. At the end the probe is
+        stowed, unless M401 has deployed it. After an error, the nozzle is also lifted to the start
+        height."""
         self._triggered.active, self._head.heeds_stops = True, True
         try:
             with self._correction.suspended(), self._triggered.prepared():
@@ -288,7 +291,8 @@ class Prober:
             self._triggered.active = False
 
     async def _clear_up(self, error: BaseException) -> None:
-        """After a failure: up, and the probe away; what fails in that is said, too."""
+        """After a failure, lifts the nozzle and stows the probe. Errors of these steps are added to
+        the report."""
         if self._interrupts.halted:
             return
         self._head.heeds_stops = False
@@ -303,7 +307,7 @@ class Prober:
             raise CommandError([*before, *further.problems]) from error
 
     async def _first(self, place: Place) -> None:
-        """Over the first place, with the probe deployed."""
+        """Moves over the first place and deploys the probe."""
         travels = self.probe.travels_to_deploy
         if not self._deployed and travels:
             await self._get_down()
@@ -317,9 +321,10 @@ class Prober:
         report: Callable[[Measured], None] = lambda _: None,
         above_mm: float | None = None,
     ) -> list[Measured]:
-        """The heights at these places, in this order; `report` is called with each at once. The
-        nozzle ends at the start height above the last one, or `above_mm` above where the probe
-        triggered. Raises CommandError, Stopped after M108 or M410, and MachineError."""
+        """Measures the heights at these places, in this order; `report` is called with each height
+        at once. At the end, the nozzle is at the start height above the last place, or `above_mm`
+        above its trigger position. Raises CommandError, Stopped after M108 or M410, and
+        MachineError."""
         self._require_sensor()
         self.check(places)
         found: list[Measured] = []
@@ -336,9 +341,9 @@ class Prober:
 
     async def home(self, farthest_mm: float) -> None:
         """Homes Z by the probe: rises, goes over `homing.z.probe_at_mm`, descends by at most
-        `farthest_mm` until the probe triggers, and measures that place as any other. X and Y are
-        homed. The nozzle ends at the start height. After an error Z is not where the plan has it.
-        Raises as `measure`."""
+        `farthest_mm` until the probe triggers, and measures this place like any other. X and Y must
+        be homed. At the end, the nozzle is at the start height. After an error, the Z of the plan
+        is wrong. Raises as `measure`."""
         job, probe = self._rig.job, self.probe
         if locked := [axis for axis in job.locked_axes if axis < Z]:
             raise CommandError.of("input.not-homed", axis="XY"[locked[0]])
@@ -346,7 +351,8 @@ class Prober:
         self.check_place(place)
         x, y = self.nozzle_at(place)
         async with self._session():
-            job.set_axes([(Z, farthest_mm)])  # wherever it is: so high that it may go so far down
+            # Whatever the real Z is, this leaves `farthest_mm` of travel down to Z 0
+            job.set_axes([(Z, farthest_mm)])
             if not self._deployed and probe.travels_to_deploy:
                 await probe.deploy(self._head)
             await self._head.move(probe.travel_mm_s, x=x, y=y)
@@ -360,12 +366,12 @@ class Prober:
             await self._lift(probe.start_mm)
 
     def _shift(self, trigger_z_mm: float) -> None:
-        """Z is counted such that the probe has triggered at its trigger height."""
+        """Sets Z so that the trigger was at the trigger height of the probe."""
         by = self.trigger_height_mm - trigger_z_mm
         self._rig.job.set_axes([(Z, self._head.z_mm + by)])
 
     async def samples(self, place: Place, count: int) -> list[float]:
-        """The heights of so many measured descents to one place. Raises as `measure`."""
+        """The heights of `count` measured descents to one place. Raises as `measure`."""
         self._require_sensor()
         self.check([place])
         async with self._session():
@@ -376,8 +382,8 @@ class Prober:
             return [z - self.trigger_height_mm + place.offset_mm for z in triggers]
 
     async def _point(self, place: Place) -> Measured:
-        """One place: a fast descent, then the measured ones. Samples that differ by too much are
-        dropped together, and measured again."""
+        """Measures one place: a fast descent, then the measured ones. If the samples differ too
+        much, all of them are measured again."""
         probe = self.probe
         first = await self._descend(place, probe.fast_mm_s)
         for left in range(probe.retries, -1, -1):
@@ -399,7 +405,7 @@ class Prober:
         raise AssertionError("a loop of at least one round returns or raises")
 
     async def _again(self, place: Place) -> float:
-        """A measured descent after a lift; Z of the nozzle at the trigger."""
+        """Lifts the nozzle and makes a measured descent. Returns Z of the nozzle at the trigger."""
         z = self._rig.job.machine_position[Z] + self.probe.retract_mm
         await self._lift(z)
         return await self._descend(place, self.probe.slow_mm_s)
@@ -411,19 +417,20 @@ class Prober:
         await self._head.move(self.probe.lift_mm_s, z=self.probe.start_mm)
 
     async def _lift(self, z: float) -> None:
-        """Up to Z, unless the nozzle is as high."""
+        """Lifts the nozzle to `z`, unless it is higher."""
         if self._head.z_mm < z:
             await self._head.move(self.probe.lift_mm_s, z=z)
 
     async def _descend(self, place: Place, speed_mm_s: float) -> float:
-        """Down until the probe triggers; Z of the nozzle at that moment."""
+        """Descends until the probe triggers. Returns Z of the nozzle at the trigger."""
         await self.probe.arm(self._head)
         z = await self._down(place, speed_mm_s)
         await self.probe.disarm(self._head)
         return z
 
     async def _down(self, place: Place, speed_mm_s: float, *, near: bool = True) -> float:
-        """`near`: the descent begins at the start height, where a trigger is an error."""
+        """Descends until the probe triggers. With `near`, the descent starts at the start height,
+        where an immediate trigger is an error."""
         rig, probe = self._rig, self.probe
         if probe.settle_s > 0:
             await self._head.sleep(probe.settle_s)
@@ -459,9 +466,9 @@ class Prober:
     async def seek(
         self, target: Mapping[int, float], speed_mm_s: float, *, opening: bool
     ) -> tuple[tuple[float, float, float], bool]:
-        """G38: straight to a place, mm of the machine by slot, until the probe triggers, or opens.
-        Returns where the nozzle was then, or is at the end, and whether the probe did. Raises as
-        `measure`."""
+        """G38: moves in a straight line to `target` (machine mm by slot) until the probe triggers
+        or, with `opening`, opens. Returns the position of the nozzle at that moment, or at the end
+        of the move, and whether the probe did so. Raises as `measure`."""
         self.check([])
         rig, machine = self._rig, self._machine
         self._head.heeds_stops = True
@@ -493,19 +500,20 @@ class Prober:
         return found, hit
 
     def _low_mm(self, place: Place) -> float:
-        """The lowest Z of the nozzle at a place: `low_mm` of the bed as far as that is known."""
+        """The lowest Z of the nozzle at a place: `low_mm` relative to the last measured bed, or to
+        Z 0."""
         return round(self.probe.low_mm + self._correction.expected(place.x, place.y), 4)
 
     def _place(self, overshoot: TriggerOvershoot, switch: Switch) -> None:
-        """The axes are where the counts of the boards say. Axes whose motors were not stopped keep
-        the position of the plan, which may be between two steps."""
+        """Sets the axis positions from the step counts of the boards. Axes whose motors were not
+        stopped keep the position of the plan, which may be between two steps."""
         point = self._machine.geometry.forward(overshoot.stopped())
         moved = {d.index for s in switch.steppers if (d := self._machine.driven_by(s))}
         axes = (Z,) if switch == self._switch and len(moved) == 1 else (X, Y, Z)
         self._rig.job.set_axes([(axis, point[axis]) for axis in axes])
 
     async def _open(self, place: Place) -> None:
-        """Before a descent the probe is open, if need be after a further lift."""
+        """Makes sure that the probe is open before a descent, after a further lift if necessary."""
         lifted = 0.0
         while self.triggered():
             if lifted >= self.probe.open_within_mm:
@@ -516,8 +524,8 @@ class Prober:
 
     @contextmanager
     def _cold(self) -> Generator[None]:
-        """Some heaters do not heat within. Their targets are not touched: a user may change them
-        meanwhile."""
+        """Stops some heaters within the block. Their targets stay, so that a user may change them
+        in the meantime."""
         heaters = [self._rig.connection.heaters[name] for name in self.probe.heaters_off]
         for heater in heaters:
             heater.suspended = True

@@ -1,5 +1,4 @@
-"""The parts that move one machine: its boards, its job and its motion queue, replaced as a whole by
-M999."""
+"""The parts that move one machine: boards, job and motion queue. M999 replaces them as a whole."""
 
 from __future__ import annotations
 
@@ -19,12 +18,11 @@ _SAME_MM = 1e-9  # positions that differ by less are the same
 
 
 class Rig:
-    """Parts of a printer keep the rig and ask it for the others each time, since a restart of the
-    boards replaces them: `connect` first, then `plan`. To be used within one event loop.
-
-    `machine`: that of the machine file, with the geometry and the endstops that are in force.
-    `connection`: the boards. `job`: the interpreter and the plan. `queue`: the motion queue.
-    `positions`: where the machine is.
+    """The current boards, job and queue of a printer. Other parts keep the rig and read these from
+    it each time, because a restart of the boards replaces them: first by `connect`, then by `plan`.
+    Use it within one event loop. `machine` is the machine file with the active geometry and
+    endstops, `connection` the boards, `job` the interpreter and the plan, `queue` the motion queue,
+    and `positions` the real position of the machine.
     """
 
     connection: Boards
@@ -37,12 +35,12 @@ class Rig:
         self._free = free
 
     def connect(self, connection: Boards) -> None:
-        """Sets the boards; they have just been configured, or were adopted."""
+        """Sets the boards, which have just been configured or adopted."""
         self.connection = connection
 
     def plan(self, on_mark: Callable[[int, int], None]) -> None:
-        """An empty plan for the boards. `on_mark` is called with the number and the value of each
-        mark that print time reaches."""
+        """Makes an empty plan for the boards. `on_mark` is called with the number and the value of
+        each mark when print time reaches it."""
         self.job = _core.Job(self.machine.core_spec(), True, False, False)
         self.queue = MotionQueue(self.connection, self.job, free=self._free, on_mark=on_mark)
         self.positions = Positions(
@@ -50,10 +48,11 @@ class Rig:
         )
 
     def use_geometry(self, machine: MachineConfig) -> None:
-        """From now on this machine is in force: it differs from the one before in the parameters of
-        its geometry and the positions of its endstops. No motor moves: the axes are where the new
-        geometry has them, and homed if they were. Only while nothing is queued. Raises Unreachable,
-        and changes nothing, if motors of homed axes are where that geometry has no place."""
+        """Activates `machine`, which may differ from the present one in the parameters of the
+        geometry and the positions of the endstops. No motor moves: the new geometry gives new axis
+        positions, and homed axes stay homed. Call it only while no move is queued. Raises
+        Unreachable, without any change, if the motors of homed axes are at a position that the new
+        geometry cannot have."""
         old, job = self.machine, self.job
         if machine.geometry == old.geometry and not machine.axes_of_arms:
             self.machine = self.positions.machine = machine
@@ -69,7 +68,8 @@ class Rig:
         try:
             a, b, c = (q + by for q, by in zip(old.geometry.inverse(nozzle), moved, strict=True))
             place = machine.geometry.forward((a, b, c))
-            machine.geometry.inverse(place)  # a delta's rods meet also where its nozzle must not go
+            # a delta's rods also meet at places that its nozzle must not reach
+            machine.geometry.inverse(place)
         except Unreachable:
             if not locked & {X, Y, Z}:
                 raise
@@ -87,7 +87,7 @@ class Rig:
 
     @contextmanager
     def square(self, halted: Callable[[], bool]) -> Generator[None]:
-        """Positions of the axes are those of their endstops within, without skew."""
+        """Switches the skew off within the block: axis positions are those of the endstops."""
         skewed = self.machine
         square = skewed.geometry.square
         if square == skewed.geometry:

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 
 def place_of_axes(command: Command, machine: MachineConfig, job: _core.Job) -> dict[int, float]:
-    """Positions in mm, by number of axis, of axes that are not homed; the interpreter handles the
-    others. Raises CommandError if no motor positions reach them, or they are far beyond an axis."""
+    """The new positions of axes that are not homed, in mm by axis number; the interpreter handles
+    homed axes. Raises CommandError if the motors cannot reach a position, or if it is far outside
+    the range of its axis."""
     axes = axis_order(machine.axes)
     places = {axes.index(k.lower()): v for k, v in command.words().items()}
     x, y, z = (places.get(i, at) for i, at in enumerate(job.machine_position[:E]))
@@ -31,8 +32,9 @@ def place_of_axes(command: Command, machine: MachineConfig, job: _core.Job) -> d
 def place_of_actuators(
     command: Command, machine: MachineConfig, job: _core.Job
 ) -> dict[int, float]:
-    """The same for letters of motors: the nozzle's position follows from all of them; empty without
-    such a letter. Raises CommandError if they reach no position, or another one is not known."""
+    """As `place_of_axes`, for letters of motors: the nozzle position follows from the positions of
+    all motors. Empty without such a letter. Raises CommandError if no nozzle position belongs to
+    them, or if the position of another motor is unknown."""
     geometry, words = machine.geometry, command.words()
     given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
     if not given:
@@ -48,7 +50,7 @@ def place_of_actuators(
             known = dict(zip(geometry.actuators, geometry.inverse(nozzle), strict=True))
         a, b, c = (known | given).values()
         point = geometry.forward((a, b, c))
-        geometry.inverse(point)  # a delta's rods also meet where its nozzle must not go
+        geometry.inverse(point)  # a delta's rods also meet at places that its nozzle must not reach
         x, y, height = point
         point = x, y, job.plan_z(x, y, height)
     except Unreachable as error:
@@ -58,7 +60,8 @@ def place_of_actuators(
 
 
 def _near(places: dict[int, float], machine: MachineConfig) -> dict[int, float]:
-    """Raises CommandError for a position farther beyond an axis than it is long."""
+    """Raises CommandError for a position that is outside an axis by more than the length of the
+    axis."""
     names = axis_order(machine.axes)
     for i, mm in places.items():
         low, high = (axis := machine.axes[names[i]]).min_mm, axis.max_mm

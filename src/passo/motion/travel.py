@@ -1,4 +1,4 @@
-"""Returns to a place that the nozzle has left: first over it, and then down."""
+"""Returns the nozzle to a place that it has left: first above it, and then down."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
 
 def go_over(rig: Rig, place: Mapping[int, float], speed_mm_s: float) -> bool:
-    """Adds the moves that lead over a place, by axis index in machine mm. Arms that lift together
-    reach only the middle at the top, so the nozzle goes down there first: to the height of parking
-    above the place, or to its own if that is too near the top. False if they do not reach it."""
+    """Adds moves that bring the nozzle above `place` (machine mm by axis index). Arms that lift
+    together reach only the middle when they are near the top, so the nozzle first descends: to the
+    parking height above the place, or to the place's own height if the parking height is too near
+    the top. False if the arms do not reach the place."""
     machine, queue = rig.machine, rig.queue
     across = {slot: mm for slot, mm in place.items() if slot != Z}
     if Z not in place or not machine.geometry.lifts_together:
@@ -31,6 +32,7 @@ def go_over(rig: Rig, place: Mapping[int, float], speed_mm_s: float) -> bool:
 
 
 def go_back(rig: Rig, place: Mapping[int, float], speed_mm_s: float) -> bool:
-    """Adds the moves that lead over a place and then down to it. False if arms do not reach it."""
+    """Adds moves that bring the nozzle above a place and then down to it. False if the arms do not
+    reach it."""
     over = go_over(rig, place, speed_mm_s)
     return over and (Z not in place or rig.queue.move({Z: place[Z]}, math.inf, Within.REACH))

@@ -1,5 +1,4 @@
-"""The overshoot of motors after an endstop on another board triggered, until the stop reached
-them."""
+"""The travel of motors between the trigger of an endstop on another board and their stop."""
 
 from __future__ import annotations
 
@@ -18,10 +17,9 @@ if TYPE_CHECKING:
 
 
 class TriggerOvershoot:
-    """Counts the steps of one search: from the plan's position at the trigger to the stop of the
-    motor. So an endstop is found as exactly as on the motor's own board; only the stop comes later.
-
-    With `joints`, positions of the plan are those of the actuators.
+    """Computes the overshoot of one search, in steps: from the plan's position at the trigger to
+    the stop of the motor. So the trigger position is as exact as with an endstop on the motor's own
+    board; only the stop is later. With `joints`, positions of the plan are actuator positions.
     """
 
     def __init__(self, rig: Rig, endstops: Endstops, *, joints: bool) -> None:
@@ -41,8 +39,8 @@ class TriggerOvershoot:
                     self._hit_at[name] = found
 
     def measure(self, switches: Iterable[Switch]) -> None:
-        """Call after the search. Of motors that share an actuator, those on the endstop's board
-        count, because they stopped at once."""
+        """Call after the search. For an actuator with several motors, it uses those on the board of
+        the endstop, which stopped at once."""
         for switch in switches:
             at_once = [self._driven(s) for s in switch.steppers if self._is_beside(s, switch)]
             for stepper in switch.steppers:
@@ -51,8 +49,8 @@ class TriggerOvershoot:
                     self._ways[driven] = self._way(stepper, driven, self._hit_at[switch.name])
 
     def places(self) -> list[tuple[int, float]]:
-        """If the machine is assumed to be where its endstops triggered: axes (or actuators), by
-        number, that are elsewhere, and their positions."""
+        """The axes (or actuators) that moved on after the trigger: their positions by number,
+        relative to a plan that assumes the trigger positions."""
         if not any(self._ways.values()):
             return []
         position = self._rig.job.machine_position
@@ -68,8 +66,8 @@ class TriggerOvershoot:
         return [*enumerate(point), *places]
 
     def stopped(self) -> tuple[float, float, float]:
-        """Positions of the actuators at which the motors have stopped, mm or degrees, from the
-        counts of their boards. For moves of the axes."""
+        """The actuator positions at which the motors have stopped, mm or degrees, from the counts
+        of their boards. Only for moves of the axes."""
         found: dict[int, float] = {}
         for row in self._rig.job.steppers():
             driven = self._machine.driven_by(row["name"])
@@ -80,8 +78,8 @@ class TriggerOvershoot:
         return a, b, c
 
     def triggered(self, switch: Switch) -> tuple[float, float, float]:
-        """Positions of the actuators when this switch was triggered; the other motors are where
-        they have stopped."""
+        """The actuator positions when this endstop triggered, mm or degrees. Motors that it does
+        not stop have their final positions."""
         self.measure([switch])
         joints = list(self.stopped())
         for driven, by in self._ways.items():
@@ -91,7 +89,7 @@ class TriggerOvershoot:
         return a, b, c
 
     def _lost_steps(self, stepper: str) -> int:
-        """The steps of the plan that this search has left out."""
+        """The steps of the plan that the stop has cut off."""
         return self._rig.positions.lost[stepper] - self._lost.get(stepper, 0)
 
     def _way(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:

@@ -1,4 +1,4 @@
-"""Moves that endstops stop on the boards: towards an endstop, or of a probe towards the bed."""
+"""Moves that an endstop or a probe stops on the boards."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ if TYPE_CHECKING:
 
 _REST_S = 0.001  # the board samples an endstop at least this often
 _FASTEST_REST_S = 5e-5
-_ARMED_S = 0.005  # endstops are armed so long before the first step
+_ARMED_S = 0.005  # endstops are armed this long before the first step
 
 
 class Interrupts(Protocol):
-    """Whether the current wait has to end. `halted` says why the printer is halted, or is empty."""
+    """Requests to end the current wait. `halted` is the reason why the printer is halted, or
+    empty."""
 
     halted: str
 
     @property
     def interrupted(self) -> bool:
-        """Whether M108, M410 or a halt has come."""
+        """Whether M108, M410 or a halt has ended the current wait."""
         ...
 
     def raise_if_interrupted(self) -> None:
-        """Ends the caller after M108, M410 or a halt."""
+        """Raises Stopped after M108, M410 or a halt."""
 
 
 class TriggeredMoves:
-    """Carries out triggered moves of one printer, for the caller that holds the motion lock.
-
-    `starts` are called before the endstops are needed.
+    """Executes triggered moves of one printer. The caller must hold the motion lock. `starts` are
+    called before the endstops are needed.
     """
 
     def __init__(self, rig: Rig, interrupts: Interrupts) -> None:
@@ -46,14 +46,15 @@ class TriggeredMoves:
         self.begin()
 
     def begin(self) -> None:
-        """The boards have been replaced."""
+        """Call this after the boards have been replaced."""
         self.endstops = Endstops(self._rig.connection)
         self._active = False
 
     @property
     def active(self) -> bool:
-        """Homing or probing is under way. Nothing is filtered meanwhile: where a switch stops the
-        motors, they have to be where the plan is. To be set while the machine is idle."""
+        """Whether homing or probing is in progress. Filters are off meanwhile, because the motors
+        must be at the plan's position when an endstop stops them. Set it only while the machine is
+        idle."""
         return self._active
 
     @active.setter
@@ -64,8 +65,8 @@ class TriggeredMoves:
 
     @contextmanager
     def prepared(self) -> Generator[None]:
-        """Within the block, endstops may stop motors: no other part uses them, and no board brakes
-        by itself."""
+        """Within the block, endstops may stop motors: no other part uses the motors, and no board
+        brakes after a link loss."""
         for start in self.starts:
             start()
         self._rig.queue.use_commits(False)
@@ -84,14 +85,12 @@ class TriggeredMoves:
         joints: bool = False,
         opening: bool = False,
     ) -> TriggerOvershoot:
-        """Adds moves to the plan by `move`, and carries them out until each endstop has stopped its
-        motors. `steps_s` is the maximum step rate; the boards sample the endstops as often, between
-        1 and 20 kHz. With `joints`, positions of the plan are those of the actuators;
-        with `opening`, endstops stop motors when they open.
-
-        After that the machine is idle, also after M108, M410 or a halt, which end the moves early;
-        `endstops` says which endstops were triggered, and `positions.lost` the steps that the
-        motors left out. Raises MachineError.
+        """Adds moves to the plan by `move`, and executes them until each endstop has stopped its
+        motors. `steps_s` is the maximum step rate, at which the boards sample the endstops (1 to 20
+        kHz). With `joints`, positions of the plan are actuator positions; with `opening`, endstops
+        stop motors when they open. Afterwards the machine is idle, also after M108, M410 or a halt,
+        which end the moves early. `endstops` then has the triggered endstops, and `positions.lost`
+        the steps that were cut off. Raises MachineError.
         """
         rig, queue = self._rig, self._rig.queue
         if not rig.positions.settled:
@@ -120,7 +119,7 @@ class TriggeredMoves:
         return overshoot
 
     async def standstill(self) -> None:
-        """Waits until the machine is idle, which a stop may cause early."""
+        """Waits until the machine is idle; a stop may end the moves early."""
         queue = self._rig.queue
         await queue.until(lambda: queue.standing or self._interrupts.interrupted)
         if not queue.standing:
@@ -128,7 +127,7 @@ class TriggeredMoves:
             await queue.until(lambda: queue.standing or bool(self._interrupts.halted))
 
     def _all_hit(self, overshoot: TriggerOvershoot) -> bool:
-        """All endstops are triggered, or the boards of one have lost each other."""
+        """Whether all endstops are triggered, or the boards of an endstop have lost each other."""
         done = self.endstops.all_hit() or bool(self.endstops.expired)
         overshoot.look()
         return done
