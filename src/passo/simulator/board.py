@@ -1,4 +1,4 @@
-"""The simulated board with parts by names: built from descriptions, observed by tests."""
+"""The simulated board: built from descriptions, and observed by the names of its parts."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ _ELSEWHERE = 1 << 16  # no board has so many pins
 
 
 class SimulatedBoard:
-    """A board with its simulated surroundings. `device` is the end for a connection; all other
-    methods only observe, or inject faults. Clocks are board ticks.
+    """A board with simulated mechanics and heat. A connection uses `device`; all other members only
+    observe, or inject faults. Clocks are board ticks.
 
     The board is a model (`firmware` "virtual"), or runs Passo's firmware ("passo"); both behave the
     same to the tick.
@@ -192,7 +192,7 @@ class SimulatedBoard:
         self.device.change_probe(pin, dead_areas, touchy_areas, noise_mm, jammed)
 
     def tilt_bed(self, rise_mm: float) -> None:
-        """A fault: over its width the bed rises by so much more than its description says; 0 ends
+        """A fault: the bed rises by `rise_mm` more over its width than its description says; 0 ends
         it. KeyError if the probe is not on this board."""
         if self._probe is None:
             raise KeyError("no probe")
@@ -202,13 +202,13 @@ class SimulatedBoard:
         self.device.change_bed(pin, bed.shape)
 
     def _felt_pin(self, stepper: str) -> int:
-        """The step pin of a motor, or a number for one on another board."""
+        """The step pin of a motor, or a special number for a motor on another board."""
         if stepper in self._steppers:
             return self._step_pin(stepper)
         return self._elsewhere.setdefault(stepper, _ELSEWHERE + len(self._elsewhere))
 
     def feel(self, others: Iterable[SimulatedBoard]) -> None:
-        """Connects endstops of this board to motors of the others."""
+        """Lets endstops of this board depend on the positions of motors of the others."""
         for stepper, pin in self._elsewhere.items():
             for other in others:
                 if stepper in other._steppers:
@@ -227,7 +227,7 @@ class SimulatedBoard:
         return self.device.position(self._step_pin(stepper))
 
     def place(self, stepper: str, position: float) -> None:
-        """Moves the stepper's actuator there, as if by hand."""
+        """Moves the stepper's actuator to `position` (mm or degrees), as if by hand."""
         self.device.place(self._step_pin(stepper), position)
 
     def temperature(self, sensor: str) -> float:
@@ -244,19 +244,21 @@ class SimulatedBoard:
         self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
 
     def force_heater(self, sensor: str, power: float | None) -> None:
-        """A fault: the power of this sensor's heater, 0 to 1, whatever its pin; None ends it."""
+        """A fault: the heater of this sensor has this power, 0 to 1, whatever its pin does; None
+        ends it."""
         self.device.force_heater(self._sensors[sensor], -1.0 if power is None else power)
 
     def add_noise(self, sensor: str, share: float) -> None:
-        """A fault: the ADC errs by up to this fraction of full scale; 0 ends it."""
+        """A fault: the ADC has noise of up to this fraction of full scale; 0 ends it."""
         self.device.add_noise(self._sensors[sensor], share)
 
     def drop_sensor(self, sensor: str, fallen: bool = True) -> None:
-        """A fault: the sensor is detached and has the temperature of the room."""
+        """A fault: the sensor is detached and has room temperature; False ends it."""
         self.device.drop_sensor(self._sensors[sensor], fallen)
 
     def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:
-        """From now on keeps the commands that touch from_clock…to_clock, for `take_steps`."""
+        """Records, from now on, the commands with steps in from_clock…to_clock, for
+        `take_steps`."""
         self.device.trace_steps(self._step_pin(stepper), from_clock, to_clock)
 
     def take_steps(self, stepper: str, from_clock: int, to_clock: int) -> tuple[bytes, bytes]:
@@ -280,7 +282,7 @@ class SimulatedBoard:
         ]
 
     def trace_output(self, output: str) -> None:
-        """From now on keeps the changes of an output, for `take_changes`."""
+        """Records, from now on, the changes of an output, for `take_changes`."""
         self.device.trace_output(self._outputs[output])
 
     def take_changes(self, output: str) -> list[tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""The data dictionary of the simulated board, as a real board would carry it."""
+"""The data dictionary of the simulated board, in the format of a real board."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def pin_numbers(board: BoardDescription) -> dict[str, int]:
 
 
 def firmware_library() -> Path:
-    """The firmware as a library, which the package's build places with its core."""
+    """The path of the firmware as a library; the build of the package puts it next to the core."""
     return Path(_core.__file__).with_name("firmware_host.so")
 
 
@@ -38,13 +38,13 @@ def compressed_dictionary(board: BoardDescription, firmware: Firmware = "virtual
 
 
 def firmware_faults() -> dict[int, str]:
-    """The reasons for a shutdown that the firmware knows, by their numbers."""
+    """The shutdown reasons of the firmware, by their numbers."""
     reasons = _firmware()["enumerations"]["static_string_id"]
     return {number: text for text, number in reasons.items()}
 
 
 def _firmware() -> dict[str, Any]:
-    """What the firmware's sources declare."""
+    """The declarations of the firmware's sources."""
     return json.loads(_declared(firmware_library()))
 
 

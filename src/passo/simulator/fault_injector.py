@@ -1,4 +1,4 @@
-"""Faults of the simulated printer by the names of its parts."""
+"""Injects faults into the simulated printer, by the names of its parts."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _ENDSTOP = (NO_FAULT, "triggered", "open")
 _CABLE = (NO_FAULT, "cut", "noise")
 _BED = (NO_FAULT, "tilted")
 _TILT_MM = 1.0  # over the width of the bed
-_SENSOR_NOISE = 0.05  # of the full scale of the ADC, either way
-_CABLE_NOISE = 0.01  # of all bytes
+_SENSOR_NOISE = 0.05  # maximum, as a fraction of the ADC's full scale, in both directions
+_CABLE_NOISE = 0.01  # fraction of all bytes
 
 
 class SimulatedFaults:
-    """Offers the faults of one simulated machine: see `board.fault_injection.FaultInjector`.
+    """The faults of one simulated machine: see `board.fault_injection.FaultInjector`.
 
     `noise` may have an amount, as in `noise:0.05`: for a sensor a fraction of the full scale of its
     ADC, for a cable the fraction of corrupted bytes.

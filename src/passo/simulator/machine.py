@@ -1,4 +1,5 @@
-"""The simulated boards of one machine, as one: each call goes to the board of its part."""
+"""All simulated boards of one machine behind one interface: each call goes to the board of its
+part."""
 
 from __future__ import annotations
 
@@ -24,10 +25,11 @@ class Cable:
 
 class SimulatedMachine:
     """All simulated boards of a machine, the main one first. Its methods are those of
-    `SimulatedBoard`; `devices` are the ends for connections, by the boards' names.
+    `SimulatedBoard`; connections use `devices`, by the names of the boards.
 
-    The main board's clock is host time, and all clocks here are that one. `clocks` gives for
-    further boards the clock at their start, in seconds, and how much faster it runs, in ppm.
+    The main board's clock is host time, and all clocks here are clocks of the main board. `clocks`
+    gives, for each further board, its clock at the start, in seconds, and its deviation of
+    frequency, in ppm.
     """
 
     def __init__(
@@ -65,8 +67,8 @@ class SimulatedMachine:
                 )
 
     def cut_cable(self, board: str, on: bool = True) -> None:
-        """A fault: bytes to and from a board are lost; False ends it. KeyError if the board's clock
-        and cable are perfect."""
+        """A fault: bytes to and from a board are lost; False ends it. KeyError for a board without
+        a simulated cable."""
         self._distant[self.boards[board]].cut(on)
 
     def spoil_cable(self, board: str, share: float) -> None:
@@ -102,7 +104,7 @@ class SimulatedMachine:
         return self._of("steppers", stepper).position(stepper)
 
     def place(self, stepper: str, position: float) -> None:
-        """Moves the stepper's actuator there, as if by hand."""
+        """Moves the stepper's actuator to `position` (mm or degrees), as if by hand."""
         self._of("steppers", stepper).place(stepper, position)
 
     def temperature(self, sensor: str) -> float:
@@ -125,30 +127,33 @@ class SimulatedMachine:
         noise_mm: float = 0.0,
         jammed: bool = False,
     ) -> None:
-        """Faults of the probe from now on: rectangles where it never triggers or always is, and the
-        standard deviation of its height; `jammed`: it does not get to the bed."""
+        """Injects faults of the probe from now on: areas where it never triggers, areas where it is
+        always triggered, and the standard deviation of its height, mm. `jammed`: it cannot be
+        deployed."""
         self._of("endstops", PROBE).spoil_probe(
             dead_areas=dead_areas, touchy_areas=touchy_areas, noise_mm=noise_mm, jammed=jammed
         )
 
     def tilt_bed(self, rise_mm: float) -> None:
-        """A fault: the bed rises by so much more over its width; 0 ends it."""
+        """A fault: the bed rises by `rise_mm` more over its width; 0 ends it."""
         self._of("endstops", PROBE).tilt_bed(rise_mm)
 
     def force_heater(self, sensor: str, power: float | None) -> None:
-        """A fault: the power of this sensor's heater, 0 to 1, whatever its pin; None ends it."""
+        """A fault: the heater of this sensor has this power, 0 to 1, whatever its pin does; None
+        ends it."""
         self._of("sensors", sensor).force_heater(sensor, power)
 
     def add_noise(self, sensor: str, share: float) -> None:
-        """A fault: the ADC errs by up to this fraction of full scale; 0 ends it."""
+        """A fault: the ADC has noise of up to this fraction of full scale; 0 ends it."""
         self._of("sensors", sensor).add_noise(sensor, share)
 
     def drop_sensor(self, sensor: str, fallen: bool = True) -> None:
-        """A fault: the sensor is detached and has the temperature of the room."""
+        """A fault: the sensor is detached and has room temperature; False ends it."""
         self._of("sensors", sensor).drop_sensor(sensor, fallen)
 
     def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:
-        """From now on keeps the commands that touch from_clock…to_clock, for `take_steps`."""
+        """Records, from now on, the commands with steps in from_clock…to_clock, for
+        `take_steps`."""
         board = self._of("steppers", stepper)
         begin, end = (self._own_clock(board, clock) for clock in (from_clock, to_clock))
         board.trace_steps(stepper, begin, end)
@@ -171,15 +176,15 @@ class SimulatedMachine:
         return self._of("steppers", stepper).take_commands(stepper)
 
     def main_clock(self, stepper: str, clock: int) -> int:
-        """The main board's clock when that of the stepper's board reads `clock`."""
+        """The main board's clock when the clock of the stepper's board reads `clock`."""
         return self._main_clock(self._of("steppers", stepper), clock)
 
     def own_clock(self, stepper: str, clock: int) -> int:
-        """What the stepper's board reads when the main board's clock reads `clock`."""
+        """The clock of the stepper's board when the main board's clock reads `clock`."""
         return self._own_clock(self._of("steppers", stepper), clock)
 
     def trace_output(self, output: str) -> None:
-        """From now on keeps the changes of an output, for `take_changes`."""
+        """Records, from now on, the changes of an output, for `take_changes`."""
         self._of("outputs", output).trace_output(output)
 
     def take_changes(self, output: str) -> list[tuple[int, int]]:

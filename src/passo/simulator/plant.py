@@ -1,4 +1,4 @@
-"""The surroundings of a simulated board, as plain data."""
+"""The mechanics and heat around a simulated board, as plain data."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from passo.probes.base import Mechanism
 
 @dataclass(frozen=True, slots=True)
 class Actuator:
-    """What a stepper moves: a position (mm or degrees) that starts at `start`."""
+    """The mechanism that a stepper moves; its position (mm or degrees) starts at `start`."""
 
     stepper: str
     steps_per_unit: float
@@ -51,9 +51,8 @@ Area = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Bed:
-    """A bed that is not flat: `area_mm` from its first corner to the opposite one, and its shape in
-    mm. `tilt_mm` is the rise over the width and the depth, `dome_mm` the height of the centre above
-    the corners."""
+    """A bed that is not flat: `area_mm` is its rectangle x0, y0, x1, y1. `tilt_mm` is the rise over
+    the width and the depth, `dome_mm` the height of the centre above the corners."""
 
     area_mm: Area
     tilt_mm: tuple[float, float] = (0.0, 0.0)
@@ -64,7 +63,7 @@ class Bed:
 
     @property
     def shape(self) -> _core.Bed:
-        """The bed by its heights."""
+        """The shape of the bed for the core."""
         x0, y0, x1, y1 = self.area_mm
         return _core.Bed(
             center=((x0 + x1) / 2, (y0 + y1) / 2),
@@ -79,8 +78,8 @@ class Bed:
 
 @dataclass(frozen=True, slots=True)
 class Lift:
-    """One of several motors that carry the gantry. At X, Y of the nozzle its position has the
-    `weight` c · (1, x, y, x y)."""
+    """One of several motors that carry the gantry. With the nozzle at X, Y, its position
+    contributes to the height with the `weight` c · (1, x, y, x y)."""
 
     stepper: str
     weight: tuple[float, float, float, float]
@@ -91,8 +90,8 @@ class BedProbe:
     """The endstop `endstop` is a probe on the head. It triggers when the nozzle is `trigger_mm`
     above the bed at the place of the probe, which is `offset_mm` from the nozzle, and opens
     `hysteresis_mm` higher. `motors` are a stepper for each actuator of the geometry, given as for
-    the core. In a dead area it never triggers, in a touchy area always. `mechanism` gets it to the
-    bed, by the output `control`, unless it is jammed."""
+    the core. In a dead area it never triggers, in a touchy area it always is triggered. `mechanism`
+    deploys it, controlled by the output `control`, unless it is jammed."""
 
     endstop: str
     motors: tuple[str, ...]

@@ -1,5 +1,5 @@
 """`python -m passo.toolchain DIRECTORY SOURCE…`: the tables of a firmware whose dictionary needs
-only the declarations of its sources. For the package's own build, which has no package yet."""
+only the declarations of its sources. The build of the package uses it before the package exists."""
 
 import sys
 from pathlib import Path

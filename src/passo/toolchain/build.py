@@ -23,14 +23,14 @@ from passo.toolchain.targets import Target, no_firmware
 
 
 def firmware_folder() -> Path:
-    """The firmware's sources: those of a checkout, or the installed ones."""
+    """The folder of the firmware's sources: in a checkout, or in the installed package."""
     checkout = Path(passo.__file__).parents[2] / "firmware"
     return checkout if checkout.is_dir() else Path(_core.__file__).with_name("firmware")
 
 
 @dataclass(frozen=True, slots=True)
 class _Made:
-    """The result of a family's build."""
+    """The result of a build for one family of chips."""
 
     image: Path
     flash: int
@@ -43,10 +43,10 @@ def build(target: Target, output: Path, *, older_hosts: bool = False) -> tuple[P
     """Builds the image of a target into the folder `output`. Returns its path, and the content of
     the JSON file beside it.
 
-    The same sources, compiler and target make the same image. With `older_hosts` it understands the
-    commands with which Kalico and Klipper up to v0.13 query analog inputs, in place of the newer
-    ones. Raises FirmwareError if the board has firmware of its own, if the compiler is missing, or
-    if the build fails.
+    The same sources, compiler and target make the same image. With `older_hosts` the image has the
+    commands with which Kalico and Klipper up to v0.13 query analog inputs, instead of the newer
+    ones. Raises FirmwareError if Passo's firmware does not run on the board, if the compiler is
+    missing, or if the build fails.
     """
     chip = target.chip
     make = _make_avr if chip.core == "avr" else _make_arm
@@ -124,8 +124,8 @@ def _make_arm(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
 
 
 def _check_clock(target: Target) -> None:
-    """Checks the clock: chips with an ARM core count at one frequency, that of the shipped
-    boards."""
+    """Checks the clock frequency of the target: each ARM chip supports only the frequency of the
+    shipped boards."""
     hz = target.board.clock_hz
     boards = (config.load_board(name) for name in config.shipped_boards())
     own = next(board.clock_hz for board in boards if board.mcu == target.board.mcu)

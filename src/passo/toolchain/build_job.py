@@ -1,4 +1,4 @@
-"""Builds images in a process of its own: `python -m passo.toolchain.build_job`.
+"""Builds images in a separate process: `python -m passo.toolchain.build_job`.
 
 It reads one JSON object from standard input: `text` with `name`, a machine file and its name in
 messages, or `board`, a shipped board; and `output`, the folder of the images. It prints a line for
@@ -23,7 +23,7 @@ _NICE = 10  # the printer has priority
 
 
 def main() -> int:
-    """Builds the ordered images."""
+    """Builds the images that standard input asks for."""
     os.nice(_NICE)
     order: dict[str, Any] = json.load(sys.stdin)
     made = 0

@@ -1,4 +1,4 @@
-"""The data dictionary in an image, which it carries for `identify`."""
+"""Finds the data dictionary within an image, which the board sends for `identify`."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from passo.board.dictionary import Dictionary, DictionaryError
 from passo.config.board import Board
 from passo.toolchain.contents import Parts
 
-_BEGINS = b"\x78\xda"  # zlib at its strongest level (RFC 1950), as Passo and Klipper make it
-_MAX_BYTES = 1 << 20  # unpacked, against hostile ones: Passo's have some 6000
+# header of zlib data at the highest level (RFC 1950), as from Passo and Klipper
+_BEGINS = b"\x78\xda"
+# limit after decompression, against hostile files: Passo's dictionaries have about 6000
+_MAX_BYTES = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
 class Carried:
-    """A dictionary, and its bytes in the image: those that `identify` returns."""
+    """A dictionary, and its compressed bytes in the image, which `identify` returns."""
 
     dictionary: Dictionary
     compressed: bytes
@@ -61,8 +63,8 @@ def _unpacked(content: memoryview) -> Carried | None:
 def unlike(dictionary: Dictionary, board: Board) -> tuple[str, str] | None:
     """The differences between an image's dictionary and the board's file, as (file, image); None if
     they agree. Values that the dictionary lacks are not compared. Klipper's name of a chip may be
-    longer, and its clock may count something else, but on AVR chips both count the crystal's
-    frequency."""
+    longer, and the clock frequency is compared only on AVR chips, where both firmwares count the
+    crystal."""
     console, avr = board.console, board.chip is not None and board.chip.core == "avr"
     expected = {"MCU": board.mcu, "CLOCK_FREQ": board.clock_hz}
     if console is not None and console.pins:

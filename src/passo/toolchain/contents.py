@@ -1,5 +1,4 @@
-"""The bytes that a flash program would write of an image, and whether a chip could start with
-it."""
+"""Reads the bytes of an image file, and checks whether a chip could start with them."""
 
 from __future__ import annotations
 
@@ -10,11 +9,11 @@ from typing import TypeAlias
 from passo.config.chips import Chip
 from passo.toolchain import arm, avr
 
-# Parts of the flash: the address of the first byte, and the bytes, at least one.
+# Parts of the flash: the address of the first byte, and at least one byte.
 Parts: TypeAlias = list[tuple[int, bytes]]
 
 _UF2_BLOCK = 512
-_UF2_MAX = 476  # bytes of content in a block
+_UF2_MAX = 476  # maximum content of a block in bytes
 _UF2_MAGIC = (0x0A324655, 0x9E5D5157, 0x0AB16F30)
 _UF2_NOT_FLASH = 1
 _ALIGNMENT = 8
@@ -22,8 +21,8 @@ _OWN_MARK = 0x6F737350  # OWN_MARK in firmware/hal/arm/start.c
 
 
 def parts_of(data: bytes, suffix: str, flash_start: int) -> Parts:
-    """The parts of a file with this ending; a plain copy of the flash (`.bin`) is its first bytes.
-    Raises ValueError if its content does not match the ending."""
+    """The parts of a file with this ending. A plain copy (`.bin`) starts at `flash_start`. Raises
+    ValueError if its content does not match the ending."""
     try:
         match suffix:
             case ".hex":
@@ -85,7 +84,7 @@ def outside(parts: Parts, chip: Chip) -> int | None:
 
 def missing(parts: Parts, chip: Chip) -> int | None:
     """The address of a part of the image that is missing in the file; None if none is known to be
-    missing. It checks the start vector of a Cortex-M's core, and the end that Passo's own images
+    missing. It checks the start vector of a Cortex-M core, and the end that Passo's images
     declare."""
     if chip.core == "avr" or chip.key in arm.STAGED:
         return None
@@ -96,8 +95,8 @@ def missing(parts: Parts, chip: Chip) -> int | None:
 
 
 def hole(parts: Parts) -> int | None:
-    """The first address that the parts leave out between them; None if there is none. Padding that
-    a linker adds to align the next part does not count: it is never read."""
+    """The first address of a gap between the parts; None if there is none. Padding that a linker
+    adds to align the next part does not count: it is never read."""
     ordered = sorted((address, address + len(content)) for address, content in parts)
     end = ordered[0][1]
     for first, behind in ordered:
@@ -108,12 +107,12 @@ def hole(parts: Parts) -> int | None:
 
 
 def tells_its_end(parts: Parts, chip: Chip) -> bool:
-    """Whether the image of a Cortex-M declares its end, as Passo's own do."""
+    """Whether the image of a Cortex-M declares its end, as Passo's images do."""
     return struct.unpack("<9I", _head(parts, chip, 36))[8] == _OWN_MARK
 
 
 def _head(parts: Parts, chip: Chip, count: int) -> bytes:
-    """The first bytes of the flash; 0xFF if the parts leave them out."""
+    """The first bytes of the flash; a byte outside of the parts is 0xFF."""
     first = {
         address - chip.flash_start + i: byte
         for address, content in parts
@@ -125,8 +124,8 @@ def _head(parts: Parts, chip: Chip, count: int) -> bytes:
 
 def starts(parts: Parts, chip: Chip) -> bool:
     """Whether the flash would begin with the start vector of the chip's core: a jump on AVR chips;
-    on Cortex-M the end of a stack in RAM, and the odd address of code in flash. For a chip whose
-    ROM checks a stage before that, the ROM decides."""
+    on Cortex-M the end of a stack in RAM, and the odd address of code in flash. True for a chip
+    whose ROM checks a boot stage, because the ROM decides there."""
     if chip.key in arm.STAGED:
         return True
     head = _head(parts, chip, 8)

@@ -32,7 +32,7 @@ TASK_PHASES = ("EVERY_PASS", "DEVICES", "MOTORS", "INPUTS", "BUSES", "SHUTDOWN")
 
 
 class DeclarationError(ValueError):
-    """A declaration that cannot be used; the message names file and declaration."""
+    """A declaration is invalid; the message names the file and the declaration."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +46,8 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Hook:
-    """A C function that lower modules call: `kind` is that of DECL_<kind>, `file` the name of its
-    source. A task has one of TASK_PHASES."""
+    """A C function that lower modules call. `kind` is the suffix of DECL_<kind>, `file` the name of
+    the source file. A task has one of TASK_PHASES."""
 
     kind: str
     function: str
@@ -69,8 +69,8 @@ class Declarations:
     hooks: list[Hook] = field(default_factory=list[Hook])
 
     def called(self, kind: str, phases: Sequence[str] = ("",)) -> list[str]:
-        """The functions of the hooks of a kind, tasks of these phases, in the order in which they
-        run: by phase, then by file name, then as declared."""
+        """The functions of the hooks of a kind (for tasks: of these phases) in the order of
+        execution: by phase, then by file name, then in the order of declaration."""
         hooks = [hook for hook in self.hooks if hook.kind == kind and hook.phase in phases]
         hooks.sort(key=lambda hook: (phases.index(hook.phase), hook.file))
         return [hook.function for hook in hooks]

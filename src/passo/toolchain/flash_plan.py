@@ -1,4 +1,4 @@
-"""The steps to flash an image onto a board: nothing here touches the board."""
+"""Plans the steps that flash an image onto a board. This module does not access the board."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Hands:
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """The port is opened at 1200 baud and closed, which starts the chip's own loader."""
+    """Opening the port at 1200 baud and closing it starts the boot loader of the chip."""
 
     port: str
 
@@ -55,7 +55,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Copy:
-    """The image is copied onto the drive that the board's loader shows."""
+    """Copying the image onto the drive that the board's boot loader shows."""
 
     image: Path
     folder: Path
@@ -94,14 +94,15 @@ def _words(flash: Flash, start: int, port: str, image: Path, *, native: bool) ->
     """The program's command line; `native` means that the chip's own USB is at the port."""
     match flash.method:
         case "avrdude":
-            # A chip erase would delete the boot loader's settings, too: hence -D.
+            # -D: no chip erase, which would also delete the settings of the boot loader.
             tool = ("avrdude", "-p", flash.part, "-c", flash.programmer, "-b", str(flash.baud))
             return (*tool, "-P", port, "-D", "-U", f"flash:w:{image}:i")
         case "bossac":
             # Erase, write, verify, start from flash. A programming port is a bridge to the chip's
-            # UART, though it looks like USB: -Ufalse, in one word, because a separate word is an
-            # argument of -U only to bossac 1.6; bossac can reset such a board: -R. On the chip's
-            # own USB bossac detects it by itself, and the user resets the board after that.
+            # UART, although it looks like USB: hence -Ufalse, in one word, because only bossac 1.6
+            # reads a separate word as the argument of -U. On such a port bossac can reset the
+            # board: -R. On the USB port of the chip itself, bossac detects USB without an option,
+            # and the user resets the board afterwards.
             tool = ("bossac", "-p", port.removeprefix("/dev/"))
             work = ("-e", "-w", "-v", "-b", str(image))
             return (*tool, *work) if native else (*tool, "-Ufalse", *work, "-R")

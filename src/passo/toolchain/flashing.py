@@ -26,8 +26,8 @@ _DRIVE_MARK = "INFO_UF2.TXT"
 
 @dataclass(frozen=True, slots=True)
 class User:
-    """The user who flashes: `tell` shows a line, `wait` shows one and returns when it has been
-    done."""
+    """The interface to the user: `tell` shows a line; `wait` shows a manual step and returns when
+    the user has done it."""
 
     tell: Callable[[str], None]
     wait: Callable[[str], None]
@@ -39,9 +39,9 @@ async def flash(
     """Flashes `image` onto the board called `name` at `port`, and verifies the board's identity
     after that.
 
-    With `dry_run` the steps are shown, and what is wrong with the port or missing now, and nothing
-    is done. Raises FirmwareError: before the first step if the image, the port or the program is
-    wrong or missing, later if a step fails.
+    With `dry_run`, it only shows the steps, a missing program, and problems of the port. Raises
+    FirmwareError: before the first step if the image, the port or the program is wrong or missing,
+    later if a step fails.
     """
     port = port or None
     suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
@@ -56,7 +56,7 @@ async def flash(
     _check_tools(name, steps)
     _check_port(port, partial(_check_serial, name), name, steps)
     _tell_doubts(image, checked.unknown, user)
-    touched = False  # opening it again at that rate would start the loader once more
+    touched = False  # opening the port at 1200 baud again would restart the boot loader
     for step in steps:
         match step:
             case Hands():
@@ -82,12 +82,13 @@ def _tell_doubts(image: Path, unknown: tuple[str, ...], user: User) -> None:
 
 
 def _tell_obstacles(name: str, port: str | None, steps: list[Step], user: User) -> None:
-    """Reports why the steps could not be done now."""
+    """Reports the obstacles that would make the steps fail now."""
     if port is not None and not Path(port).exists():
         user.tell(f"{port}: nothing is there now.")
 
     def look(path: str) -> None:
-        if not stat.S_ISCHR(Path(path).stat().st_mode):  # opening it would reset many boards
+        # the port is not opened, because that would reset many boards
+        if not stat.S_ISCHR(Path(path).stat().st_mode):
             raise _problem("firmware.port", axis=name, value=path, limit="a serial port")
 
     for check in (_check_tools, partial(_check_port, port, look)):
@@ -146,12 +147,12 @@ async def _run(name: str, step: Run) -> None:
 
 
 def _may_become_drive(folder: Path) -> bool:
-    """Whether it is the drive, or an empty folder on which the drive may be mounted later."""
+    """Whether the folder is the drive, or is empty so that the drive may be mounted on it later."""
     if not folder.is_dir():
         return False
     try:
         return (folder / _DRIVE_MARK).is_file() or not any(folder.iterdir())
-    except OSError:  # a folder that becomes readable with its mount
+    except OSError:  # the folder may become readable when the drive is mounted
         return True
 
 

@@ -19,8 +19,8 @@ from passo.toolchain.targets import KLIPPERS, no_firmware
 @dataclass(frozen=True, slots=True)
 class About:
     """The content of the JSON file beside an image. Sizes in bytes; `ram_bytes` is static data,
-    without the stack. The hashes are SHA-256 of the image's file and of the dictionary as the board
-    carries it: `identify` can be compared with the latter."""
+    without the stack. The hashes are SHA-256 of the image file and of the compressed dictionary,
+    which can be compared with the answer to `identify`."""
 
     target: str
     board: str
@@ -59,17 +59,17 @@ def read_about(image: Path) -> About | None:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """An image that may be flashed: its dictionary, if it has one, and what could not be
-    checked."""
+    """An image that may be flashed: its dictionary, if it has one, and a list of checks that were
+    not possible."""
 
     carried: Carried | None
     unknown: tuple[str, ...]
 
 
 def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...]) -> Checked:
-    """Checks that a file can be an image for the board that is called `name`: its ending, its
-    content, its addresses, its length as far as it declares it, its dictionary, and, if a JSON file
-    is beside it, its board and its hash.
+    """Checks that a file can be an image for the board `name`: its ending, content, addresses,
+    declared length and dictionary. If a JSON file belongs to it, its board and its hash are checked
+    too.
 
     Raises FirmwareError with the first error.
     """
@@ -99,7 +99,7 @@ def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...])
     unknown: list[str] = []
     if about is None and carried is None:
         unknown.append("is for this board")
-    # A plain copy of a flash may be the beginning of a longer one.
+    # A plain copy of a flash may be truncated.
     if about is None and image.suffix == ".bin" and not tells_its_end(parts, board.chip):
         unknown.append("is whole")
     return Checked(carried, tuple(unknown))
@@ -116,7 +116,7 @@ def _check_content(image: Path, name: str, parts: Parts, chip: Chip) -> None:
     lost = missing(parts, chip)
     if lost is not None:
         raise _wrong(image, name, f"a whole one: this is cut short and lacks what is at 0x{lost:x}")
-    # Bytes that Intel hex leaves out stay as they were in the flash, or become 0xFF.
+    # In a gap of Intel hex, the flash keeps its old bytes, or becomes 0xFF.
     left_out = hole(parts) if image.suffix == ".hex" else None
     if left_out is not None:
         raise _wrong(image, name, f"a whole one: this lacks what is at 0x{left_out:x}")

@@ -104,7 +104,7 @@ COMMANDS = {
     },
 }
 
-# Of a firmware of Klipper's own for the same chips.
+# Shutdown reasons that only Klipper's firmware for the same chips has.
 LACKING = {
     "invert_step=-1 of config_stepper, STEPPER_STEP_BOTH_EDGE": "Steps at both edges.",
     "spi_set_bus, i2c_set_bus": "Buses of the chip's hardware: they are made on any pins.",

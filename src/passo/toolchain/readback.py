@@ -16,9 +16,9 @@ _AT_ONCE = 4096
 
 
 async def identify(port: str, baud: int, within_s: float = 10.0) -> Identification | None:
-    """The dictionary of the board on a port; None if it has not reported it within `within_s`
-    seconds of the loop's time: opening the port makes many boards restart, which takes a second or
-    two. Raises OSError if the port cannot be opened, or vanishes."""
+    """The dictionary of the board on a port; None if the board has not sent it within `within_s`
+    seconds of the loop's time. Opening the port restarts many boards, which takes a second or two.
+    Raises OSError if the port cannot be opened, or disappears."""
     loop = asyncio.get_running_loop()
     wire = open_serial_line(port, baud)
     found = Identification()
@@ -28,13 +28,13 @@ async def identify(port: str, baud: int, within_s: float = 10.0) -> Identificati
     def read() -> None:
         try:
             data = os.read(wire, _AT_ONCE)
-            if not data:  # hung up
+            if not data:  # the port was closed
                 raise OSError(errno.EIO, os.strerror(errno.EIO))
             found.feed(data)
         except BlockingIOError:
             return
         except DictionaryError:
-            loop.remove_reader(wire)  # it will never be complete: `within_s` ends this
+            loop.remove_reader(wire)  # no more data will arrive; `within_s` ends the wait
         except OSError as error:
             loop.remove_reader(wire)
             gone.append(error)

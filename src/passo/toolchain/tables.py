@@ -18,12 +18,12 @@ from passo.toolchain.declarations import (
     message_name,
 )
 
-# Every host knows only the numbers of `identify` and its answer.
+# Only the numbers of `identify` and of its answer are fixed for all hosts.
 _IDENTIFY_RESPONSE = 0
 _FIRST_COMMAND = 1
 _PARAMETERS_MAX = 12
-_ONE_BYTE = 95  # the highest number that takes one byte on the wire
-# The functions of firmware/core/hooks.h, and whose hooks they call.
+_ONE_BYTE = 95  # the highest number that is encoded in one byte
+# The functions of firmware/core/hooks.h, with the hooks that each of them calls.
 _CALLERS = {
     "hooks_start": ("START", ("",)),
     "hooks_every_pass": ("TASK", TASK_PHASES[:1]),
@@ -71,8 +71,9 @@ def dictionary(
     constants: Mapping[str, Constant] | None = None,
     enumerations: Mapping[str, Mapping[str, int | tuple[int, int]]] | None = None,
 ) -> dict[str, Any]:
-    """The data dictionary: the declarations of the sources, with `constants` and `enumerations` (as
-    the pins of a board: a number, or the first number and the count) of the build added to it."""
+    """The data dictionary: the declarations of the sources plus the `constants` and `enumerations`
+    of the build. An enumeration maps a name to a number, or to the first number and the count, as
+    for pins."""
     shutdowns = shutdown_numbers(found)
     merged: dict[str, dict[str, int | list[int]]] = {}
     for name, keys in [*found.enumerations.items(), *(enumerations or {}).items()]:
@@ -93,7 +94,7 @@ def dictionary(
 
 
 def compress(content: Mapping[str, Any]) -> bytes:
-    """A dictionary as the board carries it; the same bytes for the same content."""
+    """Compresses a dictionary for an image; the same content gives the same bytes."""
     return zlib.compress(json.dumps(content, sort_keys=True, separators=(",", ":")).encode(), 9)
 
 
@@ -116,8 +117,8 @@ def write_board(
 
 
 def write_tables(found: Declarations, content: Mapping[str, Any], directory: Path) -> list[Path]:
-    """Writes declared.h and tables.c into `directory`; a file that would not change is not written.
-    Returns the C sources. Raises DeclarationError."""
+    """Writes declared.h and tables.c into `directory`; an unchanged file is not written. Returns
+    the C sources. Raises DeclarationError."""
     directory.mkdir(parents=True, exist_ok=True)
     _write(directory / "declared.h", _header(found))
     source = directory / "tables.c"

@@ -10,7 +10,7 @@ from passo.config.chips import Chip
 from passo.config.pin_names import MAIN, placed
 from passo.errors import FirmwareError, Problem
 
-# Of a board whose microcontroller Passo does not know.
+# For a board whose microcontroller Passo does not support.
 KLIPPERS = "it runs Klipper's own firmware"
 
 
@@ -36,7 +36,7 @@ class Target:
 
     @property
     def chip(self) -> Chip:
-        """Raises FirmwareError if Passo does not know the board's microcontroller."""
+        """The data of the microcontroller. Raises FirmwareError if Passo does not support it."""
         chip = self.board.chip
         if chip is None:
             raise no_firmware(self.name, KLIPPERS)
@@ -93,7 +93,7 @@ def machine_target(machine: config.MachineConfig, board_name: str) -> Target:
 
 def state(board: Board) -> str:
     """How far Passo's firmware supports a board: `ready`; `incomplete: usb` if the firmware cannot
-    use the board's only connector; or that the board has firmware of its own."""
+    use the board's only connector; or that only another firmware runs on the board."""
     if board.chip is None:
         return "runs Klipper's"
     return f"incomplete: {board.incomplete}" if board.incomplete else "ready"
