@@ -75,9 +75,7 @@ class Declaration:
     # on a machine without the part, this text says why the command has no effect; else `text`
     lacks: str = ""
     forced: bool = False  # with F, a line from a console acts at once
-    in_turn: bool = (
-        False  # immediate on a console, but in a file it acts after the moves before it
-    )
+    in_turn: bool = False  # immediate on a console, but in a file it acts after the moves before it
     only_during_print: bool = False  # immediate only during a print; otherwise planned
     while_halted: bool = True  # if immediate, it also acts while the printer is halted
 
