@@ -56,6 +56,28 @@ def test_golden_streams(capsys, unpacked, file, machine):
     assert result["final_steps"] == result["net_steps_expected"]
 
 
+EXAMPLES_OF_APRINTER = {
+    "radds": "z speed",
+    "ramps-fd": "z speed",
+    "four-pi": "z speed",
+    "teensy3": "z speed",
+    "ramps-13": "z speed",
+    "melzi": "z speed",
+    "stm32f407-discovery": "feedrate",
+    "stm32f429-discovery": "feedrate",
+    "linux-test": "feedrate",
+}
+
+
+@pytest.mark.parametrize("machine", EXAMPLES_OF_APRINTER)
+def test_aprinters_examples_print_the_demo(capsys, unpacked, machine):
+    """Most are too low for the place where the demo ends, hence `clamp`."""
+    result = printed(capsys, unpacked("demo"), "--machine", machine, "--out-of-range", "clamp")
+    assert (result["layers"], result["errors"]) == (15, [])
+    assert result["final_steps"] == result["net_steps_expected"]
+    assert EXAMPLES_OF_APRINTER[machine] in result["limits"]
+
+
 def test_arcs_and_warnings(capsys, unpacked):
     result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s", "--levelling", "skip")
     assert result["arcs"] == 7241

@@ -26,6 +26,26 @@ REQUIRED = {
     "scara",
     "dual-extruder",
     "multi-material",
+    # APrinter's examples; those of its two deltas are above
+    "radds",
+    "ramps-fd",
+    "four-pi",
+    "teensy3",
+    "ramps-13",
+    "melzi",
+    "stm32f407-discovery",
+    "stm32f429-discovery",
+    "linux-test",
+}
+CLOCKS = {
+    "Duet 0.6": 42_000_000,
+    "RADDS": 42_000_000,
+    "RAMPS-FD": 42_000_000,
+    "4pi": 96_000_000,
+    "Teensy 3.2": 72_000_000,
+    "STM32F407 Discovery": 84_000_000,
+    "STM32F429 Discovery": 84_000_000,
+    "Linux process": 50_000_000,
 }
 
 
@@ -37,12 +57,10 @@ def test_all_required_machines_are_shipped() -> None:
 def test_shipped_machine_loads_under_its_own_name(name: str) -> None:
     machine = config.load(name)
     assert machine.name == name
-    assert machine.board.clock_hz == (
-        42_000_000 if name in ("delta", "delta-probe") else 16_000_000
-    )
+    assert machine.board.clock_hz == CLOCKS.get(machine.board.name, 16_000_000)
     spec = machine.core_spec()
     assert len(spec["steppers"]) == len(machine.steppers)
-    assert [axis["letter"] for axis in spec["axes"]] == ["X", "Y", "Z"]
+    assert [axis["letter"] for axis in spec["axes"]][:3] == ["X", "Y", "Z"]
 
 
 def test_uuids_differ() -> None:

@@ -162,7 +162,8 @@ def _choice(question: str, known: list[str], default: str) -> str:
         answer = _answer(question, default) or default
         if answer in known:
             return answer
-        print(f"  There is no {answer!r}. {did_you_mean(answer, known)}")
+        hint = did_you_mean(answer, known) or f"Known here: {', '.join(known)}"
+        print(f"  There is no {answer!r}. {hint}")
 
 
 def _answer(question: str, default: object) -> str:

@@ -50,11 +50,15 @@ def schema() -> dict[str, Any]:
 
 def _relax(tables: dict[str, Any]) -> None:
     """Leaves out what the loader fills in: a board's keys from its `base`, pins of heaters and fans
-    from the board, and a sensor's values from its name."""
+    from the board, limits of an axis that is an extruder, and a sensor's values from its name."""
     required = tables["Board"]["required"]
     for name in _models(Board, {}):
         tables[name].pop("required", None)
     tables["Board"] |= {"if": {"not": {"required": ["base"]}}, "then": {"required": required}}
+    axis = tables["Axis"]
+    axis["required"].remove("max_mm")
+    extruder = {"properties": {"extruder": {"const": True}}, "required": ["extruder"]}
+    axis |= {"if": {"not": extruder}, "then": {"required": ["max_mm"]}}
     for model, given in _OF_THE_BOARD:
         table = tables[model.__name__]
         table["required"] = [name for name in table["required"] if name not in given]

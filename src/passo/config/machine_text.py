@@ -7,13 +7,12 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, cast
 
-from passo.config.findings import key_text
-
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 HIDDEN = '"(not shown)"'
 _SECRET_KEY = re.compile(r"pass(word|phrase|wd|code)?$|secret|token|credential|api_?key|^uuid$")
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _USER_IN_URL = re.compile(r"(?<=://)[^/@\s]*@")
 
 
@@ -27,6 +26,9 @@ def machine_text(machine: MachineConfig) -> str:
     boards and sensors included. Passwords, tokens, users in URLs and the UUID are not shown."""
     values = machine.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
     _add_kinds(values, machine.model_dump(mode="json"))
+    for name, axis in machine.axes.items():
+        if axis.extruder:  # the model fills in limits, which the file may not have
+            del cast("dict[str, dict[str, object]]", values["axes"])[name]["max_mm"]
     return "".join(f"{line}\n" for line in _lines(values, ()))
 
 
@@ -41,11 +43,12 @@ def _add_kinds(values: dict[str, object], whole: Mapping[str, object]) -> None:
             _add_kinds(content, of_whole)
 
 
-def _lines(values: Mapping[str, object], path: tuple[str | int, ...]) -> Iterator[str]:
+def _lines(values: Mapping[str, object], path: tuple[str, ...]) -> Iterator[str]:
     for key, value in values.items():
         here = (*path, key)
         if is_secret(key) or not isinstance(value, dict):
-            yield f"{key_text(here)} = {shown_toml(here, value)}"
+            written = (k if _BARE_KEY.fullmatch(k) else json.dumps(k) for k in here)
+            yield f"{'.'.join(written)} = {shown_toml(here, value)}"
         else:
             yield from _lines(cast("dict[str, object]", value), here)
 
