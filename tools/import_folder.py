@@ -10,7 +10,7 @@ from pathlib import Path
 
 from passo import config
 from passo.cli.tables import columns
-from passo.config.importing.klipper import imported
+from passo.config.importing.formats import imported
 from passo.errors import ConfigError
 
 

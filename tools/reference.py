@@ -7,6 +7,7 @@ from pathlib import Path
 from passo import catalogue_reference
 from passo.config import board_reference, machine_reference, sensor_names
 from passo.config.importing.klipper import reference as klipper_reference
+from passo.config.importing.marlin import reference as marlin_reference
 from passo.gcode import reference as command_reference
 from passo.toolchain import protocol_reference
 from passo.web import client_stub, http_reference, page_types
@@ -18,6 +19,7 @@ PAGES = {
     "gcode.md": command_reference.reference,
     "klipper-sections.md": klipper_reference.reference,
     "http.md": http_reference.reference,
+    "marlin-defines.md": marlin_reference.reference,
     "machine-file.md": machine_reference.reference,
     "protocol.md": protocol_reference.reference,
     "sensors.md": sensor_names.reference,

@@ -452,7 +452,7 @@ def test_includes_and_saved_values_count(tmp_path: Path) -> None:
         ("rotation_distance: 8", "rotation_distance: 0", "expected a number greater than 0"),
         ("gear_ratio: 80:20", "gear_ratio: 80:0", "expected pairs of teeth"),
         ("step_pin: PC2", "step_pin: <GND>", "expected a pin of a board"),
-        ("kinematics: cartesian", "kinematics: winch", "kinematics is 'winch'"),
+        ("kinematics: cartesian", "kinematics: winch", "the kind of machine is 'winch'"),
         ("max_accel: 3000", "max_accel: -1", "expected more than 0"),
         ("[printer]", "[include printer.cfg]\n[printer]", "include each other"),
         ("[printer]", "[include none.cfg]\n[printer]", "the included file 'none.cfg' is not in"),

@@ -22,14 +22,29 @@ IMPORT: Mapping[str, Entry] = {
         "the included file {value!r} is not in {limit}", "Copy it there, or remove the include"
     ),
     "import.size": _import(
-        "the files together have more than {limit} bytes", "Give the printer.cfg of one printer"
+        "the files together have more than {limit} bytes", "Give the configuration of one printer"
     ),
     "import.section": _import(
         "the section [{value}] is missing",
         "Give the whole configuration of a printer, not a part that others include",
     ),
+    "import.define": _import(
+        "{value} is not defined",
+        "Give Configuration.h of one printer; Configuration_adv.h is read if it is beside it",
+    ),
+    "import.board": _import(
+        "MOTHERBOARD is {value!r}: Passo has no file of this board; it has {limit}",
+        "Set MOTHERBOARD to a board that is wired alike, or write a board file",
+    ),
+    "import.endif": _import("{value} has no #if or #endif of its own", "Correct the line"),
+    "import.nest": _import(
+        "more than {limit} conditions are within each other", "Remove conditions around this line"
+    ),
+    "import.long-line": _import(
+        "the line has more than {limit} characters", "Shorten the line, or divide it"
+    ),
     "import.kinematics": _import(
-        "kinematics is {value!r}: Passo imports {limit}",
+        "the kind of machine is {value!r}: Passo imports {limit}",
         "Write a machine file by hand, from a shipped machine of this geometry if there is one",
     ),
 }

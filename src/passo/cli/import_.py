@@ -20,7 +20,9 @@ _HEADINGS = {"decide": "To decide", "changed": "Changed", "dropped": "Not taken 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the arguments of `passo import`."""
-    parser.add_argument("file", metavar="FILE", help="Klipper's printer.cfg")
+    parser.add_argument(
+        "file", metavar="FILE", help="Klipper's printer.cfg, or Marlin's Configuration.h"
+    )
     parser.add_argument(
         "--output",
         metavar="MACHINE.toml",
@@ -35,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Writes the machine file and prints the report. The status is 3 if the machine file still has
     problems. Raises ConfigError if FILE cannot be imported, and InputError of outputs."""
     from passo import config
-    from passo.config.importing.klipper import imported
+    from passo.config.importing.formats import imported
 
     source = Path(arguments.file)
     output = Path(arguments.output or f"{source.stem}.toml")

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import re
+import uuid
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from passo.config.machine_text import toml_value
+from passo.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 Value = str | float | int | bool | list["Value"] | dict[str, "Value"]
 KeyPath = tuple[str, ...]
 Fate = Literal["changed", "dropped", "decide"]
+_NAMES = uuid.UUID("6d6a3f0e-5a0c-5a5d-8f3e-3a4d1f6c2b11")
 
 
 class Place(NamedTuple):
@@ -36,6 +43,35 @@ class Remark(NamedTuple):
     text: str
 
 
+def bad(place: Place, key: str, value: str, limit: str) -> ConfigError:
+    """The error of a value that the file cannot mean."""
+    return ConfigError.of("config.value", place.file, place.line, key=key, value=value, limit=limit)
+
+
+def plain_name(name: str) -> str:
+    """A name of lower-case letters, digits, - and _."""
+    plain = re.sub(r"[^a-z0-9_-]+", "_", name.lower()).strip("_") or "part"
+    return plain if plain[0].isalpha() else f"n{plain}"
+
+
+class Other(NamedTuple):
+    """What becomes of a part of a configuration that no key comes from: Passo has it without a key,
+    or not at all (`lost`); and what that means for the owner."""
+
+    lost: bool
+    text: str
+
+
+def built_in(text: str) -> Other:
+    """What Passo has without a key."""
+    return Other(False, text)
+
+
+def lost(text: str) -> Other:
+    """What Passo does not have."""
+    return Other(True, text)
+
+
 @dataclass
 class Draft:
     """The keys of the machine file in the order in which they are written, each with its value and
@@ -50,6 +86,17 @@ class Draft:
         """Sets a key; None leaves it to the default."""
         if value is not None:
             self.keys[path] = (value, place)
+
+    def put_head(self, path: Path, name: str) -> None:
+        """The name, and what else a machine file begins with, of the configuration in a file."""
+        self.put(("name",), plain_name(name), None)
+        self.put(("uuid",), str(uuid.uuid5(_NAMES, str(path.resolve()))), None)
+        self.put(("author",), "passo import", None)
+        self.put(("description",), f"From {path.name}", None)
+
+    def other(self, place: Place, what: str, other: Other) -> None:
+        """Reports a part that no key comes from."""
+        (self.dropped if other.lost else self.changed)(place, what, other.text)
 
     def number(self, path: KeyPath) -> float:
         """The number at a key that was set to one. KeyError if the key was not set."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.importing.klipper.cfg import Section, bad
+from passo.config.importing.draft import bad
+from passo.config.importing.klipper.cfg import Section
 
 if TYPE_CHECKING:
     from passo.config.importing.klipper.conversion import Import

@@ -8,15 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from passo.config.importing.draft import Place
+from passo.config.importing.draft import Place, bad
+from passo.config.importing.sources import Sources
 from passo.errors import ConfigError
 
 _HEADER = re.compile(r"\[([^\]]*)\]")
 _OPTION = re.compile(r"([^\s:=][^:=]*?)\s*[:=]\s?(.*)")
 _INLINE = re.compile(r"\s;.*")
 _SAVED = "#*#"
-_MAX_BYTES = 4 << 20  # of all files together
-_MAX_DEPTH = 20
 
 
 @dataclass
@@ -77,11 +76,6 @@ class Section:
         return self.place._replace(default=True) if found is None else found.place
 
 
-def bad(place: Place, key: str, value: str, limit: str) -> ConfigError:
-    """The error of a value that the file cannot mean."""
-    return ConfigError.of("config.value", place.file, place.line, key=key, value=value, limit=limit)
-
-
 class Config:
     """All sections of a printer.cfg, in the order of the files. Options of a section that comes
     twice are merged; the last one wins. Raises ConfigError with file and line."""
@@ -89,7 +83,7 @@ class Config:
     def __init__(self, path: Path) -> None:
         self.sections: dict[str, Section] = {}
         self.comments: list[str] = []
-        self._bytes = 0
+        self._sources = Sources()
         self._read(path, ())
 
     def of(self, kind: str) -> list[Section]:
@@ -101,22 +95,7 @@ class Config:
         return self.sections.get(name)
 
     def _read(self, path: Path, within: tuple[Path, ...]) -> None:
-        real = path.resolve()
-        if real in within or len(within) == _MAX_DEPTH:
-            chain = " → ".join(one.name for one in (*within, real))
-            raise ConfigError.of("import.include", str(path), value=chain)
-        try:
-            if not path.is_file():
-                raise IsADirectoryError(21, "not a file")
-            raw = path.read_bytes()
-        except OSError as error:
-            raise ConfigError.of(
-                "config.unreadable", str(path), value=error.strerror or str(error)
-            ) from None
-        self._bytes += len(raw)
-        if self._bytes > _MAX_BYTES:
-            raise ConfigError.of("import.size", str(path), limit=_MAX_BYTES)
-        text = raw.decode("utf-8-sig", errors="replace")
+        text = self._sources.read(path, within)
         plain, _, saved = text.partition(f"\n{_SAVED}")
         self._take(plain, path, within, 1)
         lines = [line.removeprefix(_SAVED).removeprefix(" ") for line in saved.splitlines()]

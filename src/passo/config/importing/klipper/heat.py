@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.klipper.cfg import Section, bad
-from passo.config.importing.klipper.pins import plain_name
+from passo.config.importing.draft import bad, plain_name
+from passo.config.importing.klipper.cfg import Section
 from passo.config.sensor_names import values_of
 from passo.config.thermistor import ZERO_C, Ntc
 from passo.errors import ConfigError

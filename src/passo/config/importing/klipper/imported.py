@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import uuid
 from pathlib import Path
 
 from passo.config.importing.draft import Draft
@@ -14,9 +13,8 @@ from passo.config.importing.klipper.heat import put_heat
 from passo.config.importing.klipper.macros import put_macros
 from passo.config.importing.klipper.motion import put_motion
 from passo.config.importing.klipper.others import OPTIONS, OTHERS
-from passo.config.importing.klipper.pins import MAIN, Pins, clock_hz, plain_name
+from passo.config.importing.klipper.pins import MAIN, Pins, clock_hz
 
-_NAMES = uuid.UUID("6d6a3f0e-5a0c-5a5d-8f3e-3a4d1f6c2b11")
 _BAUD = 250_000
 # Options that say what Passo finds out by itself, or that have no meaning here.
 _SILENT = {
@@ -30,11 +28,7 @@ def imported(path: Path) -> Draft:
     read, of a kind of machine that Passo does not have, and of values that would be dangerous."""
     config, draft = Config(path), Draft()
     job = Import(config, draft, Pins(config, draft))
-    name = plain_name(path.stem)
-    draft.put(("name",), name, None)
-    draft.put(("uuid",), str(uuid.uuid5(_NAMES, str(path.resolve()))), None)
-    draft.put(("author",), "passo import", None)
-    draft.put(("description",), f"From {path.name}", None)
+    draft.put_head(path, path.stem)
     put_probe(job)
     probe = [key for key in draft.keys if key[0] == "probe"]
     put_motion(job)
@@ -91,7 +85,5 @@ def _remark_on_the_rest(job: Import) -> None:
         other = OTHERS.get(section.kind)
         if other is None:
             job.draft.dropped(section.place, f"[{name}]", "Passo does not have this part")
-        elif other.lost:
-            job.draft.dropped(section.place, f"[{name}]", other.text)
         else:
-            job.draft.changed(section.place, f"[{name}]", other.text)
+            job.draft.other(section.place, f"[{name}]", other)

@@ -6,7 +6,7 @@ import ast
 import re
 from typing import TYPE_CHECKING, cast
 
-from passo.config.importing.klipper.pins import plain_name
+from passo.config.importing.draft import plain_name
 from passo.config.macro_checks import KEPT, LETTERED, is_built_in
 from passo.config.types import COMMAND, VARIABLE
 

@@ -6,8 +6,9 @@ import math
 import re
 from typing import TYPE_CHECKING
 
+from passo.config.importing.draft import bad
 from passo.config.importing.klipper.bed import pair
-from passo.config.importing.klipper.cfg import Section, bad
+from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.filters import put_advance
 from passo.errors import ConfigError
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.klipper.cfg import Config, Option, Section, bad
+from passo.config.importing.draft import bad, plain_name
+from passo.config.importing.klipper.cfg import Config, Option, Section
 from passo.config.pin_names import bare, named_on
 
 if TYPE_CHECKING:
@@ -105,12 +106,6 @@ class Pins:
 def board_name(name: str) -> str:
     """The name of a further board in the machine file."""
     return plain_name(name) if name[:1].isalpha() else f"board-{plain_name(name)}"
-
-
-def plain_name(name: str) -> str:
-    """A name of lower-case letters, digits, - and _."""
-    plain = re.sub(r"[^a-z0-9_-]+", "_", name.lower()).strip("_") or "part"
-    return plain if plain[0].isalpha() else f"n{plain}"
 
 
 def clock_hz(comments: list[str]) -> int | None:

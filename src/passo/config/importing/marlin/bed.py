@@ -1,0 +1,280 @@
+"""The bed, the probe, and how the bed is levelled."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from passo.config.importing.draft import bad
+from passo.config.importing.marlin.derived import PROBES
+from passo.config.importing.marlin.motion import is_inverted, switch_pin
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.marlin.conversion import Job
+
+_TO_MM_S = 1 / 60
+_START_MM, _ABOVE_MM = 10.0, 3.0  # of a descent, and at least above where the probe triggers
+_LOWEST_MM = -2.0  # Marlin's Z_PROBE_LOW_POINT, below where the probe triggers
+_SERVO_DEG = (70, 0)
+_BY_HAND = "a probe that is fetched, turned or moved: set [probe] kind by hand"
+_THREADS = ("M3", "M4", "M5")
+
+
+def put_bed(job: Job) -> None:
+    """The printable area."""
+    put, defines = job.draft.put, job.defines
+    if job.kind == "delta":
+        reach = job.needed("PRINTABLE_RADIUS", "DELTA_PRINTABLE_RADIUS")
+        put(("bed", "round"), True, None)
+        put(("bed", "size_mm"), [2 * reach.value, 2 * reach.value], reach.place)
+        put(("bed", "center_mm"), [0.0, 0.0], None)
+        return
+    size = [defines.number(f"{axis}_BED_SIZE") for axis in "XY"]
+    sides = [one.value for one in size if one is not None]
+    if len(sides) < 2 or min(sides) <= 0:
+        return
+    place = job.place("X_BED_SIZE")
+    centre = [0.0, 0.0] if defines.on("BED_CENTER_AT_0_0") else [side / 2 for side in sides]
+    put(("bed", "size_mm"), [float(side) for side in sides], place)
+    put(("bed", "center_mm"), [*centre], place)
+
+
+def put_probe(job: Job) -> None:
+    """The probe. Sets `job.trigger_mm`, by which Z may be homed. Raises ConfigError."""
+    defines, put, path = job.defines, job.draft.put, ("probe",)
+    kind, define = _kind(job)
+    if define is None:
+        return
+    if kind is None:
+        job.decide(define, _BY_HAND)
+        return
+    put((*path, "kind"), kind, job.place(define))
+    offsets = defines.numbers("NOZZLE_TO_PROBE_OFFSET")
+    if offsets is None:
+        found = [
+            defines.number(f"{axis}_PROBE_OFFSET_FROM_EXTRUDER", f"{axis}_PROBE_OFFSET_FROM_NOZZLE")
+            for axis in "XYZ"
+        ]
+        offsets = [one for one in found if one is not None]
+    if kind == "manual" or len(offsets) < 3:
+        if kind != "manual":
+            job.decide(define, "the offset of the probe is not in the file: probe.offset_mm")
+    else:
+        put((*path, "offset_mm"), [offsets[0].value, offsets[1].value], offsets[0].place)
+    height = -offsets[2].value if len(offsets) > 2 and kind != "manual" else 0.0
+    clearance = defines.number("Z_CLEARANCE_BETWEEN_PROBES", "Z_PROBE_BETWEEN_HEIGHT")
+    start = clearance.value if clearance else _START_MM
+    place = clearance.place if clearance else None
+    put((*path, "start_mm"), round(max(start, height + _ABOVE_MM), 3), place)
+    speed = defines.number("XY_PROBE_FEEDRATE", "XY_PROBE_SPEED")
+    job.put((*path, "travel_mm_s"), speed, _TO_MM_S)
+    if kind == "manual":
+        return
+    _put_pin(job, path)
+    job.trigger_mm = height
+    put(
+        (*path, "trigger_height_mm"),
+        round(height, 4),
+        offsets[2].place if len(offsets) > 2 else None,
+    )
+    low = defines.number("Z_PROBE_LOW_POINT")
+    below = low.value if low and low.value < 0 else _LOWEST_MM
+    put((*path, "low_mm"), round(height + below, 4), low.place if low else None)
+    job.put(
+        (*path, "fast_mm_s"),
+        defines.number("Z_PROBE_FEEDRATE_FAST", "Z_PROBE_SPEED_FAST"),
+        _TO_MM_S,
+    )
+    job.put(
+        (*path, "slow_mm_s"),
+        defines.number("Z_PROBE_FEEDRATE_SLOW", "Z_PROBE_SPEED_SLOW"),
+        _TO_MM_S,
+    )
+    _put_samples(job, path)
+    if kind == "servo":
+        angles = defines.numbers("Z_SERVO_ANGLES") or []
+        down, up = [one.value for one in angles][:2] if len(angles) > 1 else _SERVO_DEG
+        put((*path, "deploy_deg"), down, angles[0].place if angles else None)
+        put((*path, "stow_deg"), up, angles[0].place if angles else None)
+    if kind == "bltouch" and defines.on("BLTOUCH_SET_5V_MODE"):
+        put((*path, "output"), "5v", job.place("BLTOUCH_SET_5V_MODE"))
+    if defines.on("PROBING_HEATERS_OFF") and job.hotends:
+        put((*path, "heaters_off"), [*job.hotends.values()], job.place("PROBING_HEATERS_OFF"))
+
+
+def _put_samples(job: Job, path: KeyPath) -> None:
+    """With two, Marlin descends fast, then slowly: as Passo always does."""
+    found = job.defines.number("MULTIPLE_PROBING", "Z_PROBE_REPETITIONS")
+    extra = job.defines.number("EXTRA_PROBING")
+    if found is None:
+        return
+    total = int(found.value) + (int(extra.value) if extra else 0)
+    job.draft.put((*path, "samples"), min(total, 50) if total > 2 else 1, found.place)
+
+
+def _kind(job: Job) -> tuple[str | None, str | None]:
+    """The kind of the probe and its define. A kind is None if Passo has none like it."""
+    defines = job.defines
+    for name, kind in (
+        ("BLTOUCH", "bltouch"),
+        ("Z_PROBE_SERVO_NR", "servo"),
+        ("FIX_MOUNTED_PROBE", "fixed"),
+        ("Z_PROBE_FIX_MOUNTED", "fixed"),
+        ("NOZZLE_AS_PROBE", "nozzle"),
+        ("PROBE_MANUALLY", "manual"),
+    ):
+        if defines.on(name) or (name == "Z_PROBE_SERVO_NR" and defines.first(name)):
+            return kind, name
+    other = next((name for name in PROBES if defines.on(name)), None)
+    if other is None and defines.on("MESH_BED_LEVELING"):
+        return "manual", "MESH_BED_LEVELING"
+    return None, other
+
+
+def _put_pin(job: Job, path: KeyPath) -> None:
+    defines, put = job.defines, job.draft.put
+    pins, board = job.pins, job.pins.board
+    own = pins.given("Z_MIN_PROBE_PIN")
+    shared = defines.on("Z_MIN_PROBE_USES_Z_MIN_ENDSTOP_PIN")
+    named = next((n for n in ("PROBE", "Z_PROBE") if n in board.pins), None)
+    if own is None and shared:
+        pin = switch_pin(job, "Z", "min")
+    elif own is None and named is None:
+        pin = None
+    else:
+        end = "Z_MIN_PROBE"
+        pull = "^" if defines.on("ENDSTOPPULLUPS", "ENDSTOPPULLUP_ZMIN_PROBE") else ""
+        pin = f"{'!' if is_inverted(job, end) else ''}{pull}{own or named}"
+    what = next(name for name in (_kind(job)[1],) if name is not None)
+    if pin is None:
+        limit = f"a pin of the board {board.name}"
+        raise bad(defines.place(what), "Z_MIN_PROBE_PIN", "missing", limit)
+    put((*path, "pin"), pin, None)
+    if job.draft.keys[(*path, "kind")][0] in ("bltouch", "servo"):
+        number = defines.number("Z_PROBE_SERVO_NR")
+        servo = f"SERVO{int(number.value) if number else 0}"
+        control = pins.given(f"{servo}_PIN") or (servo if servo in board.pins else None)
+        if control is None:
+            raise bad(defines.place(what), f"{servo}_PIN", "missing", f"a pin of {board.name}")
+        put((*path, "control_pin"), control, None)
+
+
+def put_levelling(job: Job) -> None:
+    """The correction of the bed, screws, and the motors that level the gantry. Raises
+    ConfigError."""
+    defines, put = job.defines, job.draft.put
+    mesh = ("AUTO_BED_LEVELING_BILINEAR", "AUTO_BED_LEVELING_UBL", "MESH_BED_LEVELING")
+    plane = ("AUTO_BED_LEVELING_LINEAR", "AUTO_BED_LEVELING_3POINT")
+    chosen = next((name for name in (*mesh, *plane) if defines.on(name)), None)
+    if chosen and any(key[0] == "probe" for key in job.draft.keys):
+        path, place = ("levelling",), job.place(chosen)
+        area = _area(job)
+        if chosen in plane:
+            put((*path, "method"), "linear", place)
+            put((*path, "points"), _grid_points(job, area), place)
+        else:
+            put((*path, "method"), "mesh", place)
+            put((*path, "area"), [*area], _area_place(job) or place)
+            count = [
+                defines.number(
+                    f"GRID_MAX_POINTS_{axis}", f"MESH_NUM_{axis}_POINTS", "GRID_MAX_POINTS"
+                )
+                for axis in "XY"
+            ]
+            counts = [int(one.value) for one in count if one is not None]
+            if len(counts) == 2:
+                put((*path, "count"), [*counts], count[0].place if count[0] else None)
+            smooth = defines.on("ABL_BILINEAR_SUBDIVISION")
+            put((*path, "interpolation"), "bicubic" if smooth else "bilinear", place)
+            fade = defines.number("DEFAULT_LEVELING_FADE_HEIGHT")
+            if fade is not None and fade.value:
+                job.changed(fade.name, f"set the fade of the mesh with M420 Z{fade.value:g}")
+    _put_screws(job)
+    _put_motors(job)
+
+
+def _area_place(job: Job) -> Any:
+    name = job.defines.first("PROBING_MARGIN", "MIN_PROBE_EDGE", "MESH_INSET")
+    return job.defines.place(name) if name else None
+
+
+def _area(job: Job) -> list[float]:
+    """The rectangle between the margins that the probe gets to."""
+    defines, keys = job.defines, job.draft.keys
+    margin = defines.number("PROBING_MARGIN", "MIN_PROBE_EDGE", "MESH_INSET")
+    edge = margin.value if margin else 10.0
+    offset = keys.get(("probe", "offset_mm"), ([0.0, 0.0], None))[0]
+    assert isinstance(offset, list)
+    low_corner, high_corner = list[float](), list[float]()
+    for index, axis in enumerate("xy"):
+        low, high = (job.draft.number(("axes", axis, key)) for key in ("min_mm", "max_mm"))
+        shift = offset[index]
+        assert isinstance(shift, int | float)
+        size = keys.get(("bed", "size_mm"))
+        begin, end = low, high
+        if size is not None and isinstance(size[0], list):
+            middle = keys["bed", "center_mm"][0]
+            assert isinstance(middle, list)
+            width, centre = size[0][index], middle[index]
+            assert isinstance(width, int | float) and isinstance(centre, int | float)
+            begin, end = centre - width / 2, centre + width / 2
+        low_corner.append(round(max(begin + edge, low + shift, low), 3))
+        high_corner.append(round(min(end - edge, high + shift, high), 3))
+    if job.kind == "delta":  # the square within the circle
+        side = round((job.draft.number(("geometry", "limit_radius")) - edge) / 2**0.5, 1)
+        return [-side, -side, side, side]
+    return [*low_corner, *high_corner]
+
+
+def _grid_points(job: Job, area: list[float]) -> list[Any]:
+    x0, y0, x1, y1 = area
+    return (
+        [{"x": x, "y": y} for x, y in ((x0, y0), (x1, y0), (round((x0 + x1) / 2, 3), y1))]
+        if job.defines.on("AUTO_BED_LEVELING_3POINT")
+        else [{"x": x, "y": y} for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))]
+    )
+
+
+def _put_screws(job: Job) -> None:
+    if not job.defines.on("ASSISTED_TRAMMING"):
+        return
+    places = job.defines.pairs("TRAMMING_POINT_XY") or []
+    thread = job.defines.text("TRAMMING_SCREW_THREAD") or "M3_CW"
+    size, _, way = thread.partition("_")
+    path, place = ("levelling", "screws"), job.place("ASSISTED_TRAMMING")
+    if size in _THREADS and way in ("CW", "CCW"):
+        job.draft.put((*path, "thread"), f"{size} {way.lower()}", place)
+    screws: list[Any] = []
+    for number, (x, y) in enumerate(places, 1):
+        name = job.defines.text(f"TRAMMING_POINT_NAME_{number}") or f"screw {number}"
+        screws.append({"name": name, "x": x, "y": y})
+    job.draft.put((*path, "places"), screws, place)
+
+
+def _put_motors(job: Job) -> None:
+    if not job.defines.on("Z_STEPPER_AUTO_ALIGN"):
+        return
+    pivots = job.defines.pairs("Z_STEPPER_ALIGN_STEPPER_XY")
+    points = job.defines.pairs("Z_STEPPER_ALIGN_XY")
+    motors = [
+        key[1]
+        for key in job.draft.keys
+        if key[0] == "steppers" and key[2] == "steps_per_mm" and key[1][0] == "z"
+    ]
+    if not points or len(pivots or points) != len(motors):
+        text = "give pivots and points in [levelling.motors], for G34"
+        job.decide("Z_STEPPER_AUTO_ALIGN", text)
+        return
+    path, place = ("levelling", "motors"), job.place("Z_STEPPER_AUTO_ALIGN")
+    if pivots is None:
+        job.decide(
+            "Z_STEPPER_AUTO_ALIGN",
+            "levelling.motors.pivots are the places of the probe here: give where the motors carry",
+        )
+    for motor, (x, y) in zip(motors, pivots or points, strict=True):
+        job.draft.put((*path, "pivots", motor), [x, y], place)
+    job.draft.put((*path, "points"), [{"x": x, "y": y} for x, y in points], place)
+    job.put((*path, "tolerance_mm"), job.defines.number("Z_STEPPER_ALIGN_ACC"))
+    rounds = job.defines.number("Z_STEPPER_ALIGN_ITERATIONS")
+    if rounds is not None:
+        job.draft.put((*path, "retries"), int(rounds.value), rounds.place)

@@ -1,0 +1,123 @@
+"""Marlin's names of boards, and its pins on Passo's board files."""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, NamedTuple
+
+from passo.config.board_files import load_board
+from passo.config.importing.draft import bad
+from passo.errors import ConfigError
+
+if TYPE_CHECKING:
+    from passo.config.board import Board, Function
+    from passo.config.importing.marlin.defines import Defines
+
+_RAMPS = ("RAMPS_OLD", "RAMPS_13", "RAMPS_14", "RAMPS_14_RE_ARM", "RAMPS_PLUS")
+# Marlin's letters of what is on D10, D9 and D8, and MK4duo's.
+_ON_RAMPS = {
+    "EFB": "HFB",
+    "EEB": "HHB",
+    "EFF": "HFF",
+    "EEF": "HHF",
+    **{name: name for name in ("HFB", "HHB", "HFF", "HHF", "HHH")},
+}
+
+
+class KnownBoard(NamedTuple):
+    """A board file, and the variant of it."""
+
+    base: str
+    variant: str | None = None
+
+
+BOARDS: dict[str, KnownBoard] = {
+    **{
+        f"{ramps}_{letters}": KnownBoard("ramps", variant)
+        for ramps in _RAMPS
+        for letters, variant in _ON_RAMPS.items()
+    },
+    "MKS_GEN_13": KnownBoard("mks-gen"),
+    "MKS_BASE": KnownBoard("mks-gen"),
+    "MKS_GEN_L": KnownBoard("mks-gen"),
+    "MKS_GEN_L_V2": KnownBoard("mks-gen-l"),
+    "MKS_GEN_L_V21": KnownBoard("mks-gen-l"),
+    "MELZI": KnownBoard("melzi"),
+    "MELZI_V2": KnownBoard("melzi"),
+    "MELZI_CREALITY": KnownBoard("melzi"),
+    "MELZI_MALYAN": KnownBoard("melzi"),
+    "MELZI_TRONXY": KnownBoard("melzi"),
+    "RADDS": KnownBoard("radds"),
+    "RAMPS_FD_V1": KnownBoard("ramps-fd"),
+    "RAMPS_FD_V2": KnownBoard("ramps-fd"),
+}
+
+
+def known_board(defines: Defines) -> KnownBoard:
+    """The board file of MOTHERBOARD. Raises ConfigError with the nearest names if there is none."""
+    written = defines.text("MOTHERBOARD")
+    if written is None:
+        raise ConfigError.of("import.define", str(defines.files[0]), value="MOTHERBOARD")
+    place = defines.place("MOTHERBOARD")
+    name = written.removeprefix("BOARD_")
+    if name not in BOARDS:
+        near = get_close_matches(name, BOARDS, 3, 0.5)
+        limit = ", ".join(near) or f"for example {', '.join(sorted(BOARDS)[:3])}"
+        raise ConfigError.of("import.board", place.file, place.line, value=written, limit=limit)
+    return BOARDS[name]
+
+
+class Pins:
+    """The pins of a board file, by the names in a configuration of Marlin."""
+
+    def __init__(self, defines: Defines, known: KnownBoard) -> None:
+        self._defines = defines
+        self.board: Board = load_board(known.base)
+        variant = known.variant or self.board.variant
+        self.functions: dict[str, Function] = (
+            self.board.variants[variant] if variant else self.board.functions
+        )
+
+    def given(self, *names: str, analog: bool = False) -> str | None:
+        """The pin that the configuration itself gives by one of these defines; None if it gives
+        none, or -1. Raises ConfigError of a name that the board does not have."""
+        name = self._defines.first(*names)
+        if name is None:
+            return None
+        written = self._defines.text(name) or ""
+        if written in ("-1", "P_NC", "NC"):
+            return None
+        pin = self._board_name(written, analog)
+        if pin is None:
+            limit = f"a pin of the board {self.board.name}"
+            raise bad(self._defines.place(name), name, written[:40], limit)
+        return pin
+
+    def _board_name(self, written: str, analog: bool) -> str | None:
+        names = [written]
+        if written.isdigit():
+            names = [f"{'A' if analog else 'D'}{written}", f"D{written}"]
+        elif match := re.fullmatch(r"P(\d)_0*(\d+)", written):
+            names = [f"P{match[1]}.{match[2]}"]
+        elif (other := self._defines.text_of(written)) is not None and other != written:
+            names = [other]
+        chip = self.board.chip
+        known = {*self.board.pins, *self.board.pins.values(), *(chip.pins if chip else ())}
+        loose = not self.board.numbering and re.fullmatch(r"P[A-K]\d+|P\d\.\d+|GP\d+", names[0])
+        return next((name for name in names if name in known or loose), None)
+
+    def endstop(self, letter: str, direction: str) -> str | None:
+        """The board's endstop for an end of an axis."""
+        for name in (f"{letter.upper()}_{direction.upper()}", f"{letter.upper()}_STOP"):
+            if name in self.board.endstops:
+                return name
+        return None
+
+    def socket(self, name: str) -> str | None:
+        """The socket of a motor: X, Y, Z, or E and a number."""
+        if not name.startswith("E"):
+            return name if name in self.board.sockets else None
+        sockets = [one for one in self.board.sockets if re.fullmatch("E[0-9]*", one)]
+        index = int(name[1:] or 0)
+        return sockets[index] if index < len(sockets) else None

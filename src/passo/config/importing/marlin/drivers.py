@@ -1,0 +1,101 @@
+"""The drivers of motors, with the registers of those that have some."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, get_args
+
+from passo.config.drivers import DriverName
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.marlin.conversion import Job
+    from passo.config.importing.marlin.defines import Read
+
+_KNOWN: tuple[str, ...] = get_args(DriverName)
+_UART = ("TMC2208", "TMC2209")
+_SPI = ("TMC2130", "TMC5160")
+_SETTABLE = (*_UART, *_SPI)
+_OWN_TIMES = {"POLOLU": "A4988", "TMC26X": "TMC2660", "A5984": "A5984"}
+_ALWAYS_MM_S = 1e6  # no motor is faster: silent at any speed
+
+
+def put_driver(job: Job, path: KeyPath, name: str, steps: Read) -> None:
+    """The driver of a motor, by Marlin's name of it: X, Z2, E0."""
+    defines, put = job.defines, job.draft.put
+    first = name if name.startswith("E") else name[0]
+    define = defines.first(f"{name}_DRIVER_TYPE", f"{first}_DRIVER_TYPE")
+    if define is None:
+        return
+    written = defines.text(define) or ""
+    kind = written.removesuffix("_STANDALONE")
+    kind = _OWN_TIMES.get(kind, kind)
+    if kind not in _KNOWN:
+        text = f"Passo does not know the driver {written}: it has the times of an A4988"
+        job.changed(define, text)
+        return
+    put((*path, "driver"), kind, defines.place(define))
+    if written.endswith("_STANDALONE") or kind not in _SETTABLE:
+        return
+    current = defines.number(f"{name}_CURRENT", f"{first}_CURRENT")
+    pins = _pins(job, name, kind)
+    if current is None or not pins:
+        what = "its current" if current is None else "the pins that set it"
+        text = f"Passo does not know {what}: give steppers.{path[-1]}.tmc, or it runs as wired"
+        job.decide(define, text)
+        return
+    tmc = (*path, "tmc")
+    job.put((*tmc, "run_current_a"), current, 1e-3)
+    hold = defines.number("HOLD_MULTIPLIER")
+    if hold is not None and hold.value > 0:
+        put((*tmc, "hold_current_a"), round(current.value * hold.value / 1000, 4), hold.place)
+    job.put((*tmc, "sense_resistor_ohm"), defines.number(f"{name}_RSENSE", f"{first}_RSENSE"))
+    microsteps = defines.number(f"{name}_MICROSTEPS", f"{first}_MICROSTEPS")
+    if microsteps is not None:
+        put((*path, "microsteps"), int(microsteps.value), microsteps.place)
+    if not defines.on("INTERPOLATE") and "INTERPOLATE" in defines.found:
+        put((*tmc, "interpolate"), False, job.place("INTERPOLATE"))
+    address = defines.number(f"{name}_SLAVE_ADDRESS")
+    if address is not None and address.value and kind == "TMC2209":
+        put((*tmc, "address"), int(address.value), address.place)
+    for key, pin in pins.items():
+        put((*tmc, key), pin, None)
+    _put_silence(job, tmc, name)
+
+
+def _put_silence(job: Job, tmc: KeyPath, name: str) -> None:
+    defines, first = job.defines, name[0]
+    group = "STEALTHCHOP_XY" if first in "XY" else f"STEALTHCHOP_{first}"
+    if not defines.on(group):
+        return
+    limit = defines.number(f"{name}_HYBRID_THRESHOLD", f"{name[:2]}_HYBRID_THRESHOLD")
+    if defines.on("HYBRID_THRESHOLD") and limit is not None:
+        job.put((*tmc, "stealthchop_below_mm_s"), limit)
+    else:
+        job.draft.put((*tmc, "stealthchop_below_mm_s"), _ALWAYS_MM_S, job.place(group))
+
+
+def _pins(job: Job, name: str, kind: str) -> dict[str, str]:
+    """The pins that set a driver, of the configuration or of the board file; empty if not
+    known."""
+    pins, names = job.pins, job.pins.board.pins
+    if kind in _UART:
+        send = pins.given(f"{name}_SERIAL_TX_PIN")
+        receive = pins.given(f"{name}_SERIAL_RX_PIN") or send
+        if receive is None:
+            wire = f"{name}_UART" if f"{name}_UART" in names else f"{name[:1]}_UART"
+            return {"uart_pin": wire} if wire in names else {}
+        return {"uart_pin": receive} | ({"tx_pin": send} if send and send != receive else {})
+    select = pins.given(f"{name}_CS_PIN")
+    found = {
+        key: pins.given(f"TMC_{define}") or (f"TMC_{board}" if f"TMC_{board}" in names else None)
+        for key, define, board in (
+            ("clock_pin", "SW_SCK", "SCK"),
+            ("mosi_pin", "SW_MOSI", "MOSI"),
+            ("miso_pin", "SW_MISO", "MISO"),
+        )
+    }
+    socket = pins.board.sockets.get(pins.socket(name) or "")
+    known = {key: pin for key, pin in found.items() if pin}
+    if len(known) < 3 or not (select or (socket and socket.select)):
+        return {}
+    return known | ({"cs_pin": select} if select else {})

@@ -1,0 +1,285 @@
+"""Expressions of C as configurations have them: arithmetic, comparisons, and Marlin's own tests
+such as ENABLED(). Nothing is compiled or run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import NamedTuple, Protocol
+
+_TOKEN = re.compile(
+    r"\s*(?:(0[xX][0-9a-fA-F]+|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)[fFuUlL]*"
+    r"|([A-Za-z_]\w*)|(&&|\|\||==|!=|<=|>=|<<|>>|[-+*/%<>!~&|^?:(),])|(\S))"
+)
+_LEVELS = (
+    ("||",),
+    ("&&",),
+    ("|",),
+    ("^",),
+    ("&",),
+    ("==", "!="),
+    ("<", "<=", ">", ">="),
+    ("<<", ">>"),
+    ("+", "-"),
+    ("*", "/", "%"),
+)
+_CASTS = {"double", "float", "int", "long", "int8_t", "int16_t", "int32_t", "uint8_t", "uint16_t"}
+_CONSTANTS = {"true": 1, "false": 0, "HIGH": 1, "LOW": 0}
+_MAX_STEPS = 2000  # of one expression with all that its names stand for
+_MAX_DEPTH = 40
+_MAX_TOKENS = 500
+
+Number = int | float
+
+
+class Unreadable(Exception):
+    """The text is not an expression that can be read here; `names` are those that it does not
+    know."""
+
+    def __init__(self, *names: str) -> None:
+        super().__init__(*names)
+        self.names = names
+
+
+class Names(Protocol):
+    """What an expression asks about the names in it."""
+
+    def text_of(self, name: str) -> str | None:
+        """What the name stands for; None if it is not defined."""
+        ...
+
+    def is_on(self, name: str) -> bool:
+        """Whether the option is enabled."""
+        ...
+
+    def derived(self, name: str, argument: str | None) -> Number | None:
+        """The value of what Marlin derives from its options; None if that is not known here."""
+        ...
+
+
+class _Token(NamedTuple):
+    kind: str  # number, name, sign
+    text: str
+
+
+def _tokens(text: str) -> list[_Token]:
+    tokens: list[_Token] = []
+    for match in _TOKEN.finditer(text):
+        number, name, sign, other = match.groups()
+        if other is not None or len(tokens) == _MAX_TOKENS:
+            raise Unreadable
+        kind = "number" if number else "name" if name else "sign"
+        tokens.append(_Token(kind, number or name or sign))
+    return tokens
+
+
+def value_of(text: str, names: Names) -> Number:
+    """The value of an expression, with C's division of whole numbers. Raises Unreadable, also of a
+    name that is not known."""
+    return _Reader(names).value(text, 0)
+
+
+class _Reader:
+    """Evaluates by recursive descent. All expressions that names stand for count as one."""
+
+    def __init__(self, names: Names) -> None:
+        self._names = names
+        self._steps = 0
+        self._tokens: list[_Token] = []
+        self._at = 0
+        self._depth = 0
+
+    def value(self, text: str, depth: int) -> Number:
+        """The value of a whole text."""
+        outer = self._tokens, self._at, self._depth
+        self._tokens, self._at, self._depth = _tokens(text), 0, depth
+        result = self._choice()
+        if self._at != len(self._tokens):
+            raise Unreadable
+        self._tokens, self._at, self._depth = outer
+        return result
+
+    def _peek(self) -> str:
+        return self._tokens[self._at].text if self._at < len(self._tokens) else ""
+
+    def _take(self) -> _Token:
+        self._steps += 1
+        if self._at >= len(self._tokens) or self._steps > _MAX_STEPS:
+            raise Unreadable
+        self._at += 1
+        return self._tokens[self._at - 1]
+
+    def _expect(self, sign: str) -> None:
+        if self._take().text != sign:
+            raise Unreadable
+
+    def _choice(self) -> Number:
+        self._depth += 1
+        if self._depth > _MAX_DEPTH:
+            raise Unreadable
+        condition = self._binary(0)
+        if self._peek() == "?":
+            self._take()
+            first = self._choice()
+            self._expect(":")
+            second = self._choice()
+            condition = first if condition else second
+        self._depth -= 1
+        return condition
+
+    def _binary(self, level: int) -> Number:
+        if level == len(_LEVELS):
+            return self._unary()
+        left = self._binary(level + 1)
+        while self._peek() in _LEVELS[level]:
+            sign = self._take().text
+            left = _applied(sign, left, self._binary(level + 1))
+        return left
+
+    def _unary(self) -> Number:
+        signs: list[str] = []
+        while self._peek() in ("-", "+", "!", "~"):
+            signs.append(self._take().text)
+        value = self._primary()
+        for sign in reversed(signs):
+            if sign == "-":
+                value = -value
+            elif sign == "!":
+                value = int(not value)
+            elif sign == "~":
+                value = ~int(value)
+        return value
+
+    def _primary(self) -> Number:
+        token = self._take()
+        if token.kind == "number":
+            return _number(token.text)
+        if token.text == "(":
+            return self._within()
+        if token.kind != "name":
+            raise Unreadable
+        if token.text == "defined":
+            bracketed = self._peek() == "("
+            if bracketed:
+                self._take()
+            name = self._take().text
+            if bracketed:
+                self._expect(")")
+            return int(self._names.text_of(name) is not None)
+        if self._peek() == "(":
+            self._take()
+            if token.text in _CASTS:
+                value = self._within()
+                return float(value) if token.text in ("double", "float") else int(value)
+            return self._called(token.text)
+        return self._named(token.text)
+
+    def _within(self) -> Number:
+        value = self._choice()
+        self._expect(")")
+        return value
+
+    def _named(self, name: str) -> Number:
+        text = self._names.text_of(name)
+        if text is not None:
+            return self.value(text, self._depth + 1)
+        if name in _CONSTANTS:
+            return _CONSTANTS[name]
+        found = self._names.derived(name, None)
+        if found is None:
+            raise Unreadable(name)
+        return found
+
+    def _called(self, function: str) -> Number:
+        if function in ("TERN", "TERN_"):
+            on = self._names.is_on(self._take().text)
+            values: list[Number] = []
+            while self._take().text == ",":
+                values.append(self._choice())
+            return (values[0] if on else values[1]) if len(values) == 2 else 0
+        arguments: list[str] = []
+        while self._peek() != ")":
+            arguments.append(self._take().text)
+            if self._peek() == ",":
+                self._take()
+        self._take()
+        on = [self._names.is_on(name) for name in arguments]
+        tests: Mapping[str, bool] = {
+            **dict.fromkeys(("ENABLED", "ANY", "EITHER"), any(on)),
+            **dict.fromkeys(("ALL", "BOTH"), all(on)),
+            **dict.fromkeys(("DISABLED", "NONE"), not any(on)),
+        }
+        if function in tests:
+            return int(tests[function])
+        found = self._names.derived(function, arguments[0] if arguments else "")
+        if found is None:
+            raise Unreadable(f"{function}()")
+        return found
+
+
+def _number(text: str) -> Number:
+    if text[:2].lower() == "0x":
+        return int(text, 16)
+    return int(text) if text.isdigit() else float(text)
+
+
+def _applied(sign: str, left: Number, right: Number) -> Number:
+    whole = isinstance(left, int) and isinstance(right, int)
+    match sign:
+        case "+":
+            result = left + right
+        case "-":
+            result = left - right
+        case "*":
+            result = left * right
+        case "/" | "%":
+            result = _divided(sign, left, right)
+        case "==":
+            return int(left == right)
+        case "!=":
+            return int(left != right)
+        case "<":
+            return int(left < right)
+        case "<=":
+            return int(left <= right)
+        case ">":
+            return int(left > right)
+        case ">=":
+            return int(left >= right)
+        case "&&":
+            return int(bool(left) and bool(right))
+        case "||":
+            return int(bool(left) or bool(right))
+        case _:
+            result = _bitwise(sign, int(left), int(right))
+    if abs(result) > 1e18:
+        raise Unreadable
+    return int(result) if whole else result
+
+
+def _divided(sign: str, left: Number, right: Number) -> Number:
+    """Whole numbers are cut towards 0."""
+    if not right:
+        raise Unreadable
+    if isinstance(left, int) and isinstance(right, int):
+        quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
+        return quotient if sign == "/" else left - quotient * right
+    if sign == "%":
+        raise Unreadable
+    return left / right
+
+
+def _bitwise(sign: str, left: int, right: int) -> int:
+    if sign in ("<<", ">>") and not 0 <= right <= 31:
+        raise Unreadable
+    match sign:
+        case "<<":
+            return left << right
+        case ">>":
+            return left >> right
+        case "&":
+            return left & right
+        case "|":
+            return left | right
+        case _:
+            return left ^ right

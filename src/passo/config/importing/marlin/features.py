@@ -1,0 +1,132 @@
+"""Parts of a configuration beside motion, heat and bed: shaping, parking, power, laser, display."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.shapers import SHAPER_TYPES
+
+if TYPE_CHECKING:
+    from passo.config.importing.marlin.conversion import Job
+
+_FIXED_TIME = {"2HEI": "2hump_ei", "3HEI": "3hump_ei"}
+_FULL_SCALES = {"PWM255": 255.0, "PERCENT": 100.0, "SERVO": None, "RPM": None}
+_DISPLAYS = {
+    "REPRAP_DISCOUNT_SMART_CONTROLLER": "reprap-discount-smart",
+    "REPRAP_DISCOUNT_FULL_GRAPHIC_SMART_CONTROLLER": "reprap-discount-full-graphic",
+}
+
+
+def put_features(job: Job) -> None:
+    """All of them. Raises ConfigError."""
+    _put_shapers(job)
+    _put_idle(job)
+    _put_park(job)
+    _put_mains(job)
+    _put_laser(job)
+
+
+def _put_shapers(job: Job) -> None:
+    """Input shaping is a ZV shaper, with Marlin's damping ratio. That of fixed-time motion counts
+    if the machine starts in this mode."""
+    defines, put = job.defines, job.draft.put
+    fixed = defines.on("FT_MOTION", "FTM_IS_DEFAULT_MOTION") and defines.on("FTM_IS_DEFAULT_MOTION")
+    for axis in "xyz":
+        letter, path = axis.upper(), ("shaping", axis)
+        if defines.on(f"INPUT_SHAPING_{letter}"):
+            frequency = defines.number(f"SHAPING_FREQ_{letter}")
+            if frequency is None or frequency.value <= 0:
+                continue
+            put((*path, "type"), "zv", job.place(f"INPUT_SHAPING_{letter}"))
+            job.put((*path, "frequency_hz"), frequency)
+            job.put((*path, "damping"), defines.number(f"SHAPING_ZETA_{letter}"))
+        elif fixed:
+            written = defines.text(f"FTM_DEFAULT_SHAPER_{letter}") or ""
+            word = written.rpartition("_")[2]
+            kind = _FIXED_TIME.get(word, word.lower())
+            frequency = defines.number(
+                f"FTM_SHAPING_DEFAULT_FREQ_{letter}", f"FTM_SHAPING_DEFAULT_{letter}_FREQ"
+            )
+            if kind not in SHAPER_TYPES or frequency is None or frequency.value <= 0:
+                continue
+            put((*path, "type"), kind, job.place(f"FTM_DEFAULT_SHAPER_{letter}"))
+            job.put((*path, "frequency_hz"), frequency)
+            job.put((*path, "damping"), defines.number(f"FTM_SHAPING_ZETA_{letter}"))
+
+
+def _put_idle(job: Job) -> None:
+    found = job.defines.number("DEFAULT_STEPPER_TIMEOUT_SEC", "DEFAULT_STEPPER_DEACTIVE_TIME")
+    job.put(("idle", "motors_off_s"), found)
+
+
+def _put_park(job: Job) -> None:
+    defines = job.defines
+    if not defines.on("NOZZLE_PARK_FEATURE"):
+        return
+    point = defines.numbers("NOZZLE_PARK_POINT")
+    if point is None or len(point) < 3:
+        return
+    path, place = ("park",), point[0].place
+    job.draft.put((*path, "position_mm"), [float(one.value) for one in point[:2]], place)
+    if point[2].value >= 0:
+        job.put((*path, "raise_mm"), point[2])
+    job.put((*path, "speed_mm_s"), defines.number("NOZZLE_PARK_XY_FEEDRATE"))
+    if defines.on("ADVANCED_PAUSE_FEATURE"):
+        job.put((*path, "retract_mm"), defines.number("PAUSE_PARK_RETRACT_LENGTH"))
+        job.put((*path, "retract_mm_s"), defines.number("PAUSE_PARK_RETRACT_FEEDRATE"))
+
+
+def _put_mains(job: Job) -> None:
+    defines = job.defines
+    name = defines.first("PSU_CONTROL", "POWER_SUPPLY")
+    supply = defines.number("POWER_SUPPLY")
+    if name is None or (name == "POWER_SUPPLY" and (supply is None or not supply.value)):
+        return
+    given = job.pins.given("PS_ON_PIN")
+    pin = given or ("PS_ON" if "PS_ON" in job.pins.board.pins else None)
+    if pin is None:
+        job.decide(name, "the pin that switches the power supply is not known: [mains] pin")
+        return
+    state = defines.text("PSU_ACTIVE_STATE", "PSU_ACTIVE_HIGH")
+    low = state in (None, "LOW", "0", "false") and not (supply and supply.value == 2)
+    job.draft.put(("mains", "pin"), f"{'!' if low else ''}{pin}", defines.place(name))
+    if defines.on("PSU_DEFAULT_OFF", "PS_DEFAULT_OFF"):
+        place = job.place("PSU_DEFAULT_OFF", "PS_DEFAULT_OFF")
+        job.draft.put(("mains", "on_at_start"), False, place)
+
+
+def _put_laser(job: Job) -> None:
+    defines = job.defines
+    name = next((n for n in ("LASER_FEATURE", "SPINDLE_FEATURE", "LASER") if defines.on(n)), None)
+    if name is None:
+        return
+    pin = job.pins.given("SPINDLE_LASER_PWM_PIN")
+    if pin is None:
+        job.decide(name, "the output of the laser is not in the file: [laser] pin")
+        return
+    job.draft.put(("laser", "pin"), pin, job.place("SPINDLE_LASER_PWM_PIN"))
+    unit = defines.text("CUTTER_POWER_UNIT") or "PWM255"
+    scale = _FULL_SCALES.get(unit)
+    if scale is None:
+        job.put(("laser", "full_scale"), defines.number("SPEED_POWER_MAX"))
+    else:
+        place = job.place("CUTTER_POWER_UNIT") if "CUTTER_POWER_UNIT" in defines.found else None
+        job.draft.put(("laser", "full_scale"), scale, place)
+
+
+def put_board(job: Job, base: str, variant: str | None) -> None:
+    """The board, with the display that it has, and how it is connected."""
+    defines, put, place = job.defines, job.draft.put, job.place("MOTHERBOARD")
+    put(("board", "base"), base, place)
+    put(("board", "variant"), variant, place)
+    for name, display in _DISPLAYS.items():
+        if defines.on(name) and display in job.pins.board.displays:
+            put(("board", "fitted"), [display], job.place(name))
+        elif defines.first(name):
+            job.dropped(name, "the display stays dark on this board")
+    text = "the board is simulated until [board] has link and port"
+    if job.pins.board.is_klippers:
+        text += ". It needs the firmware of Klipper"
+    else:
+        text += ". It needs Passo's firmware: passo flash"
+    job.draft.decide(place, "MOTHERBOARD", text)

@@ -1,0 +1,83 @@
+"""Configuration.h as a draft of a machine file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.importing.draft import Draft
+from passo.config.importing.marlin.bed import put_bed, put_levelling, put_probe
+from passo.config.importing.marlin.boards import Pins, known_board
+from passo.config.importing.marlin.conversion import Job
+from passo.config.importing.marlin.defines import read
+from passo.config.importing.marlin.features import put_board, put_features
+from passo.config.importing.marlin.heat import count_extruders, put_heat
+from passo.config.importing.marlin.motion import put_motion
+from passo.config.importing.marlin.others import OTHERS, is_silent
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_MK4DUO = ("Basic", "Overall", "Cartesian", "Core", "Delta", "Mechanics", "Motor_Driver")
+_MK4DUO_FILES = (*_MK4DUO, "Temperature", "Feature", "Pins")
+_OFF = ("0", "false", "-1")
+
+
+def imported(path: Path) -> Draft:
+    """The machine file of a Configuration.h with the files beside it, and remarks. Raises
+    ConfigError of a file that cannot be read, of a kind of machine that Passo does not have, and of
+    values that would be dangerous."""
+    mk4duo = path.stem.endswith(tuple(f"Configuration_{name}" for name in _MK4DUO))
+    if mk4duo:
+        stem = path.stem.rpartition("Configuration_")[0]
+        beside = [f"{stem}Configuration_{name}{path.suffix}" for name in _MK4DUO_FILES]
+    else:
+        beside = [f"{path.stem}_adv{path.suffix}"]
+    defines, draft = read(path, beside), Draft()
+    known = known_board(defines)
+    job = Job(defines, draft, Pins(defines, known), mk4duo or "MECHANISM" in defines.found)
+    draft.put_head(path, defines.text("CUSTOM_MACHINE_NAME") or path.stem)
+    _put_all(job)
+    put_board(job, known.base, known.variant)
+    _remark_on_the_rest(job)
+    return draft
+
+
+def _put_all(job: Job) -> None:
+    """In the order of other machine files. The probe is read before the axes, since it may home
+    Z."""
+    draft = job.draft
+    count_extruders(job)
+    put_probe(job)
+    probe = [key for key in draft.keys if key[0] == "probe"]
+    put_motion(job)
+    put_bed(job)
+    for key in probe:
+        draft.keys[key] = draft.keys.pop(key)
+    put_levelling(job)
+    put_heat(job)
+    put_features(job)
+
+
+def _remark_on_the_rest(job: Job) -> None:
+    """Reports the options that nothing has read: those that are known by their names one by one,
+    all others together."""
+    defines, draft = job.defines, job.draft
+    for name, other in OTHERS.items():
+        found = defines.found.get(name)
+        if found is not None and found[0] not in _OFF and name not in defines.used:
+            draft.other(found[1], name, other)
+    rest = [
+        name
+        for name, (text, _) in defines.found.items()
+        if name not in defines.used
+        and name not in OTHERS
+        and not is_silent(name)
+        and text not in _OFF
+    ]
+    if rest:
+        text = f"Passo has no such setting: {', '.join(rest)}"
+        draft.dropped(defines.place(rest[0]), "Other defines", text)
+    for name in sorted(defines.used & defines.undecided.keys() - defines.found.keys()):
+        condition, place = defines.undecided[name]
+        text = f"Passo cannot decide {condition!r}, so it does not read this define"
+        draft.decide(place, name, text)
