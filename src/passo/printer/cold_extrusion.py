@@ -1,4 +1,4 @@
-"""Cold extrusion: which filament may move at the temperatures that the hotends have."""
+"""Cold extrusion: decides which filament may move at the present temperatures of the hotends."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from passo import _core
     from passo.config.machine import MachineConfig
 
-COLD_C = 170.0  # filament does not move below it, unless M302 sets another temperature
+COLD_C = 170.0  # filament does not move below this temperature, unless M302 sets another one
 # Readings of such a sensor, for example 400 °C of a short circuit, are not valid.
 _NO_TEMPERATURE = (FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT, FaultKind.SENSOR_ERRATIC)
 
@@ -43,7 +43,7 @@ class ColdExtrusion:
         return name
 
     def set(self, words: Mapping[str, float]) -> str:
-        """Carries M302 out; returns the report that it asked for, or nothing. Raises
+        """Executes M302; returns the report that it asks for, or an empty text. Raises
         CommandError."""
         meant = set(self.hotends)
         if "T" in words:
@@ -67,7 +67,7 @@ class ColdExtrusion:
         return f"Cold extrudes are {state} (min temp {self.cold_c:g}C){for_some}"
 
     def lines(self, number_of: Callable[[str], int | None]) -> Iterable[str]:
-        """M302 with the current setting."""
+        """The current settings as M302 commands."""
         every = bool(self.hotends) and set(self.hotends) <= self._allowed
         yield f"M302 S{numeral(self.cold_c)} P{int(every)}"
         if not every:
@@ -81,11 +81,11 @@ class ColdExtrusion:
             job.set_cold_axis(number, not self.melts(heater, heaters))
 
     def warm(self, heaters: Mapping[str, _core.Heater], tool: int) -> bool:
-        """Whether the tool's hotend lets filament move."""
+        """Whether the tool's hotend is warm enough to move filament."""
         return not self.hotends or self.melts(self.hotend(tool), heaters)
 
     def min_c(self, tool: int) -> float:
-        """The temperature below which the tool's hotend moves no filament; 0 without such a
+        """The temperature, °C, below which the tool's hotend moves no filament; 0 without such a
         limit."""
         name = heater_of(self._machine, "hotend", tool)
         return 0.0 if name is None else self.min_c_of(name)
@@ -105,11 +105,12 @@ class ColdExtrusion:
         ]
 
     def allows(self, heater: str) -> bool:
-        """M302 allows this hotend's filament to move at any temperature."""
+        """Whether M302 allows the filament of this hotend to move at any temperature."""
         return heater in self._allowed
 
     def melts(self, heater: str | None, heaters: Mapping[str, _core.Heater]) -> bool:
-        """Filament may move through this hotend now; None stands for no hotend."""
+        """Whether filament may move through this hotend now; None means an extruder without a
+        hotend."""
         if heater is None or self.allows(heater):
             return True
         sensed = heaters[heater]

@@ -13,7 +13,7 @@ from passo.gcode.line_protocol import decoded
 _log = logging.getLogger(__name__)
 
 KEPT = 200  # lines of each direction
-_LONGEST = 300  # characters that are kept of a line
+_LONGEST = 300  # maximum characters of a kept line
 # Commands of other firmwares with a password or network credentials.
 _SECRET = re.compile(
     r"(\s*(?:[Nn]\s*\d+\s*)?[Mm]\s*0*(?:551|58[6-9])(?:\.\d+)?)(?!\d).*", re.DOTALL
@@ -21,8 +21,8 @@ _SECRET = re.compile(
 
 
 class ConsoleLine(NamedTuple):
-    """A line at a host time in seconds; `console` counts from 1, and 0 stands for all. `sender` is
-    the sender of a received line, if the console knows it."""
+    """A line and its host time in seconds. Consoles are numbered from 1; `console` 0 means all of
+    them. `sender` is the sender of a received line, if it is known."""
 
     host_s: float
     console: int
@@ -32,31 +32,33 @@ class ConsoleLine(NamedTuple):
 
 
 class ConsoleLines:
-    """Lines of one printer's consoles. At level DEBUG each is a record of the log."""
+    """The lines of one printer's consoles. At level DEBUG, each line is logged."""
 
     def __init__(self, now_s: Callable[[], float]) -> None:
-        """`now_s` is host time."""
+        """`now_s` returns host time in seconds."""
         self._now_s = now_s
         self._received: deque[ConsoleLine] = deque(maxlen=KEPT)
         self._sent: deque[ConsoleLine] = deque(maxlen=KEPT)
         self._consoles = 0
-        self.listeners: list[Callable[[ConsoleLine], None]] = []  # to lines without secrets
+        # called with lines without secrets
+        self.listeners: list[Callable[[ConsoleLine], None]] = []
 
     def join(self) -> int:
-        """The number of another console."""
+        """The number for a new console."""
         self._consoles += 1
         return self._consoles
 
     def received(self, console: int, text: str, sender: str = "") -> None:
-        """A line that a host has sent, its bytes beyond ASCII as in `gcode.line_protocol.Line`."""
+        """Records a line that a host has sent; bytes beyond ASCII are escaped as in
+        `gcode.line_protocol.Line`."""
         self._add(self._received, ConsoleLine(self._now_s(), console, True, text, sender))
         if _log.isEnabledFor(logging.DEBUG):
             _log.debug("> %s", without_secrets(decoded(text)), extra={"console": console})
 
     def sent(self, console: int, text: str) -> None:
-        """A line that a console, or 0 for all of them, has received as an answer."""
+        """Records a line that was sent to a console, or to all consoles (0)."""
         if text == "wait" or text.startswith("echo:busy: "):
-            return  # they only keep a host from a timeout
+            return  # keep-alive lines are not recorded
         self._add(self._sent, ConsoleLine(self._now_s(), console, False, text))
         if _log.isEnabledFor(logging.DEBUG):
             _log.debug("< %s", text, extra={"console": console})
@@ -80,5 +82,5 @@ def _shown(line: ConsoleLine) -> ConsoleLine:
 
 
 def without_secrets(text: str) -> str:
-    """A line without the words of a command that may contain a password."""
+    """The line, without its parameters if the command may contain a password."""
     return _SECRET.sub(r"\1 (not shown)", text)

@@ -1,4 +1,4 @@
-"""G-code of the machine file that a printer carries out after a time."""
+"""Delayed G-code of the machine file, which runs after a time."""
 
 from __future__ import annotations
 
@@ -22,38 +22,38 @@ _MAX_S = 1e6
 
 
 class _Everybody:
-    """The answers to delayed G-code go to all listeners."""
+    """A reply that sends the answers to delayed G-code to all consoles."""
 
     def __init__(self, state: State) -> None:
         self._state = state
         self._noted: set[str] = set()
 
     def say(self, text: str) -> None:
-        """A line to all."""
+        """Sends a line to all consoles."""
         self._state.tell(text)
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """A line to all, once, or `again` each time."""
+        """Sends a line to all consoles, once for each `about`, or each time if `again`."""
         if again or about not in self._noted:
             self._noted.add(about)
             self._state.tell(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
-        """Sends the text as a line: there is no `ok`."""
+        """Sends the text as a line, because there is no `ok`."""
         self._state.tell(text)
 
     def warming(self, text: str) -> None:
-        """Does nothing: consoles ask for temperatures when they need them."""
+        """Does nothing: consoles query temperatures themselves."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """A command that was not carried out."""
+        """Reports a refused command."""
         problem = problems[0] if problems else None
         self._state.announce(_log, logging.WARNING, text, problem)
 
 
 class DelayedGcode:
-    """The delayed G-code of one printer. Each waits for its turn among consoles and prints; a
-    halted printer carries none out. Within a running event loop."""
+    """The delayed G-code of one printer. Each entry waits for the motion lock like a console; a
+    halted printer runs none. Create it within a running event loop."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -91,7 +91,7 @@ class DelayedGcode:
         self._set(name, seconds)
 
     def _set(self, name: str, seconds: float) -> None:
-        """Schedules it after so many seconds, in place of its earlier time; 0: not at all."""
+        """Schedules an entry after `seconds`, instead of its earlier time; 0 cancels it."""
         if (due := self._due.pop(name, None)) is not None:
             due.cancel()
         if seconds > 0:
@@ -101,7 +101,7 @@ class DelayedGcode:
     def _start(self, name: str) -> None:
         del self._due[name]
         task = asyncio.get_running_loop().create_task(self._carry_out(name))
-        self._tasks.add(task)  # the loop keeps only a weak reference
+        self._tasks.add(task)  # the event loop has only a weak reference
         task.add_done_callback(self._tasks.discard)
 
     async def _carry_out(self, name: str) -> None:

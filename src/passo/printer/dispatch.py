@@ -1,4 +1,4 @@
-"""Brings a command to its handler, at once or in its place among the moves."""
+"""Passes commands to their handlers, at once or in order with the moves."""
 
 from __future__ import annotations
 
@@ -30,12 +30,10 @@ from passo.printer.wait_runner import WaitRunner
 
 
 class Dispatch:
-    """Commands of several sources, for one printer. Use it within one event loop.
-
-    `immediate` has the handlers of commands that act at once, also while another source moves the
-    machine; `planned` those of commands that take their place among the moves or wait for the
-    machine. The job's own commands act if neither has a handler. Parts may be added before the
-    first command.
+    """Executes the commands of several sources on one printer. Use it within one event loop.
+    `immediate` has the handlers of commands that act at once, even while another source moves the
+    machine. `planned` has the handlers of commands that act in order with the moves, or wait for
+    standstill. The job handles all other commands. Parts may be added before the first command.
     """
 
     def __init__(
@@ -47,7 +45,7 @@ class Dispatch:
         before_line: Callable[[], None],
     ) -> None:
         self._rig, self._state, self._waits, self._skips = rig, state, waits, skips
-        self._before_line = before_line  # called when a console's line or the file is read on
+        self._before_line = before_line  # called before a console's line or the file is read
         self.immediate: dict[str, Handler] = {}
         self.planned: dict[str, Handler] = {}
         self._from_console = False
@@ -58,7 +56,7 @@ class Dispatch:
                 self.planned[code] = lambda c, r: rig.commands.run(c, r)
 
     def add(self, *parts: object) -> None:
-        """Adds the methods of these parts that are handlers."""
+        """Registers the handlers among the methods of these parts."""
         for part in parts:
             for code, role, method in commands_of(type(part)):
                 row = row_of(code)
@@ -67,11 +65,11 @@ class Dispatch:
                 (self.immediate if at_once else self.planned)[code] = getattr(part, method)
 
     def begin(self) -> None:
-        """The boards have been replaced, and the job with them."""
+        """Call this after the boards and the job have been replaced."""
         self._from_console = False
 
     def act(self, command: Command, reply: Reply) -> bool:
-        """Carries out a command from that source if it acts at once; else returns False."""
+        """Executes a command from the source `reply` if it acts at once; else returns False."""
         if command.code in self._rig.machine.macros:
             return False
         handler, row = self.immediate.get(command.code), row_of(command.code)
@@ -79,41 +77,44 @@ class Dispatch:
         if in_order or (handler is None and not forced(command)):
             return False
         if not alone(command):
-            return False  # they take their places
+            return False  # they act in order with the moves
         handler = handler or self.planned.get(command.code)
         self._carried_out(handler, command, reply)
         return True
 
     def answers_halted(self, code: str) -> bool:
-        """Whether a halted printer carries such a command out: it acts at once, and not on the
-        plan. It does not rearm the fault that has halted it; M999 restarts it, cold."""
+        """Whether a halted printer executes such a command. It must act at once, not change the
+        plan, and not rearm the fault that has halted the printer; M999 does that, cold."""
         row = row_of(code)
         return code in self.immediate and row is not None and row.while_halted
 
     # -- lines of consoles ------------------------------------------------------------------------
 
     def has_room(self) -> bool:
-        """True if a planned line can be read without a wait by the caller that holds the motion
-        lock."""
+        """Whether a planned line can be read now, without a wait. Call it with the motion lock
+        held."""
         rig, state = self._rig, self._state
-        lost = rig.queue.interrupted and not state.halted  # a held plan comes first
+        lost = rig.queue.interrupted and not state.halted  # a suspended plan must resume first
         if state.host_paused or lost or not rig.job.at_boundary:
             return False
-        # During a print the plan is always full: a line is appended to it.
+        # During a print the plan is always full, and a line is appended to it anyway.
         return rig.job.queued <= MAX_QUEUED if state.busy() else not rig.queue.full
 
     async def room(self) -> bool:
-        """Waits until a planned line can be read; the caller holds the motion lock. True if M108
-        came meanwhile: the line is then read even if the plan is full, and its own wait is over."""
+        """Waits until a planned line can be read. Call it with the motion lock held. Returns True
+        if M108 has ended the wait; then the line is read even if the plan is full, and the first
+        wait of the line ends too."""
         return await self._waits.room(self.has_room)
 
     def take_line(self, text: str, reply: Reply) -> Wait | None:
-        """Reads one line of a console: all of it, or up to a command that waits; `finish` continues
-        after that. The caller holds the motion lock, and `has_room` is true."""
+        """Reads a line of a console, up to its end or to a command that waits. Then it returns the
+        wait, and `finish` continues the line. Call it with the motion lock held, while `has_room`
+        is True."""
         return self._take(lambda: self._feed(text), reply)
 
     def take_delayed(self, name: str, reply: Reply) -> Wait | None:
-        """As `take_line`, with delayed G-code. Raises CommandError for a template that fails."""
+        """As `take_line`, for the delayed G-code `name`. Raises CommandError if its template
+        fails."""
 
         def insert() -> None:
             self.select(console=True)
@@ -126,8 +127,8 @@ class Dispatch:
         return self._take(insert, reply)
 
     async def finish_macro(self, reply: Reply) -> None:
-        """Carries out the rest of a macro that a suspended job has handed over, for the caller that
-        holds the motion lock. Raises as `finish`."""
+        """Executes the rest of a macro that a suspended job has handed over. Call it with the
+        motion lock held. Raises as `finish`."""
         self.select(console=True)
         await self.finish(self._go_on(reply), reply)
 
@@ -143,9 +144,9 @@ class Dispatch:
         return wait
 
     def take_setting(self, text: str, reply: Reply) -> None:
-        """Carries out one line of stored settings. The machine is idle, and the caller holds the
-        motion lock."""
-        self._rig.job.plain = True  # a setting is not a macro call
+        """Executes one line of stored settings. Call it with the motion lock held and the machine
+        idle."""
+        self._rig.job.plain = True  # a setting must not call a macro
         try:
             self._settle_line(text, reply)
         finally:
@@ -171,8 +172,8 @@ class Dispatch:
         first_ends: bool = False,
         all_end: Callable[[], bool] = lambda: False,
     ) -> None:
-        """The rest of a line whose command waits; its first wait, or all of them, may have to end
-        as soon as they begin. Raises Stopped or MachineError."""
+        """Runs `wait` and then the rest of its line. With `first_ends` the first wait ends as soon
+        as it begins, with `all_end` every wait does. Raises Stopped or MachineError."""
         try:
             while wait is not None:
                 await self._waits.wait(wait, reply, ends=first_ends or all_end())
@@ -183,7 +184,7 @@ class Dispatch:
                 wait = self._go_on(reply)
                 self._tell_of_line(done=True)
         except Exception:
-            self._forget_line()  # it would block all other sources
+            self._forget_line()  # the rest of the line would block all other sources
             raise
 
     def _forget_line(self) -> None:
@@ -192,7 +193,8 @@ class Dispatch:
         self._rig.job.forget_macros()
 
     def _expanded(self, command: Command, reply: Reply) -> bool:
-        """A console calls a macro; False if it fails, which the console has been told then."""
+        """Expands a macro that a console calls. Returns False if that fails, after it has reported
+        the error to the console."""
         try:
             self.expand(command, reply)
         except CommandError as error:
@@ -201,7 +203,7 @@ class Dispatch:
         return True
 
     def expand(self, command: Command, reply: Reply) -> None:
-        """A macro is called: the job reads its lines next. Raises CommandError."""
+        """Calls a macro: the job reads its lines next. Raises CommandError."""
         try:
             self._rig.commands.expand(
                 command, lambda text: _respond(reply, text), console=self._from_console
@@ -235,8 +237,8 @@ class Dispatch:
 
     @contextmanager
     def file_selected(self) -> Generator[_core.Job]:
-        """The job with the file's text selected: to query or restart it, not to read on, while a
-        line of a console may be in progress."""
+        """Selects the file's text of the job within the block, to query or restart it. Do not read
+        on within the block, because a line of a console may be in progress."""
         self._rig.job.select(False)
         try:
             yield self._rig.job
@@ -244,12 +246,13 @@ class Dispatch:
             self._rig.job.select(self._from_console)
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
-        """Carries out a command that the interpreter handed out."""
+        """Executes a command that the interpreter does not handle itself."""
         self._rig.queue.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         row = row_of(command.code)
         in_turn = row is not None and row.in_turn and not self._from_console
-        if handler is not None and in_turn:  # a file is read ahead: the moves before it come first
+        # a file is read ahead, so wait for the moves before the command
+        if handler is not None and in_turn:
             return WaitForMoves(partial(self._carried_out, handler, command, reply))
         surveyed = self._from_console or self._rig.job.macro_depth == 0
         if not surveyed and (problem := unfit(command, self._skips)):
@@ -268,7 +271,7 @@ class Dispatch:
         return wait
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
-        """Carries it out by a handler of a printer with consoles, or as in a print without them."""
+        """Executes a command with `handler`, if there is one, or with the job's handler."""
         try:
             if handler is None:
                 wait = self._rig.commands.run(command, reply)
@@ -294,7 +297,7 @@ class Dispatch:
                         return None
                 elif found == status.EVENT:
                     wait = self.run_command(Command(*rig.job.event), reply)
-                    rig.commands.ended = False  # a console has no program to end
+                    rig.commands.ended = False  # a command of a console must not end the program
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:
@@ -312,13 +315,13 @@ class Dispatch:
 
 
 def _respond(reply: Reply, text: str) -> None:
-    """A macro's answer, as Klipper marks it."""
+    """Sends the answer of a macro with Klipper's prefix."""
     for line in text.splitlines():
         reply.say(f"// {line}")
 
 
 def _note(code: str, reply: Reply) -> None:
-    """Reports why a command without an effect does nothing."""
+    """Reports why a command has no effect."""
     row = row_of(code)
     if row is not None and row.kind in (Kind.QUIET, Kind.SERVED, Kind.NOT_BUILT):
         reply.note(row.code, f"{row.code} does nothing here. {row.lacks or row.text}")

@@ -1,4 +1,4 @@
-"""Errors of the interpreter, as problems of the catalogue."""
+"""Converts errors of the interpreter to problems of the catalogue."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from passo.gcode.command import written
 from passo.gcode.stray import stray_problem
 from passo.geometry.base import GeometryModel, Point
 
-Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core reports it
+Error = tuple[int, _core.Fault, str, float, float, Point]  # an error in the form of the core
 
 
 def problem_of(job: _core.Job, path: str, geometry: GeometryModel) -> Problem:
-    """The error that `job.advance` stopped at, as a problem of the catalogue."""
+    """The error that stopped `job.advance`, as a problem of the catalogue."""
     return problem(job.error, path, geometry)
 
 
@@ -82,7 +82,7 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     return Problem("input.garbage", path, line, {"value": "it holds bytes that are not text"})
 
 
-_CALLS = {  # why a call fails
+_CALLS = {  # reasons why a call fails
     _core.CallFault.UNREADABLE: "expected a number P, and at most 9999 repeats L",
     _core.CallFault.MISSING: "the file has no such O number after the end of its main program",
     _core.CallFault.NESTED: "10 sub-programs are under way within each other already",
@@ -93,11 +93,11 @@ _CALLS = {  # why a call fails
 
 
 def call_problem(line: int, call: str, fault: _core.CallFault, path: str = "") -> Problem:
-    """The problem of M98 or M99, `call` as it is written."""
+    """The problem of a failed M98 or M99; `call` is the command as written."""
     return Problem("input.call", path, line, {"axis": call, "value": _CALLS[fault]})
 
 
 def _beyond(axis: str, value: float, limit: float) -> dict[str, str | float]:
-    """Values of a problem, with enough decimals to distinguish the two."""
+    """The value and the limit of a problem, with enough decimals to distinguish them."""
     decimals = next((d for d in range(3, 9) if round(value, d) != round(limit, d)), 9)
     return {"axis": axis, "value": value, "limit": limit, "decimals": decimals}

@@ -1,4 +1,4 @@
-"""The laser of a printer at standstill."""
+"""Switches the laser off at standstill."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ class Laser:
 
     def __init__(self, rig: LiveRig, state: State) -> None:
         self._rig, self._state = rig, state
-        self._dark = False  # temporarily: it will be switched on again
+        self._dark = False  # temporarily off
 
     def begin(self) -> None:
-        """The boards have been replaced: all outputs are off."""
+        """Call this after the boards have been replaced, with all outputs off."""
         self._dark = False
 
     def off(self) -> None:
-        """Switches it off when the moves so far are done, until it is switched on again."""
+        """Switches the laser off when the moves so far are done, until a command switches it on
+        again."""
         if self._rig.machine.laser and not self._state.halted:
             self._rig.queue.before_moves()
             self._rig.commands.outputs.laser_off()
@@ -29,8 +30,8 @@ class Laser:
 
     @contextmanager
     def dark(self) -> Generator[None]:
-        """Switches it off when the moves so far are done, and restores it at the end of the block,
-        unless it was switched off permanently meanwhile."""
+        """Blanks the laser within the block, from the end of the moves so far on, and restores it
+        afterwards unless it was switched off permanently in the meantime."""
         if self._rig.commands.outputs.lit and not self._dark:
             self._shade(dark=True)
         try:
@@ -39,7 +40,7 @@ class Laser:
             self.light()
 
     def light(self) -> None:
-        """Ends the blanking; a suspended job keeps it."""
+        """Ends the blanking. A suspended job stays blanked."""
         if self._dark and not (self._state.halted or self._rig.job.suspended):
             self._shade(dark=False)
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class LiveRig(Rig):
-    """A rig with the commands of its job, which a restart replaces as well."""
+    """A rig plus the commands of its job, which a restart replaces as well."""
 
     commands: Commands
 
@@ -31,8 +31,8 @@ class LiveRig(Rig):
         on_mark: Callable[[int, int], None],
         during_print: Callable[[Reply], bool],
     ) -> None:
-        """As `plan`; commands set their temperatures at `heat`, and those of a console
-        `during_print` also change planned moves."""
+        """As `plan`, with commands. They set temperatures in `heat`. Commands for which
+        `during_print` is True also change planned moves."""
         self.plan(on_mark)
         boards = self.connection
         full = [boards.full_scale(output.name) for output in boards.board.outputs]

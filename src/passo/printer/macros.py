@@ -1,4 +1,4 @@
-"""Macros of the machine file: the lines of a call, and their variables."""
+"""Macros of the machine file: expands calls to lines, and stores variables."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from passo.printer.wait_requests import Reply
 
 _VARIABLE = re.compile(r"[a-z_][a-z0-9_]{0,99}", re.ASCII)
-_MAX_SAVED = 1000  # variables of SAVE_VARIABLE
+_MAX_SAVED = 1000  # maximum number of variables of SAVE_VARIABLE
 MAX_DEPTH = 16  # nested macros
 _LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
 
@@ -38,7 +38,7 @@ class _Raised(Exception):
 
 
 class _Tree(Mapping[str, Object]):
-    """`printer` of a template: read-only; an object is made on demand."""
+    """The read-only value `printer` of a template. Its objects are made on demand."""
 
     def __init__(self, found: Objects) -> None:
         self._found = found
@@ -54,8 +54,8 @@ class _Tree(Mapping[str, Object]):
 
 
 class Macros:
-    """The macros of one printer or of one program, with the values of their variables. `status` is
-    that of a printer; None for a program that is only planned."""
+    """The macros of one printer or of one program, with the values of their variables. `status`
+    gives the status of a printer; None for a program that is only planned."""
 
     def __init__(self, machine: MachineConfig) -> None:
         self._machine = machine
@@ -63,15 +63,15 @@ class Macros:
         self.variables: dict[str, dict[str, Any]] = {
             name: deepcopy(macro.variables) for name, macro in machine.macros.items()
         }
-        self.saved: dict[str, Any] = {}  # those of SAVE_VARIABLE
-        # Stores `saved` durably, or raises CommandError. A program that is only planned discards
-        # it.
+        self.saved: dict[str, Any] = {}  # variables of SAVE_VARIABLE
+        # Stores `saved` durably, or raises CommandError. A program that is only planned stores
+        # nothing.
         self.keep: Callable[[Mapping[str, Any]], None] = lambda _: None
-        # Calls a method of other programs, by name and arguments.
+        # Calls a method of a remote client, by name and arguments.
         self.call_remote: Callable[[str, Mapping[str, Any]], None] = lambda _, __: None
         self._templates: dict[str, Template] = {}
         self._budgets: dict[bool, Budget] = {}
-        # Called with each call and its resulting text.
+        # Called with each macro call and its resulting text.
         self.watch: Callable[[Command, str], None] | None = None
 
     def expand(
@@ -83,9 +83,9 @@ class Macros:
         *,
         console: bool = False,
     ) -> None:
-        """Lets the job read the lines of the call next: its `event` after MACRO. `respond` takes
-        lines of action_respond_info; `console`: the call is not of a file. Raises CommandError, and
-        EmergencyStop."""
+        """Expands a call, and makes the job read the lines next. Call it after the job's event
+        MACRO. `respond` receives lines of action_respond_info. `console`: the call comes from a
+        console, not from a file. Raises CommandError, and EmergencyStop."""
         code = command.code
         depth = job.macro_depth
         if depth >= MAX_DEPTH:
@@ -145,7 +145,7 @@ class Macros:
         bare=None,
     )
     def save_variable(self, command: Command, _: Reply) -> None:
-        """Raises CommandError; all variables are as before then."""
+        """SAVE_VARIABLE. Raises CommandError, without any change of variables."""
         words = _needed(command, "VARIABLE", "VALUE")
         name = words["VARIABLE"]
         if not _VARIABLE.fullmatch(name):
@@ -159,7 +159,7 @@ class Macros:
         self.saved = saved
 
     def take_variables(self, other: Macros) -> None:
-        """Copies the values that another program has given variables."""
+        """Copies the values of variables from another program."""
         self.variables = deepcopy(other.variables)
 
     def _render(
@@ -218,7 +218,7 @@ def _stop(message: object = "") -> str:
 
 
 def _params(command: Command) -> dict[str, str]:
-    """KEY=VALUE of a command with a name; for a command with a letter and a number its words by
+    """The parameters of a call: KEY=VALUE of a named command, or the words of a numbered command by
     letter."""
     if command.name:
         return command.pairs()
@@ -227,7 +227,7 @@ def _params(command: Command) -> dict[str, str]:
 
 
 def _needed(command: Command, *keys: str) -> dict[str, str]:
-    """The words of a command, all of which are required. Raises CommandError."""
+    """The parameters of a command, all of which are required. Raises CommandError."""
     words = command.pairs()
     for key in keys:
         if key not in words:
@@ -236,8 +236,8 @@ def _needed(command: Command, *keys: str) -> dict[str, str]:
 
 
 def _value(variable: str, written: str) -> Any:
-    """The value that a command gives a variable, as JSON can hold it: a list for a tuple. Raises
-    CommandError."""
+    """The value that a command gives a variable, in a form that JSON can store: a list instead of a
+    tuple. Raises CommandError."""
     try:
         if len(written) > _LONGEST_VALUE:
             raise ValueError
@@ -254,7 +254,7 @@ def _names(known: Mapping[str, object]) -> str:
 
 
 def _plain(value: object) -> bool:
-    """Only types that a machine file can hold."""
+    """Whether a value has only types that a machine file can contain."""
     if isinstance(value, dict):
         content = cast("dict[object, object]", value)
         return all(isinstance(key, str) and _plain(item) for key, item in content.items())

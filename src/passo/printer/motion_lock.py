@@ -38,7 +38,7 @@ class MotionLock:
             if waiting in self._waiting:
                 self._waiting.remove(waiting)
             elif waiting.done() and not waiting.cancelled():
-                self.release()  # it was handed over at the same moment
+                self.release()  # the lock was handed over just before the cancellation
             raise
 
     def release(self) -> None:

@@ -1,4 +1,4 @@
-"""One printer: builds its parts, restarts them after a halt, and stops the machine."""
+"""One printer: builds its parts, restarts them after a halt, and handles stops."""
 
 from __future__ import annotations
 
@@ -72,17 +72,16 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_MAKE_SAFE = "Make the printer safe, then send M999"  # after M112
+_MAKE_SAFE = "Make the printer safe, then send M999"  # shown after M112
 # A broken sensor is detected after two reports, 0.3 s apart; sensors report one after the other.
 _FIRST_REPORTS_S, _NEXT_SENSOR_S = 0.6, 0.1
 
 
 class Printer:
-    """A machine that takes commands from several sources. Use it within one event loop.
-
-    Its parts: `rig` is replaced as a whole by M999, `state` says whether it runs and has the
-    listeners, `dispatch` brings commands to handlers; the others are one subject each. `skips` are
-    the commands that prints may leave out; `free`: print time passes as fast as it can.
+    """A printer that takes commands from several sources. Use it within one event loop. `rig` has
+    the parts that M999 replaces. `state` has the state (running, halted, paused) and its listeners.
+    `dispatch` passes commands to handlers. Each other part has one subject. `skips` are the
+    commands that prints may skip. With `free`, print time passes as fast as possible.
     """
 
     def __init__(
@@ -96,8 +95,8 @@ class Printer:
         self.motion_lock = MotionLock()
         self.offsets = Offsets(machine)
         self._first_faults: list[HeaterFault] = []
-        self._aside_mm = 0.0  # filament pushed while jobs were suspended
-        self._stopped_mm: float | None = None  # `filament_mm` of the job that is suspended
+        self._aside_mm = 0.0  # filament moved while jobs were suspended
+        self._stopped_mm: float | None = None  # `filament_mm` when the job was suspended
         self.laser = Laser(rig, state)
         self.targets = Targets(rig, lambda: self.power_supply.require())
         self.motors = Motors(rig, self.laser)
@@ -216,7 +215,7 @@ class Printer:
             restart=self._restart,
         )
 
-    # -- what the rig has now ---------------------------------------------------------------------
+    # -- parts of the rig ---------------------------------------------------------------------
 
     @property
     def connection(self) -> Boards:
@@ -235,7 +234,7 @@ class Printer:
 
     @property
     def positions(self) -> Positions:
-        """Where the machine is."""
+        """The real position of the machine."""
         return self.rig.positions
 
     @property
@@ -245,7 +244,7 @@ class Printer:
 
     @property
     def halted(self) -> str:
-        """Why nothing moves or heats until M999, or empty."""
+        """The reason why the printer is halted until M999, or empty."""
         return self.state.halted
 
     def tell(self, text: str) -> None:
@@ -255,9 +254,9 @@ class Printer:
     # -- start and restart ------------------------------------------------------------------------
 
     def _begin(self, connection: Boards, *, first: bool) -> None:
-        """Starts from boards that have just been configured, with nothing planned. Raises
-        MachineError, and releases them then; a machine that fails at the `first` start still
-        becomes a printer, which `report_start` halts."""
+        """Starts with newly configured boards and an empty plan. Raises MachineError after
+        releasing the boards. At the `first` start, a failed machine is not an error here:
+        `report_start` halts the printer later."""
         try:
             self._set_up(connection, first=first)
             if not first:
@@ -273,7 +272,7 @@ class Printer:
         self.laser.begin()
         connection.keep_frames()
         if connection.survives:
-            connection.arm(True)  # from here on a late message shuts no board down
+            connection.arm(True)  # from here on, a late message does not shut a board down
         self.power_supply.begin(connection)
         self.beeper.begin(connection)
         failure = self._first_reports(connection)
@@ -294,15 +293,15 @@ class Printer:
         self._stopped_tool = 0
         self._aside_mm, self._stopped_mm = 0.0, None
         if connection.adopted:
-            # No board reports whether the previous host has left them on. So they go off when the
-            # machine is idle, and the journal decides its position.
+            # Boards do not report whether the previous host has left motors on. So they are
+            # switched off when the machine is idle, and the journal decides about the position.
             self.motors.all_on()
             rig.positions.settle()
         if self.machine.unhomed_moves == "refuse":
             rig.lock(homed_axes(self.machine))
 
     def _restart(self) -> None:
-        """M999, or a board that was reset: starts with the current settings. Raises
+        """Restarts with the current settings, after M999 or the reset of a board. Raises
         MachineError."""
         state = self.state
         for listener in state.stop_listeners:
@@ -327,7 +326,8 @@ class Printer:
             state.tell(greeting)
 
     def _first_reports(self, connection: Boards) -> MachineError | None:
-        """Lets all sensors report; returns what has failed by then and stops the machine."""
+        """Waits until all sensors have reported. Returns a failure that must halt the machine, or
+        None."""
         found: list[HeaterFault] = []
         connection.set_on_fault(lambda _, fault: found.append(fault))
         heaters = self.machine.heaters
@@ -346,18 +346,18 @@ class Printer:
             self._heater_failed(fault.heater, fault)
 
     def report_start(self) -> None:
-        """Reports what failed at the first start, and halts the printer if it must not run."""
+        """Reports failures of the first start, and halts the printer if one of them requires it."""
         self._report_faults()
         if self.state.start_failure is not None:
             self.halt(self.state.start_failure)
 
     async def run(self) -> None:
-        """Keeps the printer alive until cancelled. A failed board halts it, until M999."""
+        """Runs the printer until cancelled. A failed board halts it until M999."""
         await self.supervisor.run()
 
     def close(self) -> None:
-        """Releases the board, with heaters and laser off, then all other parts, even if one fails.
-        Do not use the printer after that."""
+        """Switches heaters and laser off and releases the boards, then closes all other parts, even
+        if one fails. Do not use the printer afterwards."""
         self.queue.close()
         with ExitStack() as last_comes_first:
             for closer in self.closers:
@@ -379,12 +379,13 @@ class Printer:
             self.motors.all_on()
 
     def _mark_reached(self, target: int, value: int) -> None:
-        """A heater's target in 1/100 °C, or a tone."""
+        """Handles a mark that print time has reached: a heater's target in 1/100 °C, or a tone."""
         if not self.targets.mark_reached(target, value):
             self.beeper.mark_reached(value)
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:
-        """A protection has switched a heater off; the heater's policy decides what else stops."""
+        """Called when a protection has switched a heater off. The policy of the heater decides what
+        else stops."""
         self.state.failures += 1
         policy = self.machine.heaters[fault.heater].on_fault
         if policy == "machine":
@@ -401,8 +402,8 @@ class Printer:
     # -- stops ------------------------------------------------------------------------------------
 
     def halt(self, cause: PassoError, reason: str = "") -> None:
-        """Heaters, motors and everything else off at once, until M999; the reason is shown, by
-        default the text of the cause."""
+        """Switches heaters, motors and all other outputs off at once, until M999. `reason` is
+        shown; the default is the text of the cause."""
         self.supervisor.stop()
         if self.state.halted:
             return
@@ -413,7 +414,7 @@ class Printer:
         self.queue.await_answer()
 
     def emergency_stop(self) -> None:
-        """M112."""
+        """M112: halts the printer."""
         stop = MachineError.of("machine.emergency-stop", hint=_MAKE_SAFE)
         self.halt(stop, stop.problems[0].sentence)
 
@@ -423,13 +424,13 @@ class Printer:
             self.supervisor.request_restart()
 
     def restart(self) -> None:
-        """FIRMWARE_RESTART: everything off at once, then as M999."""
+        """FIRMWARE_RESTART: switches all outputs off at once, then restarts as M999."""
         self.halt(MachineError.of("machine.restart"))
         self.request_restart()
 
     @in_program("M112")
     def _halt_by_line(self, _: Command, __: Reply) -> Wait | None:
-        """M112 that no console has detected: in a file, or after another command."""
+        """M112 that no console has detected, because it is in a file or after another command."""
         self.emergency_stop()
         return None
 
@@ -439,8 +440,8 @@ class Printer:
         return None
 
     def stop_by_endstop(self, names: Sequence[str]) -> None:
-        """An endstop was triggered during a move: brakes, and ends a running print, with all
-        heaters off. A host that prints is asked to pause."""
+        """Called when an endstop triggers during a move: brakes, ends a running print, and switches
+        all heaters off. A host that prints is asked to pause."""
         self.stop_all(f"endstop {', '.join(names)} was triggered")
         if not self.halted:
             self.targets.switch_off()
@@ -449,9 +450,8 @@ class Printer:
             self.tell("// action:pause")
 
     def stop_all(self, reason: str) -> None:
-        """M410: brakes to a stop on the path and discards all planned moves. A print that moves the
-        machine ends, because its rest would not continue correctly. A halted machine has stopped
-        already."""
+        """M410: brakes to a stop on the path and discards all planned moves. A running print ends,
+        because it could not continue correctly. Does nothing on a halted machine."""
         if self.halted:
             return
         self.stop()
@@ -471,8 +471,8 @@ class Printer:
     # -- waits ------------------------------------------------------------------------------------
 
     def go_on(self) -> None:
-        """M108: ends the current wait, for moves, time, temperatures or the user. Moves continue.
-        If only a paused file waits for the user, it resumes."""
+        """M108: ends the current wait for moves, time, temperatures or the user. Moves continue. If
+        only a paused file waits for the user, the file resumes."""
         waited = self.waits.busy
         self.queue.skip_dwell()
         self.waits.end()
@@ -482,8 +482,8 @@ class Printer:
     # -- the suspended job ------------------------------------------------------------------------
 
     def suspend_job(self, *, hand_over_macro: bool = False) -> None:
-        """Brakes to a stop on the path and suspends the rest of the job: other moves may come. With
-        `hand_over_macro` the rest of the file's macro is carried out in the pause."""
+        """Brakes to a stop on the path and suspends the rest of the job, so that other moves are
+        possible. With `hand_over_macro`, the rest of the file's macro runs during the pause."""
         self.queue.hold()
         self.job.suspend(hand_over_macro)
         self.offsets.suspend()
@@ -492,12 +492,13 @@ class Printer:
         self.commands.set_points.follow_tool()
 
     def take_stopped_tool(self) -> None:
-        """Selects the tool of the suspended job again, if another was selected meanwhile."""
+        """Selects the tool of the suspended job again, if another one was selected in the
+        meantime."""
         self.job.use_tool(self._stopped_tool)
         self.commands.set_points.tool_changed(self._stopped_tool)
 
     def resume_job(self) -> None:
-        """Resumes the suspended job, with the machine back at its stop position."""
+        """Resumes the suspended job. The machine must be at its stop position again."""
         self.queue.before_moves()
         if self.job.suspended:
             self.offsets.resume()
@@ -510,12 +511,13 @@ class Printer:
     # -- amounts ----------------------------------------------------------------------------------
 
     def can_extrude(self) -> bool:
-        """The machine has filament, and the active tool's hotend is warm enough to move it."""
+        """Whether the machine has filament, and the active tool's hotend is warm enough to move
+        it."""
         return bool(self.machine.extruders) and self.heat.warm()
 
     def filament_mm(self) -> float:
-        """Planned filament of all extruders so far, mm, without what they pushed and retracted
-        while a job was suspended."""
+        """The planned filament of all extruders so far, mm, without moves during the suspension of
+        a job."""
         if not self.job.suspended:
             self._end_aside()
         if self._stopped_mm is not None:
@@ -526,7 +528,7 @@ class Printer:
         return sum(self.job.statistics()["filament_mm"])
 
     def _end_aside(self) -> None:
-        """The suspended job has resumed, or was discarded."""
+        """Call this when the suspended job has resumed or was discarded."""
         if self._stopped_mm is not None:
             self._aside_mm = self._pushed_mm() - self._stopped_mm
             self._stopped_mm = None

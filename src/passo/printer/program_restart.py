@@ -1,4 +1,4 @@
-"""Starts the program again with its machine file as it is then, for RESTART and the web."""
+"""Restarts the program with the current content of its machine file, for RESTART and the web."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ from passo.errors import CommandError
 
 
 class ProgramRestart:
-    """`source` is what the machine was loaded from; `printed` is the name of the file that is
-    printed, or empty; `end` ends the program, which starts again then."""
+    """`source` is the name or the file of the machine. `printed` gives the name of the file that is
+    being printed, or an empty text. `end` ends the program, which then starts again."""
 
     def __init__(self, source: str, printed: Callable[[], str], end: Callable[[], None]) -> None:
         self._source, self._printed, self._end = source, printed, end
 
     def check(self) -> None:
-        """Reads the machine file. Raises ConfigError: the printer goes on with the old one."""
+        """Reads the machine file. Raises ConfigError if it has errors; the printer keeps the old
+        one."""
         config.load(self._source)
 
     def begin(self) -> None:
-        """Restarts, once the file was checked. Raises CommandError while a file is printed."""
+        """Restarts the program. Call `check` first. Raises CommandError during a print from a
+        file."""
         if printed := self._printed():
             raise CommandError.of("job.printing", value=printed)
         self._end()

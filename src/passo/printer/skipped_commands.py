@@ -1,18 +1,18 @@
-"""The commands that a print without consoles leaves out, each with one warning."""
+"""Counts the commands that a print without consoles skips, with one warning for each code."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
 
-_MAX_CODES = 1000  # that are counted separately; a file may have many
+_MAX_CODES = 1000  # maximum of separately counted codes
 
 Counts = Mapping[str, tuple[int, int]]
-"""First line and count of each."""
+"""The first line and the count of each."""
 
 
 class SkippedCommand(Enum):
-    """The reason why a command was left out: its sentence."""
+    """The reason why a command was skipped, as a sentence."""
 
     UNKNOWN = "{} is unknown and was skipped"
     NOT_BUILT = "{} does nothing here and was skipped"
@@ -31,10 +31,10 @@ class SkippedCommands:
         self._counts: dict[SkippedCommand, dict[str, tuple[int, int]]] = {
             why: {} for why in SkippedCommand
         }
-        self.cut_at = 0  # the line within which the file ended
+        self.cut_at = 0  # the line in which a truncated file ended
 
     def count(self, why: SkippedCommand, what: str, line: int) -> None:
-        """Counts a command that was left out."""
+        """Counts a skipped command."""
         counts = self._counts[why]
         if what not in counts and len(counts) >= _MAX_CODES:
             what = "any other code"
@@ -42,12 +42,11 @@ class SkippedCommands:
         counts[what] = (first, times + 1)
 
     def times(self, why: SkippedCommand) -> int:
-        """How often that was the reason."""
+        """The number of commands that were skipped for this reason."""
         return sum(times for _, times in self._counts[why].values())
 
     def warnings(self, file: str, others: Counts) -> list[str]:
-        """One sentence for each, and for each of the `others`, which are sentences already; and for
-        a file that was cut short."""
+        """One sentence for each skipped code, those of `others`, and one for a truncated file."""
         told = [(why.value, counts) for why, counts in self._counts.items()] + [("{}", others)]
         cut = f"{file}:{self.cut_at}: the file ends in the middle of a line, it may be cut short"
         return [

@@ -1,5 +1,4 @@
-"""The state that all parts of one printer share: whether it is halted or paused, and its
-subscribers."""
+"""The state that all parts of one printer share: halted, paused, and the listeners."""
 
 from __future__ import annotations
 
@@ -18,13 +17,12 @@ _log = logging.getLogger(__name__)
 
 
 class State:
-    """The state of one printer, and the subscriptions to it. It survives a restart (M999).
-
-    `halted`: why nothing moves or heats until M999, or empty; `cause`: the same as an error of the
-    catalogue. `failures`: count of halts and failed heaters; an M999 or M922 that was sent before
-    one does not clear it. `host_paused`: the print of a host is paused, and its lines wait.
-    `ended`: the current wait has to end. `program`: the source of the moves that were planned last.
-    `start_failure`: why the first start failed, until M999.
+    """The state of one printer, and its listeners. It survives a restart (M999). `halted` is the
+    reason why the printer is halted until M999, or empty; `cause` is the same as an error of the
+    catalogue. `failures` counts halts and failed heaters, so that an M999 or M922 that was sent
+    before a failure does not clear it. `host_paused`: the print of a host is paused, and its lines
+    wait. `ended`: the current wait has to end. `program` is the source of the last planned moves.
+    `start_failure` is the reason why the first start failed, until M999.
     """
 
     def __init__(self) -> None:
@@ -36,28 +34,31 @@ class State:
         self.program: Reply | None = None
         self.start_failure: MachineError | None = None
         self.console_lines = ConsoleLines(asyncio.get_running_loop().time)
-        self.unheard: list[str] = []  # told before anybody listened, for the console that opens
+        # messages from before the first console, for the first console that opens
+        self.unheard: list[str] = []
         self.listeners: list[Callable[[str], None]] = []
         self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of executed commands
-        self.line_listeners: list[Callable[[bool], None]] = []  # a console's begins, or was `done`
+        # called when a line of a console begins, or is `done`
+        self.line_listeners: list[Callable[[bool], None]] = []
         self.stop_listeners: list[Callable[[str], None]] = []
-        self.halt_listeners: list[Callable[[PassoError], None]] = []  # of its cause
+        # called with the cause of a halt
+        self.halt_listeners: list[Callable[[PassoError], None]] = []
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
-        # Callbacks of the parts above the printer.
+        # Callbacks that higher layers set.
         self.busy: Callable[[], bool] = lambda: False  # a print is running or paused
         self.end_asking: Callable[[], None] = lambda: None  # resumes a file that waits for the user
         self.settings: Callable[[], Iterable[str]] = tuple  # commands that restore the settings
-        self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere
-        self.greeting: Callable[[], str] = str  # for a console that opens
-        self.program_restart: ProgramRestart | None = None  # None: nothing would start it again
+        self.store_settings: Callable[[], object] | None = None  # None: settings cannot be stored
+        self.greeting: Callable[[], str] = str  # text for a console that opens
+        self.program_restart: ProgramRestart | None = None  # None: the program cannot restart
 
     def halt(self, cause: PassoError, reason: str = "") -> None:
-        """From now on nothing moves or heats until M999, and the reason is shown: by default the
-        text of the cause."""
+        """Marks the printer as halted until M999. `reason` is shown; the default is the text of the
+        cause."""
         self.halted = (reason or str(cause)).rstrip(".")
         self.cause = cause
         self.failures += 1
-        program = cause.__cause__  # a fault of the program, with its trace
+        program = cause.__cause__  # for a fault of the program, the exception with its traceback
         _log.error(
             "Printer halted: %s", self.halted, extra=cause.problems[0].log_fields, exc_info=program
         )
@@ -65,14 +66,15 @@ class State:
             listener(cause)
 
     def restarted(self) -> None:
-        """M999 has started the printer again."""
+        """Call this after M999 has restarted the printer."""
         self.halted = ""
         self.cause = None
 
     def announce(
         self, log: logging.Logger, level: int, text: str, problem: Problem | None = None
     ) -> None:
-        """A line to all consoles and to the log; `problem` gives the record its code and values."""
+        """Sends a line to all consoles and to the log; `problem` gives the log record its code and
+        values."""
         log.log(level, "%s", text, extra=problem.log_fields if problem else None)
         self.tell(f"echo:{text}")
 
@@ -83,8 +85,8 @@ class State:
             listener(text)
 
     def beside(self, reply: Reply) -> bool:
-        """True if `reply` is not the source of the moves being planned: a console during a print
-        from the card, or another console."""
+        """True if `reply` is not the source of the moves that are being planned: for a console
+        during a print from the card, or while another console moves the machine."""
         return reply is not self.program
 
     @property

@@ -23,18 +23,17 @@ class PrinterState(Enum):
     """The state of a printer; the values are the letters of M408."""
 
     IDLE = "I"
-    BUSY = "B"  # it moves, or a command waits
+    BUSY = "B"  # the machine moves, or a command waits
     PRINTING = "P"
     PAUSED = "A"
-    HALTED = "H"  # nothing moves or heats until M999
+    HALTED = "H"  # the printer is halted until M999
 
 
 @dataclass(frozen=True, slots=True)
 class HeaterStatus:
     """A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
     `power` is a fraction of full power; `fault` is the sentence of a protection, or empty. Below
-    `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it is not a
-    hotend."""
+    `min_extrude_c` a hotend moves no filament; 0 means no limit (M302), or not a hotend."""
 
     celsius: float | None
     target_c: float
@@ -45,9 +44,9 @@ class HeaterStatus:
 
 @dataclass(frozen=True, slots=True)
 class PrintObject:
-    """An object that the file labels. `number` is the one of M486, or its index in the file; `name`
-    is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, are those of
-    EXCLUDE_OBJECT_DEFINE, else None and empty."""
+    """An object that the file labels. `number` is the number in M486, or its index in the file;
+    `name` is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, come from
+    EXCLUDE_OBJECT_DEFINE; without it they are None and empty."""
 
     number: int
     name: str
@@ -58,15 +57,15 @@ class PrintObject:
 
 @dataclass(frozen=True, slots=True)
 class JobStatus:
-    """The file that is printed. `fraction` is the part of its time that is done, or of its bytes
-    while its time is not known yet, 0 to 1; `line` and `layer` are those of the current move (0:
-    none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
-    rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
-    known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
-    is its path on the card; `offset` of its `size` bytes are read and planned; `elapsed_s` is host
-    time since the start, with pauses; `filament_mm` is the filament that all extruders have pushed
-    for it, without pauses; `extruding_s` is the part of `printed_s` since the first extrusion, or
-    all of it on a machine without filament."""
+    """The file that is being printed. `fraction`, 0 to 1, is the part of its print time that is
+    done, or of its bytes while its print time is unknown; `line` and `layer` are those of the
+    current move (0: none yet); `printed_s` is the print time so far, without pauses; `left_s` is
+    the duration of its remaining moves, without heating. `layers` and `left_s` are None while they
+    are unknown. `current_object` is the number of the object that is being printed, one of
+    `objects`. `path` is its path on the card; `offset` of its `size` bytes are read and planned;
+    `elapsed_s` is host time since the start, with pauses; `filament_mm` is the filament of all
+    extruders for this print, without moves in pauses; `extruding_s` is the part of `printed_s`
+    since the first extrusion, or `printed_s` on a machine without filament."""
 
     file: str
     fraction: float
@@ -87,9 +86,9 @@ class JobStatus:
 
 @dataclass(frozen=True, slots=True)
 class AxisStatus:
-    """An axis. `position_mm` is the plan's current position, in the program's coordinates;
-    `machine_mm` the same in the machine's. `homed`: its position is certain. Targets are kept
-    between `min_mm` and `max_mm`, in machine coordinates."""
+    """An axis. `position_mm` is the plan's current position in program coordinates, `machine_mm`
+    the same in machine coordinates. If `homed`, the position is certain. Targets must be between
+    `min_mm` and `max_mm`, in machine coordinates."""
 
     position_mm: float
     machine_mm: float
@@ -101,12 +100,12 @@ class AxisStatus:
 
 @dataclass(frozen=True, slots=True)
 class MotionStatus:
-    """The motion of the machine. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of
-    the filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
+    """The motion of the machine. `speed_mm_s` is the current speed of the nozzle, `filament_mm_s`
+    that of the filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
     `max_accel_mm_s2`, `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the
-    path; the first is None if the axes alone limit it. `absolute`, `absolute_e` and `feedrate_mm_s`
-    hold for the next move of the program. It begins at `end_mm` of the machine, X, Y, Z and
-    filament, which is `program_end_mm` of the program."""
+    path; the first is None if only the axes limit the speed. `absolute`, `absolute_e` and
+    `feedrate_mm_s` apply to the next move of the program. That move begins at `end_mm` (X, Y, Z and
+    filament in machine coordinates), which is `program_end_mm` in program coordinates."""
 
     speed_mm_s: float
     filament_mm_s: float
@@ -132,8 +131,8 @@ class MotionStatus:
         queued_s: float = 0.0,
         motors_on: bool = True,
     ) -> MotionStatus:
-        """The motion status of a job now; the arguments are the values that the job does not
-        know."""
+        """The motion status of a job now; the other arguments are values that the job does not
+        have."""
         machine, program = job.machine_position, job.program_position
         absolute, absolute_e, feed_mm_s = job.modal
         return cls(
@@ -156,9 +155,10 @@ class MotionStatus:
 @dataclass(frozen=True, slots=True)
 class BoardStatus:
     """A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count the
-    traffic of its link since the start; `simulated`: it is software. `awake_s` is how much of the
-    last 5 s its firmware had work; `task_s` and `task_deviation_s` are mean and standard deviation
-    of one pass of its work. None until it reports them, and for a simulated chip."""
+    traffic of its link since the start; `simulated`: the board is software. `awake_s` is the busy
+    time of its firmware in the last 5 s; `task_s` and `task_deviation_s` are the mean and the
+    standard deviation of one pass of its main loop, in seconds. These are None until the board
+    reports them, and always for a simulated chip."""
 
     firmware: str
     mcu: str
@@ -173,8 +173,7 @@ class BoardStatus:
 
 @dataclass(frozen=True, slots=True)
 class FaultStatus:
-    """An error of the catalogue: its code, the part that it concerns, the sentence, and the next
-    action."""
+    """An error of the catalogue: its code, the affected part, the sentence, and the next action."""
 
     code: str
     part: str
@@ -184,8 +183,8 @@ class FaultStatus:
 
 @dataclass(frozen=True, slots=True)
 class FilesStatus:
-    """The card: whether it is mounted, the path of the file that is selected to print, or empty,
-    and the folder that is the card, or empty."""
+    """The card: whether it is mounted, the path of the file that is selected for printing, and the
+    folder of the card; each path may be empty."""
 
     mounted: bool
     selected: str
@@ -194,7 +193,8 @@ class FilesStatus:
 
 @dataclass(frozen=True, slots=True)
 class EndedJob:
-    """A print that is over: done, cancelled or failed, why it failed, and its progress."""
+    """A finished print: its result (done, cancelled or failed), the reason of a failure, and its
+    progress."""
 
     outcome: str
     reason: str
@@ -203,7 +203,7 @@ class EndedJob:
 
 @dataclass(frozen=True, slots=True)
 class BedPoint:
-    """A place of the bed, mm, and its height as it was measured."""
+    """A place of the bed and its measured height, mm."""
 
     x_mm: float
     y_mm: float
@@ -212,8 +212,8 @@ class BedPoint:
 
 @dataclass(frozen=True, slots=True)
 class BedSurface:
-    """What the correction adds to Z, in mm, at even places from one corner of the bed to the
-    opposite one: rows along X, the front one first."""
+    """The heights that the correction adds to Z, in mm, on an even grid from one corner of the bed
+    to the opposite one: rows along X, the front row first."""
 
     from_mm: tuple[float, float]
     to_mm: tuple[float, float]
@@ -222,8 +222,8 @@ class BedSurface:
 
 @dataclass(frozen=True, slots=True)
 class ManualProbeStatus:
-    """A paper test: point `number` of `count`, Z of the nozzle, and the nearest heights that were
-    tried below and above it, mm."""
+    """A paper test: point `number` of `count`, the Z of the nozzle, and the nearest tried heights
+    below and above it, mm."""
 
     number: int
     count: int
@@ -234,14 +234,14 @@ class ManualProbeStatus:
 
 @dataclass(frozen=True, slots=True)
 class BedStatus:
-    """How the bed is measured and corrected. `method` and `probe` are those of the machine file;
-    `on`: the correction is in force; `profile` is the stored mesh in use, or empty, and `meshes`
-    are all that are stored; `mesh` is the one in use. `points` are those that were measured last;
-    `rms_mm` is what they deviate from their mean, `left_rms_mm` from the correction; both are None
-    without any. `surface` is the correction itself, None without one; `fade_mm` the height at which
-    it has faded out. `probe_offset_mm` and `trigger_height_mm` are as M851 has set them. `measured`
-    of `to_measure` points are done in a run; both are 0 without one. `manual` is the paper test
-    under way; `triggered` is what the probe was when it was asked last."""
+    """The measurement and the correction of the bed. `method` and `probe` come from the machine
+    file. `on`: the correction is active. `profile` is the name of the active stored mesh, or empty;
+    `meshes` are all stored meshes; `mesh` is the active one. `points` are the last measured points;
+    `rms_mm` is their RMS deviation from their mean, `left_rms_mm` that from the correction; both
+    are None without points. `surface` is the correction itself, None without one; `fade_mm` is the
+    height at which it has faded out. `probe_offset_mm` and `trigger_height_mm` are the values of
+    M851. During a run, `measured` of `to_measure` points are done; otherwise both are 0. `manual`
+    is the paper test in progress. `triggered` is the state of the probe at its last query."""
 
     method: str
     on: bool
@@ -264,8 +264,8 @@ class BedStatus:
 
 @dataclass(frozen=True, slots=True)
 class ScrewStatus:
-    """A screw of the bed as it was measured last: the height of the bed there, mm, and what to
-    turn: `adjust` are turns and minutes of a clock, `CW` or `CCW` before them. `base`: it stays."""
+    """The last measurement of a bed screw: the height of the bed there, mm, and the adjustment
+    `adjust`: `CW` or `CCW` with full turns and minutes of a clock. `base`: this screw stays."""
 
     name: str
     height_mm: float
@@ -275,21 +275,21 @@ class ScrewStatus:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """A printer at one moment. Positions are the program's coordinates of where the machine is, in
-    mm, by axis and `e`; `homed` are the axes whose position is certain; fans
-    are fractions of full speed; `time_s` is print time since the start; `halted` says why nothing
-    moves or heats, or is empty, and `faults` the same as errors of the catalogue; `link` is a name
-    of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of a
-    print that is done, also of a host's that reports it (M73, M532); `job` is None while no file is
-    printed; `ended` is the last print, until another file is selected; `started`: the boards have
-    started at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c`
-    the hotend of `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the
-    settings that M500 would change on its medium, as commands with their values, by headings;
-    `saved_variables` are those of SAVE_VARIABLE. `bed` is None on a machine without a probe.
-    `moving_s` is the print time for which the machine has printed or moved without a rest.
-    `gantry_level`: the motors of Z have levelled the gantry, and were on since then; None where
-    they cannot. `screws` are those of the bed as they were measured last, `screws_limit_mm` what
-    they may differ by, if they differ by more.
+    """The status of a printer at one moment. Positions are the current position in program
+    coordinates, in mm, by axis and `e`; `homed` are the axes with a certain position; fans are
+    fractions of full speed; `time_s` is print time since the start; `halted` is the reason why the
+    printer is halted, or empty, and `faults` has the same as errors of the catalogue; `link` is a
+    name of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of
+    the print that is done; for a print by a host, the host reports it (M73, M532). `job` is None
+    while no file is printed; `ended` is the last print, until another file is selected; `started`:
+    the boards have started at least once; `macros` are the variables of the macros, by name. Below
+    `min_extrude_c` the hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are
+    the settings that M500 would change, as commands with their values, by headings;
+    `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine without a
+    probe. `moving_s` is the print time for which the machine has printed or moved without a break.
+    `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
+    machine that cannot do this. `screws` are the last measurements of the bed screws;
+    `screws_limit_mm` is their allowed difference, if it is exceeded.
     """
 
     state: PrinterState
@@ -331,8 +331,8 @@ def planned_status(
     targets_c: Mapping[str, float],
     fans: Mapping[str, float],
 ) -> Status:
-    """The status of a program that is planned without a printer: `targets_c`, as commands have set
-    them, count as reached."""
+    """The status of a program that is planned without a printer. The commanded `targets_c` count as
+    reached."""
     reached = {name: targets_c.get(name, 0.0) for name in machine.heaters}
     axes, locked = axis_order(machine.axes), job.locked_axes
     return Status(

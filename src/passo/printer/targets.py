@@ -1,4 +1,4 @@
-"""Targets of heaters, among the moves or at once."""
+"""Sets targets of heaters, in order with the moves or at once."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from passo.motion.rig import Rig
 
 
 class Targets:
-    """The targets of one printer's heaters. `cooled_c` has the targets, by heater, that a long
-    pause or a fault has switched off and that return before the print resumes."""
+    """The targets of one printer's heaters. `cooled_c` has the targets, °C by heater, of heaters
+    that a long pause or a fault has switched off; they are set again before the print resumes."""
 
     def __init__(self, rig: Rig, require_power: Callable[[], None]) -> None:
         self._rig = rig
@@ -31,15 +31,15 @@ class Targets:
         self._rig.queue.after_moves()
 
     def mark_reached(self, index: int, value: int) -> bool:
-        """Handles a mark that print time has reached. True if it was that of a heater."""
+        """Handles a mark that print time has reached. Returns True if it belongs to a heater."""
         if index >= len(self._heaters):
             return False
         self._rig.connection.set_target(self._heaters[index], value / 100)
         return True
 
     def switch_off(self, heaters: Iterable[str] | None = None) -> None:
-        """Switches these heaters, by default all, off at once, and again after the moves so far, so
-        that a queued target heats only until then."""
+        """Switches these heaters (default: all) off at once, and again after the moves so far,
+        because a queued target may switch them on until then."""
         for name in self._heaters if heaters is None else heaters:
             self.set_target(name, 0.0, at_once=True)
             self.set_target(name, 0.0)
@@ -55,7 +55,8 @@ class Targets:
         self._rig.connection.set_target(heater, 0.0)
 
     def rearm_failed(self) -> None:
-        """Rearms the heaters for which a print is paused: the user was informed, and resumes it."""
+        """Rearms the failed heaters for which a print is paused. Call it when the user, who was
+        informed, resumes the print."""
         for name in self.cooled_c:
             if self._rig.connection.heaters[name].fault is not None:
                 self._rig.connection.heaters[name].rearm()

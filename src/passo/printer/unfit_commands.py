@@ -1,5 +1,5 @@
-"""Commands that a print must not leave out silently: unknown ones that may move the machine, and
-bed levelling on a machine that cannot level."""
+"""Commands that a print must not skip silently: unknown ones that may move the machine, and bed
+levelling on a machine that cannot level."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from passo.gcode.registry import row_of
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-# G codes that move the machine in other dialects, or change where later moves go: splines, pockets,
-# patterns, threads, calibration, probing, radius compensation, scaling, rotation, macros, cycles.
+# G codes that move the machine in other dialects, or change the path of later moves: splines,
+# pockets, patterns, threads, calibration, probing, radius compensation, scaling, rotation, macros,
+# cycles.
 _MOVES = {5, 6, 13, 16, 26, 33, *range(35, 40), 41, 42, 46, 47, 51, 52, 65, 66, 68, 150, 425} | {
     *range(70, 80),
     *range(81, 90),
@@ -25,7 +26,8 @@ PROBE_MOVES = frozenset({"G38.2", "G38.3", "G38.4", "G38.5"})
 OF_DELTAS = frozenset({"G33", "DELTA_CALIBRATE"})
 OF_Z_MOTORS = frozenset({"G34", "Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"})
 LEVELLING = PROBING | OF_DELTAS | OF_Z_MOTORS | {"G80", "BED_TILT_CALIBRATE"}
-# Klipper's commands, and macros that its users share, that move nothing and change no position.
+# Klipper's commands and common macros of its users that neither move the machine nor change a
+# position.
 _STILL = re.compile(
     r"(?!SET_(?:GCODE_OFFSET|KINEMATIC_POSITION|DUAL_CARRIAGE)\b)"
     r"(?:SET_|GET_|QUERY_|DUMP_|SAVE_|CLEAR_|DISPLAY_|_?TIMELAPSE|BED_MESH_|SKEW_|UPDATE_DELAYED"
@@ -40,8 +42,8 @@ _FLOW_OF_CONTROL = re.compile(
 
 
 class Skips(NamedTuple):
-    """The commands that a print may leave out: unknown ones, and bed levelling. `levels` are the
-    commands of levelling for which the machine has the parts."""
+    """The commands that a print may skip: unknown ones, and bed levelling. `levels` are the
+    levelling commands that the machine supports."""
 
     unknown: bool = False
     levelling: bool = False
@@ -61,7 +63,8 @@ ALL = Skips(unknown=True, levelling=True)
 
 
 def unfit(command: Command, skips: Skips) -> Problem | None:
-    """The problem of leaving this command out; None if it is known, harmless or skipped."""
+    """The problem that forbids to skip this command; None if it is known, harmless or allowed to be
+    skipped."""
     code = command.code
     if code in LEVELLING:
         if skips.levelling or code in skips.levels:

@@ -1,4 +1,4 @@
-"""The requests that a command may wait for, and the destination of its answers."""
+"""The waits that a command can request, and the destination of its answers."""
 
 from __future__ import annotations
 
@@ -11,25 +11,26 @@ from passo.gcode.command import Command
 
 
 class Stopped(Exception):
-    """The wait was stopped or cancelled, without its condition."""
+    """The wait was stopped or cancelled before its condition was true."""
 
 
 @dataclass(frozen=True, slots=True)
 class WaitForMoves:
-    """Until all moves so far are done; `then` is called after that."""
+    """Waits until all moves so far are done; then calls `then`."""
 
     then: Callable[[], object] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class WaitForQueue:
-    """Until the plan has free space for the rest of the line, such as an arc of many turns."""
+    """Waits until the plan has free space for the rest of the line, such as an arc of many
+    turns."""
 
 
 @dataclass(frozen=True, slots=True)
 class WaitForTemperatures:
-    """Until these heaters have reached their targets, after all moves are done; with `cooling` also
-    a heater that is too hot."""
+    """Waits until all moves are done and these heaters have reached their targets; with `cooling`,
+    a heater that is too hot must cool down too."""
 
     heaters: tuple[str, ...]
     cooling: bool = False
@@ -37,7 +38,7 @@ class WaitForTemperatures:
 
 @dataclass(frozen=True, slots=True)
 class WaitForUser:
-    """Until the user continues (M108), or `seconds` have passed; 0: without a limit."""
+    """Waits until the user continues (M108), or until `seconds` have passed; 0 means no limit."""
 
     message: str
     seconds: float = 0.0
@@ -45,8 +46,8 @@ class WaitForUser:
 
 @dataclass(frozen=True, slots=True)
 class WaitForTuning:
-    """Until `step` returns true. It is called as time passes. `finish` is called at the end, also
-    if the wait is ended early."""
+    """Waits until `step`, which is called as time passes, returns True. `finish` is called at the
+    end, even if the wait ends early."""
 
     step: Callable[[], bool]
     finish: Callable[[], None]
@@ -54,23 +55,23 @@ class WaitForTuning:
 
 @dataclass(frozen=True, slots=True)
 class WaitForProcedure:
-    """Until `run` is done. The waiting caller holds the motion lock, and the machine is idle at the
-    start."""
+    """Waits until `run` is done. The waiting caller holds the motion lock, and the machine is idle
+    at the start."""
 
     run: Callable[[], Awaitable[None]]
 
 
 @dataclass(frozen=True, slots=True)
 class WaitForHoming:
-    """Until these axes are homed: letters, all axes if there are none."""
+    """Waits until the axes of these letters are homed; without letters, all axes."""
 
     letters: str
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """Without end: M112 or M410 (`code`) in this line of a program has ended a print without
-    consoles. A plan alone continues."""
+    """Never continues: M112 or M410 (`code`) in a line of the program ends a print without
+    consoles. A program that is only planned continues."""
 
     code: str
     line: int
@@ -92,19 +93,20 @@ class Reply(Protocol):
     """The source of a command, and the destination of its answers."""
 
     def say(self, text: str) -> None:
-        """A line of answer."""
+        """Sends a line of the answer."""
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """A line of answer, once for each subject, or `again` each time."""
+        """Sends a line of the answer, once for each subject `about`, or each time if `again`."""
 
     def with_ok(self, text: str) -> None:
-        """Text after `ok` in the same line."""
+        """Sends a text after `ok` in the same line."""
 
     def warming(self, text: str) -> None:
-        """The temperatures, once a second while a command waits for them."""
+        """Sends the temperatures; called once a second while a command waits for them."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """The command was not carried out: the reason as a sentence, and its problems if known."""
+        """Reports that the command was refused: the reason as a sentence, and its problems if
+        known."""
 
 
 Handler: TypeAlias = Callable[[Command, Reply], Wait | None]

@@ -31,21 +31,22 @@ if TYPE_CHECKING:
     from passo.printer.state import State
     from passo.printer.targets import Targets
 
-WARMING_S = 1.0  # of print time between two lines of temperatures during a wait
-# A heater that has cooled down by less than this in this time has stopped cooling (StuFW's values).
+WARMING_S = 1.0  # print time between two lines of temperatures during a wait
+# A heater that has cooled by less than this in this time has stopped cooling (values of StuFW).
 _MIN_COOLING_C, _COOLING_S = 1.5, 60.0
 
 
 class _Cooling:
-    """Whether a heater that is waited for still cools down; reports once if not."""
+    """Checks whether a heater still cools down during a wait, and reports once if it does not."""
 
     def __init__(self, name: str, reply: Reply) -> None:
         self._name, self._reply = name, reply
-        self._seen: tuple[float, float] | None = None  # print time in s, and its temperature then
+        # print time in s, and the temperature at that time
+        self._seen: tuple[float, float] | None = None
         self._over = False
 
     def goes_on(self, now_s: float, celsius: float) -> bool:
-        """Call as time passes."""
+        """Call this as time passes. Returns whether the heater still cools down."""
         before_s, was = self._seen = self._seen or (now_s, celsius)
         if not self._over and now_s >= before_s + _COOLING_S:
             self._seen = now_s, celsius
@@ -57,7 +58,7 @@ class _Cooling:
 
 
 class WaitRunner:
-    """Runs the waits of one printer, one at a time, for the caller that holds the motion lock."""
+    """Runs the waits of one printer, one at a time. The caller must hold the motion lock."""
 
     def __init__(
         self,
@@ -72,12 +73,12 @@ class WaitRunner:
         self._rig, self._state, self._homer, self._moves = rig, state, homer, moves
         self._prompts, self._laser, self._targets = prompts, laser, targets
         self.heating = False  # a command waits for a temperature
-        self.person = False  # or for the user
-        self.temperatures: Callable[[], str] = str  # the temperatures as a line
+        self.person = False  # a command waits for the user
+        self.temperatures: Callable[[], str] = str  # gives the temperatures as a line
         self.busy = False  # a command waits
         self.for_room = False  # a line waits for free space in the plan
-        self._skip_moves = False  # after M108: not for queued moves either
-        self._uninterruptible = False  # M108 does not end it
+        self._skip_moves = False  # after M108: do not wait for queued moves either
+        self._uninterruptible = False  # M108 does not end the current wait
 
     def end(self) -> None:
         """Ends the current wait, unless an action follows its moves. Moves and dwells continue."""
@@ -85,14 +86,14 @@ class WaitRunner:
             self._skip_moves = self._state.ended = True
 
     async def room(self, there: Callable[[], bool]) -> bool:
-        """Waits until there is free space for a line, or `end` is called: the line is then read
-        without. Returns whether it was called."""
+        """Waits until `there` is True, which means that a line can be read, or until `end` is
+        called, after which the line is read anyway. Returns whether `end` was called."""
         rig, state = self._rig, self._state
         self._skip_moves, self.for_room = False, True
 
         def let_in() -> bool:
             if state.host_paused:
-                self._skip_moves = False  # it was for the pause
+                self._skip_moves = False  # that M108 was for the pause
             return there() or bool(state.halted) or (self._skip_moves and rig.job.at_boundary)
 
         try:
@@ -109,9 +110,9 @@ class WaitRunner:
         ends: bool = False,
         suspended: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Waits for the moves so far, then for the condition of `wait`; not at all if it `ends` at
-        once. False if the moves before it are `suspended`: the wait has not begun. Raises Stopped
-        after a halt."""
+        """Waits for the moves so far, and then for the condition of `wait`; does not wait if `ends`
+        is True. Returns False if the moves are `suspended` before the wait has begun. Raises
+        Stopped after a halt."""
         within_another, self.busy = self.busy, True
         if isinstance(wait, WaitForUser):
             self._prompts.ask(wait.message)
@@ -140,7 +141,8 @@ class WaitRunner:
             with self._laser.dark():
                 if not await self._wait_for_moves(suspended):
                     return False
-                # After M108 skips the moves, the command behind them still runs, except homing.
+                # After M108 has skipped the moves, the command after them still runs, except
+                # homing.
                 if isinstance(wait, WaitForHoming) or not self._skip_moves:
                     self._raise_if_ended()
                 await self._at_rest(wait, reply)
@@ -148,7 +150,7 @@ class WaitRunner:
         return True
 
     async def _more(self) -> None:
-        """Waits until more of a line can be planned, which only a stop can end."""
+        """Waits until more of a line can be planned. Only a stop can end this wait."""
         rig, state = self._rig, self._state
         await rig.queue.until(
             lambda: not (rig.queue.full or state.host_paused) or bool(state.halted), idly=True
@@ -190,7 +192,7 @@ class WaitRunner:
         told_s = rig.queue.now_s
         cooling = {name: _Cooling(name, reply) for name in heaters}
 
-        cools: dict[tuple[str, float], bool] = {}  # was it too warm for that target?
+        cools: dict[tuple[str, float], bool] = {}  # whether the heater was too warm for this target
 
         def on_its_way(name: str, h: Heater) -> bool:
             if h.target <= 0 or h.settled:
@@ -217,7 +219,7 @@ class WaitRunner:
             await rig.queue.until(there)
         finally:
             self.heating = False
-        # The thread of the link may have found a fault that is not reported yet.
+        # The link's thread may have found a fault that is not reported yet.
         for name, heater in heaters.items():
             if heater.fault is not None and not state.halted:
                 raise CommandError([HeaterFault.of(name, heater.fault).problem])
@@ -225,7 +227,7 @@ class WaitRunner:
     async def _tune(self, wait: WaitForTuning) -> None:
         self.heating = True
         try:
-            # The client that has switched the heater off must not read one more step of heating.
+            # The client that has switched the heater off must not receive another line of heating.
             await self._rig.queue.until(lambda: self._state.interrupted or wait.step())
         finally:
             self.heating = False
@@ -250,14 +252,14 @@ class WaitRunner:
 
     async def warm_again(self) -> None:
         """Reheats the heaters that a long pause or a fault has switched off, unless their targets
-        were changed since; continues without a bed or chamber that fails. The caller holds the
-        motion lock. Raises Stopped, and CommandError if a hotend fails."""
+        were changed since. A failed bed or chamber is ignored. Call it with the motion lock held.
+        Raises Stopped, and CommandError if a hotend fails."""
         rig, targets = self._rig, self._targets
         cooled, targets.cooled_c = targets.cooled_c, {}
         for name, celsius in cooled.items():
             rig.connection.set_target(name, celsius)
         if cooled:
-            rig.queue.before_moves()  # it is not idle any more
+            rig.queue.before_moves()  # marks the machine as not idle
         waited: list[str] = list(cooled)
         while waited:
             try:
@@ -266,6 +268,7 @@ class WaitRunner:
             except CommandError:
                 failed = {n for n in waited if rig.connection.heaters[n].fault is not None}
                 if not failed or any(rig.machine.heaters[n].kind == "hotend" for n in failed):
-                    targets.cooled_c = cooled | targets.cooled_c  # another try waits again
+                    # so that another attempt waits again
+                    targets.cooled_c = cooled | targets.cooled_c
                     raise
                 waited = [n for n in waited if n not in failed]

@@ -1,4 +1,4 @@
-"""M420, M561 and the other commands of the correction of the bed: on and off, edited, stored."""
+"""M420, M561 and other commands that switch, edit and store the bed correction."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ DEFAULT = "default"
 
 
 def exact(value: float) -> str:
-    """A number that is read as the same double, without an exponent."""
+    """A number as text that is read back as the same double, without an exponent."""
     return f"{Decimal(repr(value)):f}"
 
 
 class BedCorrectionCommands:
-    """The correction of the bed of one printer. `profile` is the name of the stored mesh in use, or
-    empty; `meshes` are those that are stored."""
+    """The commands for the bed correction of one printer. `profile` is the name of the active
+    stored mesh, or empty; `meshes` are the stored meshes."""
 
     def __init__(self, rig: Rig, correction: BedCorrection) -> None:
         self._rig, self._correction = rig, correction
@@ -46,14 +46,15 @@ class BedCorrectionCommands:
 
     @property
     def fade(self) -> Fade | None:
-        """The fade of the current correction, which a new one takes over; None without one."""
+        """The fade of the current correction, which a new correction takes over; None without a
+        fade."""
         correction = self._correction.correction
         return correction.fade if correction else None
 
     def put(self, correction: Correction | None, *, on: bool, profile: str = "") -> None:
-        """Sets the correction, and switches it on or off. It fades to the mean of its mesh, which
-        is the stored one of the name `profile`, if that is given. Raises CommandError if it is on
-        and beyond the limits of the machine file."""
+        """Sets the correction, and switches it on or off. It fades to the mean of its mesh.
+        `profile` is the name of the stored mesh, if it is one. Raises CommandError if the
+        correction is switched on and exceeds the limits of the machine file."""
         if correction is not None and correction.fade is not None:
             mean = round(correction.mesh.mean, 2) if correction.mesh else 0.0
             correction = replace(correction, fade=replace(correction.fade, target_mm=mean))
@@ -97,7 +98,7 @@ class BedCorrectionCommands:
         return None
 
     def mesh(self) -> Mesh:
-        """The mesh in use. Raises CommandError without one."""
+        """The mesh of the current correction. Raises CommandError without one."""
         correction = self._correction.correction
         if correction is None or correction.mesh is None:
             raise CommandError.of("levelling.none")
@@ -138,7 +139,7 @@ class BedCorrectionCommands:
         lacks=NO_PROBE,
     )
     def forget(self, _: Command, __: Reply) -> Wait | None:
-        """Forgets it at standstill."""
+        """Removes the correction at standstill."""
         return WaitForMoves(lambda: self.put(None, on=False))
 
     @command(
@@ -303,7 +304,7 @@ class BedCorrectionCommands:
         return WaitForMoves(lambda: self.load_mesh(stored, reply))
 
     def save_mesh(self, name: str) -> None:
-        """Stores the mesh in use. Raises CommandError."""
+        """Stores the current mesh under `name`. Raises CommandError."""
         mesh, bed_c = self.mesh(), None
         for heater, config in self._rig.machine.heaters.items():
             if config.kind == "bed":
@@ -317,14 +318,14 @@ class BedCorrectionCommands:
         self.profile = name
 
     def load_mesh(self, stored: StoredMesh, reply: Reply) -> None:
-        """Corrects by a stored mesh. Raises CommandError."""
+        """Activates a stored mesh. Raises CommandError."""
         fade = self.fade
         correction = Correction(None, stored.mesh, stored.interpolation, fade)
         self.put(correction, on=True, profile=stored.name)
         reply.say(f"// Mesh {stored.name} is in use: {describe(stored)}")
 
     def setting_lines(self) -> Iterator[str]:
-        """Commands that bring the correction back, to the last bit."""
+        """Commands that restore the correction exactly."""
         now = self._correction
         correction = now.correction or Correction()
         terms = (correction.fit or Fit()).coefficients
@@ -349,7 +350,7 @@ class BedCorrectionCommands:
 
 
 def describe(stored: StoredMesh) -> str:
-    """A stored mesh in a line."""
+    """A line that describes a stored mesh."""
     size = f"{len(stored.mesh.xs)} × {len(stored.mesh.ys)} points"
     warmth = "" if stored.bed_c is None else f", bed at {stored.bed_c:g} °C"
     return f"{size}, {stored.date or 'no date'}{warmth}"

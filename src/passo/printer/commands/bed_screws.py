@@ -1,4 +1,5 @@
-"""How far to turn the screws of the bed: by the probe (G35), or by a sheet of paper."""
+"""G35 and other commands that adjust the screws of the bed, with the probe or with a sheet of
+paper."""
 
 from __future__ import annotations
 
@@ -36,7 +37,7 @@ class ScrewCommands:
     def __init__(self, config: Screws, prober: Prober, manual: ManualProbe) -> None:
         self._config, self._prober, self._manual = config, prober, manual
         self.measured: tuple[ScrewStatus, ...] = ()
-        self.exceeded_mm: float | None = None  # MAX_DEVIATION, if the screws differed by more
+        self.exceeded_mm: float | None = None  # MAX_DEVIATION, if the screws differ by more
 
     @command(
         "G35",
@@ -137,8 +138,8 @@ class ScrewCommands:
 
 
 def _adjusted(measured: list[Measured], thread: Thread, direction: Direction | None) -> list[Screw]:
-    """What each screw needs, first the one that stays: that of the machine file, or where all turn
-    in one direction the highest or the lowest one."""
+    """The adjustment of each screw. The first screw is the one that stays: the base screw of the
+    machine file or, if all screws must turn in one direction, the highest or the lowest."""
     heights = [(m.place.name, m.height_mm) for m in measured]
     if direction is not None:
         lifts = (direction == "CW") == thread.endswith(" cw")

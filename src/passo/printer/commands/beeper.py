@@ -18,28 +18,28 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.motion.rig import Rig
 
-LONGEST_S = 5.0  # of one tone
+LONGEST_S = 5.0  # maximum length of a tone
 _HZ, _MS = 260, 1000  # unless given: Marlin's
 _LOWEST_HZ = 20
-# Each tone takes two timer interrupts a cycle. Steps have a faster one, but an 8-bit chip has
-# little time left for the others; 1000 Hz is the limit of heaters and fans.
+# A tone needs two timer interrupts per cycle. Steps use a faster interrupt, but an 8-bit chip has
+# little time left for others; 1000 Hz is also the limit of heaters and fans.
 _HIGHEST_HZ, _HIGHEST_HZ_OF_8_BITS = 5000, 1000
-_8_BITS = ("atmega", "at90", "attiny")  # names of such chips begin so
+_8_BITS = ("atmega", "at90", "attiny")  # names of 8-bit chips begin with these
 _MAX_TONES = 64  # planned or waiting, before M300 waits
 _APART_S = 0.01  # from the end of a tone until the board may receive the next
 _CALL = (1000, 300)  # Hz and ms, to call the user
-_MARK, _ERAS = 1 << 13, 1 << 6  # a mark of 32 bits holds an era, Hz and ms
-_SOON_S = 1.0  # after a rest, the board receives a tone so long before it
+_MARK, _ERAS = 1 << 13, 1 << 6  # a mark of 32 bits contains an era, Hz and ms
+_SOON_S = 1.0  # after a pause, a tone is sent to the board this long before it starts
 _MAX_TICKS = 2**31 - 1  # of a duration, on the board
 
 
 def longest_tone_s(board: Board) -> float:
-    """The maximum length of a tone, seconds, such that the board can count its time."""
+    """The maximum length of a tone, seconds, that the board's clock can count."""
     return min(LONGEST_S, _MAX_TICKS / board.clock_hz - _APART_S)
 
 
 def most_ticks(board: Board) -> int:
-    """The maximum duration of a tone on its board, even if the host stops."""
+    """The duration, in ticks, after which the board ends a tone even if the host stops."""
     return min(_MAX_TICKS, round((longest_tone_s(board) + _APART_S) * board.clock_hz))
 
 
@@ -50,8 +50,8 @@ def highest_hz(board: Board) -> int:
 
 class Beeper:
     """M300 of one printer, if it has a beeper. A tone is due when the moves before it are done;
-    later moves do not wait. Tones that are due sound one after the other, at least LEAD_S apart,
-    including rests between them: a board takes another pitch only while it is silent."""
+    later moves do not wait for it. Due tones sound one after the other with pauses of at least
+    LEAD_S, because a board accepts another pitch only while it is silent."""
 
     def __init__(self, rig: Rig, state: State) -> None:
         self._rig, self._state = rig, state
@@ -59,32 +59,34 @@ class Beeper:
         self._there = machine.beeper is not None
         board = machine.all_boards[placed(machine.beeper.pin)[0] if machine.beeper else MAIN]
         self._highest_hz, self._longest_s = highest_hz(board), longest_tone_s(board)
-        self._era = 0  # marks of an earlier one are forgotten
-        # Clocks of the main board: the last tone's end, with rests, and when its board is silent.
+        self._era = 0  # marks of an earlier era are ignored
+        # Clocks of the main board: the end of the last tone including its pause, and the end of its
+        # sound.
         self._next = self._silent = 0
 
     def begin(self, boards: Boards) -> None:
-        """The boards have restarted; or continue, maybe with a tone that another host has begun."""
+        """Call this after the boards have restarted, or after their adoption, when a tone of
+        another host may still sound."""
         self._silent = 0
         if boards.adopted:
             self._silent = boards.now + int((LONGEST_S + LEAD_S) * boards.board.clock_hz)
         self.forget()
 
     def forget(self) -> None:
-        """Discards tones that have not begun."""
+        """Discards tones that have not started."""
         self._era = (self._era + 1) % _ERAS
         self._planned = 0  # tones that are not due yet
         self._due: deque[tuple[int, int]] = deque()
-        self._next = self._silent  # rests are over
+        self._next = self._silent  # drop pauses
 
     def call(self) -> None:
-        """One beep that calls the user."""
+        """Beeps once to call the user."""
         if self._there:
             self._plan(*_CALL)
 
     def mark_reached(self, value: int) -> None:
-        """The moves before a tone are done, or were discarded; `value` is the content of its
-        mark."""
+        """Call this when print time reaches the mark of a tone: the moves before it are done or
+        discarded. `value` is the content of the mark."""
         value, ms = divmod(value, _MARK)
         era, hz = divmod(value, _MARK)
         if era == self._era:
@@ -92,7 +94,7 @@ class Beeper:
             self._due.append((hz, ms))
 
     def time_passed(self) -> None:
-        """Sends the next tone when the last one has ended."""
+        """Call this as time passes: sends the next tone when the last one has ended."""
         boards = self._rig.connection
         if self._state.halted or self._rig.queue.interrupted:
             self._due.clear()

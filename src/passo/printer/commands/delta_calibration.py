@@ -1,4 +1,4 @@
-"""G33, DELTA_CALIBRATE and M665: the geometry of a delta is measured and set."""
+"""G33, DELTA_CALIBRATE, M665 and M666: measure and set the geometry of a delta."""
 
 from __future__ import annotations
 
@@ -26,20 +26,22 @@ if TYPE_CHECKING:
 NO_DELTA = "This machine is not a delta with an endstop on each tower."
 NO_PROBE = "This machine is not a delta with a probe."
 _TOWERS = "ABC"
-_ANGLES = (210.0, 330.0, 90.0)  # from which M665 counts those of the towers
-_INNER_SHARES = (0.95, 0.90, 0.85, 0.70, 0.75, 0.80)  # of the radius, as Klipper spreads 7 points
-_MARGIN_MM = 2.0  # nozzle and probe keep from the edge, since the geometry is not exact yet
-_DIGITS = 6  # of mm and degrees: what is stored is what is in force
+_ANGLES = (210.0, 330.0, 90.0)  # the angles of the towers from which M665 counts
+# fractions of the radius for 7 points, as in Klipper
+_INNER_SHARES = (0.95, 0.90, 0.85, 0.70, 0.75, 0.80)
+# distance of nozzle and probe from the edge, because the geometry is not exact yet
+_MARGIN_MM = 2.0
+_DIGITS = 6  # decimals of mm and degrees, so that stored and active values are equal
 
 
 def is_calibrated(machine: MachineConfig) -> bool:
-    """Whether a machine is a delta whose carriages have an endstop each, so that it can be."""
+    """Whether the machine is a delta with an endstop for each carriage, which can be calibrated."""
     return isinstance(machine.geometry, Delta) and set("abc") <= set(machine.homing)
 
 
 class DeltaCommands:
-    """The geometry of one delta: `is_calibrated` holds for its machine. What is in force is that of
-    the rig."""
+    """The commands for the geometry of one delta, for which `is_calibrated` is True. The active
+    geometry is that of the rig."""
 
     def __init__(self, rig: Rig, prober: Prober, correction: BedCorrection) -> None:
         self._rig, self._prober, self._correction = rig, prober, correction
@@ -53,8 +55,8 @@ class DeltaCommands:
         return DeltaMachine(machine.geometry, (a, b, c))
 
     def _use(self, delta: DeltaMachine) -> None:
-        """Sets geometry and endstops, to `_DIGITS`. Raises CommandError if the rods are too short
-        for it, or the nozzle would be where it must not be."""
+        """Activates geometry and endstops, rounded to `_DIGITS`. Raises CommandError if the rods
+        are too short, or if the nozzle would be outside its limits."""
         geometry = delta.geometry
         _check_rods(geometry)
         if self._rig.job.suspended:
@@ -123,7 +125,7 @@ class DeltaCommands:
         return WaitForProcedure(partial(self._find, places, 7 if rods else 6, reply))
 
     def _reach_mm(self) -> float:
-        """How far from the middle nozzle and probe get, mm."""
+        """The distance from the middle, mm, that both nozzle and probe can reach."""
         geometry = self._now.geometry
         x0, y0, x1, y1 = self._rig.machine.bed_area_mm
         nozzle = geometry.limit_radius - hypot(*self._prober.offset_mm)
@@ -151,7 +153,8 @@ class DeltaCommands:
             reply.say("The correction of the bed is off: measure it again (G29 or G32)")
 
     async def _touch(self, places: Sequence[Place]) -> list[tuple[Point, float]]:
-        """Drops of the carriages where the probe touches the bed, and Z of the nozzle there."""
+        """Measures places: the drops of the carriages when the probe triggers, and the Z of the
+        nozzle there, mm."""
         delta, trigger_mm = self._now, self._prober.trigger_height_mm
         return [
             (delta.drops((*self._prober.nozzle_at(m.place), m.trigger_z_mm)), trigger_mm)
@@ -206,7 +209,7 @@ class DeltaCommands:
         self._use(_with_heights(geometry.model_copy(update=update), heights))
 
     def endstop_line(self) -> str:
-        """M666 with what holds now, and whose signs it has."""
+        """M666 with the current values, and a note on the firmware whose signs they have."""
         shown = zip("XYZ", self._offsets(), strict=True)
         words = " ".join(f"{k}{round(mm, 4) + 0.0:.4f}" for k, mm in shown)
         return f"M666 {words} ; {'Marlin' if self._marlin else 'RepRapFirmware'}'s signs"
@@ -216,7 +219,7 @@ class DeltaCommands:
         return self._config.dialect == "marlin"
 
     def _height(self, heights: Sequence[float]) -> float:
-        """H of M665: the height at home of the lowest endstop (Marlin), or their mean."""
+        """H of M665: the height of the lowest endstop (Marlin), or the mean height, mm."""
         return min(heights) if self._marlin else fmean(heights)
 
     def _offsets(self) -> list[float]:
@@ -225,7 +228,7 @@ class DeltaCommands:
         return [height - e if self._marlin else e - height for e in heights]
 
     def move_endstops(self, words: dict[str, float]) -> None:
-        """M666 with these words. Raises CommandError."""
+        """Executes M666 with these words. Raises CommandError."""
         heights = _heights(self._now)
         height = self._height(heights)
         offsets = self._offsets()
@@ -271,7 +274,7 @@ class DeltaCommands:
         return WaitForMoves(lambda: self._use(new))
 
     def setting_lines(self) -> Iterator[str]:
-        """The command that brings the geometry back, to the last bit."""
+        """Commands that restore the geometry exactly."""
         delta = self._now
         geometry = delta.geometry
         words = {"RADIUS": geometry.radius}
@@ -312,8 +315,8 @@ def _report(found: Calibration, left_mm: float, factors: int, points: int) -> It
 
 
 def _heights(delta: DeltaMachine) -> list[float]:
-    """Height of the nozzle in the middle with each carriage at its endstop, if all towers were
-    like this one, mm."""
+    """For each tower, the height of the nozzle in the middle, mm, if all carriages were as high as
+    this tower's endstop."""
     geometry = delta.geometry
     return [
         q - sqrt(rod**2 - geometry.radius**2)
@@ -341,7 +344,7 @@ def _check_rods(geometry: Delta) -> None:
 
 
 def _within(name: str, value: float, low: float, high: float) -> float:
-    """Raises CommandError unless it is."""
+    """Raises CommandError unless `value` is between `low` and `high`."""
     if not low <= value <= high:
         raise CommandError.bad_value(name, value, f"{low:g} to {high:g}")
     return value

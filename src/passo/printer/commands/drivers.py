@@ -1,4 +1,4 @@
-"""Commands about the motors' drivers: currents, modes, and status."""
+"""Commands for the motors' drivers: currents, modes, status."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class DriverCommands:
     def __init__(self, machine: MachineConfig, watch: DriverWatch, motors: Motors) -> None:
         self._machine, self._watch, self._all_motors = machine, watch, motors
 
-    # -- what they are set to ---------------------------------------------------------------------
+    # -- settings ---------------------------------------------------------------------
 
     @command(
         "M906",
@@ -56,8 +56,8 @@ class DriverCommands:
         return None
 
     def _with_current(self, motor: str, letter: str, milliampere: float) -> DriverSettings:
-        """The current at standstill keeps its ratio to the run current; the driver must support it,
-        too."""
+        """The settings with another run current. The hold current keeps its ratio to the run
+        current. Raises CommandError if the driver does not support one of them."""
         settings = self._watch.states[motor].settings
         share = settings.hold_a / settings.run_a
         most = floor(largest_current_ma(settings.chip, settings.resistor_ohm) / max(1.0, share))
@@ -77,7 +77,7 @@ class DriverCommands:
         kind=Kind.QUIET,
     )
     def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
-        """Refuses to change microsteps: they belong to the scale of the motor, and both are in the
+        """M350 refuses to change microsteps: they determine the steps per mm, and both are in the
         machine file."""
         if command.words():
             raise CommandError.of("command.fixed", value="steppers")
@@ -95,7 +95,7 @@ class DriverCommands:
         bare=AXES,
     )
     def _modes(self, command: Command, reply: Reply) -> Wait | None:
-        """Without S it reports the drivers' settings in the machine file."""
+        """M569. Without S it reports the drivers' settings in the machine file."""
         words = command.words()
         if "S" not in words:
             if words:
@@ -127,7 +127,7 @@ class DriverCommands:
             )
 
     def _stealth_threshold(self, motor: str) -> int:
-        """The threshold of the machine file; without one the driver is in stealthChop at any
+        """The threshold of the machine file; without one, the driver uses stealthChop at any
         speed."""
         stepper = self._machine.steppers[motor]
         tmc = stepper.tmc
@@ -137,8 +137,8 @@ class DriverCommands:
     def _motors(
         self, letter: str, reply: Reply, index: float | None = None, tool: float | None = None
     ) -> Iterable[str]:
-        """The motors of a letter that have drivers with registers, or the one of that index; an
-        extruder's is a tool."""
+        """The motors of a letter that have drivers with registers, or only the one with `index`;
+        the index of an extruder is its tool."""
         named = self._all_motors.named(letter)
         if letter == "E" and tool is not None:
             index = tool
@@ -150,7 +150,8 @@ class DriverCommands:
         return found
 
     def setting_lines(self) -> Iterator[str]:
-        """M906 and M569 for each driver, by a letter and, if the letter has several, its index."""
+        """M906 and M569 for each driver, by its letter and, if the letter has several motors, its
+        index."""
         for words, state in self._words():
             axis, *tool = reversed(words.split())
             where = "".join(f"{word} " for word in tool)
@@ -167,10 +168,10 @@ class DriverCommands:
             else:
                 yield f"I{index} {letter}" if len(groups[letter]) > 1 else letter, state
 
-    # -- how they are -----------------------------------------------------------------------------
+    # -- status -----------------------------------------------------------------------------
 
     def status_lines(self) -> Iterator[str]:
-        """One or more lines for each driver, with its status at most a second old."""
+        """One or more lines for each driver; the status is at most about a second old."""
         for motor, state in self._watch.states.items():
             settings, currents = state.settings, state.settings.currents
             yield (

@@ -1,4 +1,4 @@
-"""M666: how much endstops are off, of a delta's towers or of the motors of Z."""
+"""M666: offsets of endstops, for the towers of a delta or for the motors of Z."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MOST_MM = 50.0
 
 
 class EndstopCommands:
-    """M666 of one printer: of its delta, or of its motors of Z."""
+    """M666 of one printer, for the towers of its delta or for its Z motors."""
 
     def __init__(self, delta: DeltaCommands | None, motors: EndstopOffsets | None) -> None:
         self._delta, self._motors = delta, motors

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 def extruders(machine: MachineConfig) -> Iterator[tuple[str, str]]:
-    """The words that select an extruder in a command, and its name: only E if it is the only
-    one."""
+    """For each extruder, the words that select it in a command, and its name: just E if the machine
+    has only one."""
     tools = [tool.extruder for tool in machine.all_tools]
     for name in machine.extruders:
         if len(machine.extruders) == 1:
@@ -26,8 +26,8 @@ def extruders(machine: MachineConfig) -> Iterator[tuple[str, str]]:
 def with_extruders(
     machine: MachineConfig, code: str, words: list[str], e: Callable[[str], float]
 ) -> list[str]:
-    """A command with the words of the axes, and others for the extruders, each of which has its own
-    value of `e`; a single extruder is in the line of the axes."""
+    """A command with the words of the axes, and one for each extruder with its value of `e`. A
+    single extruder is in the line of the axes."""
     own = [(where, f"E{numeral(e(name))}") for where, name in extruders(machine)]
     if len(own) == 1 and not own[0][0]:
         return [" ".join([code, *words, own[0][1]])]
@@ -35,8 +35,8 @@ def with_extruders(
 
 
 def extruder_of(machine: MachineConfig, words: dict[str, float], active: int) -> str | None:
-    """The extruder that E means: that of the tool T; without T that of the active tool, or the
-    first extruder if that has none. Raises CommandError for a tool that does not exist."""
+    """The extruder that E selects: that of tool T, else that of the active tool, else the first
+    extruder. Raises CommandError for a tool that does not exist."""
     tools = machine.all_tools
     tool = words.get("T", active)
     if "T" in words and tool not in range(len(tools)):

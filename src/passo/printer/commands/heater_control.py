@@ -48,7 +48,7 @@ class ControlCommands:
     def __init__(self, rig: LiveRig) -> None:
         self._rig = rig
         self._machine = rig.machine
-        self._borrowed: dict[str, Control] = {}  # the controls of heaters that a tune uses
+        self._borrowed: dict[str, Control] = {}  # the controllers to restore after a tune
         self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
 
     # -- which heater, and its controller
@@ -61,37 +61,38 @@ class ControlCommands:
         return self._rig.commands.set_points.heater(kind, max(number, 0))
 
     def number_of(self, name: str) -> int | None:
-        """H of a heater; None for a heater without a number."""
+        """The H number of a heater; None if it has none."""
         return number_of(self._machine, name)
 
     def _numbered(self, names: Sequence[str]) -> Iterator[tuple[int, str]]:
-        """The heaters of these names, all if none is given, that have a number, with it."""
+        """The heaters of these names (default: all) that have a number, with the number."""
         for name in names or self._machine.heaters:
             number = self.number_of(name)
             if number is not None:
                 yield number, name
 
     def control(self, name: str) -> Control:
-        """The controller of a heater, as set; during a tune the one that returns afterwards."""
+        """The controller of a heater; during a tune, the one that the heater gets back
+        afterwards."""
         return self._borrowed.get(name) or self._rig.connection.heaters[name].control
 
     def set_control(self, name: str, control: Control) -> None:
-        """Sets the controller at once, or when the heater's tune is over."""
+        """Sets the controller at once or, during a tune of the heater, after the tune."""
         if name in self._borrowed:
             self._borrowed[name] = control
         else:
             self._rig.connection.heaters[name].set_control(control)
 
     def lent(self, name: str) -> bool:
-        """Whether a tune uses the heater."""
+        """Whether a tune of the heater is in progress."""
         return name in self._borrowed
 
     def lend(self, name: str) -> None:
-        """A tune takes the heater over: keeps its controller."""
+        """Call this at the start of a tune: stores the heater's controller."""
         self._borrowed[name] = self._rig.connection.heaters[name].control
 
     def take_back(self, name: str) -> None:
-        """The tune is over: restores the heater's controller."""
+        """Call this at the end of a tune: restores the heater's controller."""
         control = self._borrowed.pop(name, None)
         if control is not None:
             self._rig.connection.heaters[name].set_control(control)
@@ -146,7 +147,7 @@ class ControlCommands:
         return None
 
     def gain_lines(self, *names: str) -> Iterator[str]:
-        """M301 for each of these heaters that has gains, all if none is named."""
+        """M301 for each of these heaters (default: all) that has gains."""
         for number, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.PidControl):
@@ -184,7 +185,7 @@ class ControlCommands:
         return None
 
     def model_lines(self, *names: str) -> Iterator[str]:
-        """M307 for each of these heaters that is controlled by its model, all if none is named."""
+        """M307 for each of these heaters (default: all) that has a model-predictive controller."""
         for number, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.ModelControl):
@@ -226,7 +227,7 @@ class ControlCommands:
         return None
 
     def sensor_lines(self, *names: str) -> Iterator[str]:
-        """M305 for each of these heaters with a thermistor, all if none is named."""
+        """M305 for each of these heaters (default: all) that has a thermistor."""
         for number, name in self._numbered(names):
             s = self.sensors[name]
             if isinstance(s, Thermistor):
@@ -281,7 +282,7 @@ class ControlCommands:
         )
 
     def drive_lines(self) -> Iterator[str]:
-        """M306 for each heater with limits of its integral."""
+        """M306 for each heater whose controller limits its integral."""
         for number, name in self._numbered(()):
             control = self.control(name)
             if isinstance(control, _core.PidControl):
@@ -294,7 +295,7 @@ def _drive(control: _core.PidControl) -> str:
 
 
 def with_gains(old: _core.PidControl, gains: Gains) -> _core.PidControl:
-    """A controller with other gains."""
+    """A copy of a controller with other gains."""
     return _core.PidControl(
         gains.kp, gains.ki, gains.kd, old.filter_s, old.drive_min, old.drive_max, old.range_c
     )
@@ -303,8 +304,8 @@ def with_gains(old: _core.PidControl, gains: Gains) -> _core.PidControl:
 def _with_words(
     kind: type[_Table], held: dict[str, object], keys: Mapping[str, str], given: dict[str, float]
 ) -> _Table:
-    """A table with a command's values in place of its old ones, by letter. Raises CommandError with
-    the first invalid value."""
+    """A table of the machine file with values replaced by those of a command, by letter. Raises
+    CommandError with the first invalid value."""
     try:
         return kind.model_validate(held | {keys[k]: value for k, value in given.items()})
     except ValidationError as error:

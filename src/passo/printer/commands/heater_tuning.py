@@ -18,12 +18,12 @@ from passo.printer.state import State
 from passo.printer.targets import Targets
 from passo.printer.wait_requests import Reply, Wait, WaitForTuning
 
-_STEP_RESPONSE = len(RULES)  # R after those of the relay's rules: the model, for any controller
+_STEP_RESPONSE = len(RULES)  # the R number after those of the relay rules: finds the model
 _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
 
 
 class TuneCommands:
-    """The tunes of one printer's heaters, whose `controls` they use."""
+    """Tunes the heaters of one printer; `controls` has their controllers."""
 
     def __init__(
         self, rig: LiveRig, state: State, targets: Targets, controls: ControlCommands
@@ -69,7 +69,7 @@ class TuneCommands:
         except TuneError as error:
             reply.fail(str(error))
             return None
-        self._controls.take_back(name)  # from a tune that a halt has ended
+        self._controls.take_back(name)  # after a tune that a halt has ended
         asked = words.get("U", 1.0 if "U" in command.letters() else 0.0) != 0
         apply = asked and fits
         for line in tune.begin(" Apply result" if apply else ""):
@@ -90,7 +90,7 @@ class TuneCommands:
             return True  # another command has switched it off, or changed its target
         for sample in heater.take_samples():
             for line in tune.feed(sample):
-                # A failed tune must not make a host disconnect.
+                # A failed tune must not make a host disconnect, so the reply is not an error.
                 reply.say(line.removeprefix("Error:"))
         if not tune.done:
             if heater.control != tune.control:
@@ -104,7 +104,7 @@ class TuneCommands:
         return tune.done or heater.fault is not None
 
     def _keys(self, name: str, result: Gains | _core.HeatModel) -> Iterator[str]:
-        """The lines for the machine file that keep the result of the tune."""
+        """The lines for the machine file with the result of the tune."""
         yield f"To keep this, write in the machine file, in the table [heaters.{name}]:"
         if isinstance(result, Gains):
             old = self._machine.heaters[name].control
@@ -121,7 +121,7 @@ class TuneCommands:
         result if asked for. Raises CommandError if it cannot be stored."""
         self._controls.take_back(name)
         if self._state.halted:
-            return  # everything is off
+            return  # all heaters are off already
         if self._rig.connection.heaters[name].target == tune.target_c:
             self._targets.set_target(name, 0.0, at_once=True)
         fan = self._machine.heaters[name].fan

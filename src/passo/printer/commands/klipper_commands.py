@@ -1,5 +1,5 @@
-"""Klipper's commands that stand for numbered commands: each becomes lines, which are read next,
-like those of a macro."""
+"""Klipper's commands that are translated to numbered commands. The resulting lines are read next,
+like the lines of a macro."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from passo.printer.wait_requests import Reply
 
 _Words = Mapping[str, str]
-_OF_PAGES = "_ui_"  # names of states that web pages save before manual moves, which are in mm
-_DEFAULT = "default"  # name of a saved state that has none
+_OF_PAGES = "_ui_"  # prefix of states that web pages save before manual moves, which are in mm
+_DEFAULT = "default"  # name of a state that is saved without a name
 _SETS = {"hotend": "M104 T{}", "bed": "M140 P{}", "chamber": "M141 P{}"}
 _FULL_FAN = 255
 _TUNED = "a heater that H of M303 means"
@@ -29,8 +29,8 @@ _TUNED = "a heater that H of M303 means"
 
 @dataclass(frozen=True, slots=True)
 class _Saved:
-    """The state for RESTORE_GCODE_STATE: commands that set how lines are read, without that of the
-    tool; factors; the program's position, mm."""
+    """The state for RESTORE_GCODE_STATE: commands that restore the modes (without the tool), the
+    factors, and the program's position, mm."""
 
     modes: tuple[str, ...]
     speed_factor: float
@@ -40,17 +40,17 @@ class _Saved:
 
 
 class KlipperCommands:
-    """The Klipper commands of one job."""
+    """Translates the Klipper commands of one job."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
         self._machine, self._job = machine, job
         self._saved: dict[str, _Saved] = {}
-        self._offset_mm = dict.fromkeys("xyz", 0.0)  # as the program itself has set it
+        self._offset_mm = dict.fromkeys("xyz", 0.0)  # the offset that the program itself has set
 
     def _become(self, lines: Iterable[str]) -> None:
         self._job.insert("".join(f"{line}\n" for line in lines).encode())
 
-    # -- how lines are read -----------------------------------------------------------------------
+    # -- modes of reading -----------------------------------------------------------------------
 
     @command(
         "SAVE_GCODE_STATE",
@@ -238,8 +238,8 @@ class KlipperCommands:
 
 
 def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, float]:
-    """SET_GCODE_OFFSET: the shift of each of X, Y and Z, mm, where `done_mm` are shifts so far, by
-    axis. Raises CommandError."""
+    """SET_GCODE_OFFSET: the babystep of X, Y and Z, mm by axis, that leads from `done_mm` to the
+    new offset. Raises CommandError."""
     words = command.pairs()
     found: dict[str, float] = {}
     for name in "xyz":
@@ -251,20 +251,20 @@ def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, fl
 
 
 def babystep_line(steps_mm: Mapping[str, float]) -> str:
-    """M290 with these steps, by axis; empty without any."""
+    """M290 with these babysteps, mm by axis; empty if there are none."""
     words = [f"{name.upper()}{numeral(mm)}" for name, mm in steps_mm.items() if mm]
     return f"M290 {' '.join(words)}" if words else ""
 
 
 def heater_named(machine: MachineConfig, words: Mapping[str, str], key: str) -> str:
-    """The heater that a name of Klipper means. Raises CommandError."""
+    """The heater with this Klipper name. Raises CommandError."""
     named = {heater_object(machine, name): name for name in machine.heaters}
     named = {name.removeprefix("heater_generic "): own for name, own in named.items()}
     return _one_of(words, key, named)
 
 
 def number(words: _Words, key: str, default: float | None = None) -> float:
-    """A number of a command. Raises CommandError."""
+    """The number of a parameter. Raises CommandError."""
     if key not in words:
         if default is None:
             raise CommandError.of("input.missing-word", axis="the command", value=f"{key}=")
@@ -288,7 +288,8 @@ def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
 
 
 def _lettered(words: _Words, letters: Mapping[str, tuple[str, float]]) -> str:
-    """Words of a command with numbers, from keys and their factors."""
+    """The words of a numbered command, from KEY=VALUE parameters; each key has a letter and a
+    factor."""
     found = [
         f" {letter}{numeral(factor * number(words, key))}"
         for letter, (key, factor) in letters.items()

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from passo.motion.predefined_moves import PredefinedMoves
     from passo.motion.rig import Rig
 
-_SURFACE_POINTS = 21  # of the surface that pages draw, along X and Y
+_SURFACE_POINTS = 21  # points along X and along Y of the surface on the web page
 _SPAN = re.compile(r"([XY])\s*(-?[\d.]+)\s*:\s*(-?[\d.]+)", re.ASCII)
 _PAIR = re.compile(r"([SP])\s*([\d.]+)(?:\s*:\s*([\d.]+))?", re.ASCII)
 
@@ -39,9 +39,8 @@ _ShownPoints = tuple[tuple[BedPoint, ...], float | None, float | None]
 
 
 class LevellingCommands:
-    """Bed levelling of one printer. `points` and `mesh_grid` are those of the machine file, or as
-    commands have set them; `job_area` says what of the bed the print covers, mm, if that is
-    known."""
+    """Bed levelling of one printer. `points` and `mesh_grid` come from the machine file, or from
+    commands. `job_area` gives the area that the print covers, mm, if it is known."""
 
     def __init__(
         self,
@@ -63,8 +62,8 @@ class LevellingCommands:
             x0, y0, x1, y1 = config.area
             self.mesh_grid = Grid((x0, y0, x1, y1), (config.count[0], config.count[1]))
         self.job_area: Callable[[], Area | None] = lambda: None
-        self._measured: list[tuple[Place, float]] = []  # with the height of the trigger
-        self._progress = (0, 0)  # places that were measured, of so many, in a run
+        self._measured: list[tuple[Place, float]] = []  # with the trigger height
+        self._progress = (0, 0)  # places done, and places in total, in a run
         self._shown: tuple[tuple[object, object, object], _ShownPoints] = (
             (None, None, None),
             ((), None, None),
@@ -118,8 +117,8 @@ class LevellingCommands:
         *,
         dry: bool,
     ) -> None:
-        """As APrinter: heights are those that the correction in force leaves, and what is fitted to
-        them is added to it."""
+        """Corrects the bed as APrinter does: the heights are the remaining errors of the current
+        correction, and the fit to them is added to it."""
         method = self._config.method
         if method not in ("linear", "quadratic"):
             return
@@ -132,7 +131,7 @@ class LevellingCommands:
             self._corrections.put((before or Correction()).accumulated(found), on=True)
 
     def _places(self) -> list[Place]:
-        """The enabled points. Raises CommandError without one."""
+        """The enabled points. Raises CommandError if there is none."""
         places = [
             Place(point.x, point.y, f"point {n}", point.offset)
             for n, point in enumerate(self.points, 1)
@@ -256,7 +255,7 @@ class LevellingCommands:
         return self._measure(reply, dry="D" in letters)
 
     def _step(self, step: int, command: Command, reply: Reply, *, paper: bool) -> Wait | None:
-        """G29 S of Marlin's mesh bed leveling, or of RepRapFirmware."""
+        """G29 S, as in Marlin's mesh bed leveling or in RepRapFirmware."""
         corrections = self._corrections
         if paper and step == 2:
             return self._manual.accept(command, reply)
@@ -299,7 +298,8 @@ class LevellingCommands:
     # -- mesh -------------------------------------------------------------------------------------
 
     def grid(self) -> Grid:
-        """The places of a mesh. Raises CommandError if nothing gives an area."""
+        """The grid of the next mesh. Raises CommandError if neither the machine file nor a command
+        gives an area."""
         if self.mesh_grid is None:
             raise CommandError.of("levelling.no-area")
         return self.mesh_grid
@@ -325,7 +325,7 @@ class LevellingCommands:
             else:
                 margin = number(pairs, "ADAPTIVE_MARGIN", self._config.margin_mm)
                 grid = grid.adapted(area, margin)
-                profile = ""  # it is of this print alone
+                profile = ""  # a mesh of this print only has no name
 
         def measured(reply: Reply) -> None:
             if profile:
@@ -342,7 +342,7 @@ class LevellingCommands:
         grid: Grid | None = None,
         then: Callable[[Reply], None] = lambda _: None,
     ) -> Wait:
-        """Measures a mesh, which replaces the correction before, unless it is `dry`. Raises
+        """Measures a mesh, which replaces the current correction unless `dry` is True. Raises
         CommandError."""
         grid = grid or self.grid()
         avoid = [(a[0], a[1], a[2], a[3]) for a in self._config.avoid]
@@ -358,7 +358,8 @@ class LevellingCommands:
             at = {(m.place.x, m.place.y): m.height_mm for m in measured}
             mesh = grid.mesh(lambda x, y: round(fmean(at[s] for s in spots[x, y]), 6))
             if reference is not None:
-                # Z 0 of the program is then the bed at the reference, as the endstop has it.
+                # Then Z 0 of the program is the bed at the reference point, according to the
+                # endstop.
                 mesh = mesh.lowered(measured[-1].height_mm)
             if not dry:
                 fade = self._corrections.fade
@@ -450,7 +451,7 @@ class LevellingCommands:
     # -- settings and status ----------------------------------------------------------------------
 
     def setting_lines(self) -> Iterator[str]:
-        """Commands that bring offsets, points, grid and correction back, to the last bit."""
+        """Commands that restore offsets, points, grid and correction exactly."""
         yield self._offsets.line()
         for n, point in enumerate(self.points, 1):
             yield (
@@ -460,7 +461,7 @@ class LevellingCommands:
         yield from self._corrections.setting_lines()
 
     def status(self) -> BedStatus:
-        """The bed as pages show it."""
+        """The status of the bed."""
         now = self._correction
         correction = now.correction
         points, rms_mm, left_rms_mm = self._shown_points(correction)
@@ -487,8 +488,8 @@ class LevellingCommands:
         )
 
     def _shown_points(self, correction: Correction | None) -> _ShownPoints:
-        """The points that were measured last, what they deviate from their mean, and from the
-        correction, mm rms; made anew only after a change."""
+        """The last measured points, and their RMS deviations from their mean and from the
+        correction, mm. Recomputed only after a change."""
         below = self._prober.trigger_height_mm
         key = self._measured, correction, below
         if all(now is then for now, then in zip(key, self._shown[0], strict=True)):
@@ -510,7 +511,8 @@ class LevellingCommands:
         return found
 
     def _surface(self) -> BedSurface | None:
-        """What the correction adds to Z, sampled over the bed; made anew only after a change."""
+        """The heights that the correction adds to Z, sampled over the bed. Recomputed only after a
+        change."""
         correction = self._correction.correction
         if correction is None:
             return None

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from passo.printer.commands.plan import Plan
     from passo.printer.wait_requests import Reply
 
-_ROUNDING = 1e-6  # of a value that was written with ten digits
-_DEVIATION = (1e-5, 0.3)  # mm, of M205 J
+_ROUNDING = 1e-6  # relative rounding of a value with ten digits
+_DEVIATION = (1e-5, 0.3)  # range of M205 J, mm
 _CORNERS = {
     "deviation": "the machine's corners use the junction deviation (J)",
     "cornering_distance": "the machine's corners use the cornering distances of its file",
@@ -33,16 +33,16 @@ _KLIPPERS_CORNER = "SQUARE_CORNER_VELOCITY"
 
 
 class Limits:
-    """The limits of one job. They hold for the moves that follow; those of a console during a print
-    hold for all moves that can be replanned. A note names values above the machine's limits, and
-    words without an effect."""
+    """The limits of one job. They apply to later moves; limits from a console during a print apply
+    to all moves that can be replanned. A note reports values above the machine's limits, and words
+    without an effect."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job, plan: Plan) -> None:
         self._machine, self._job, self._plan = machine, job, plan
         self._axes = axis_order(machine.axes)
 
     def _set(self, reply: Reply, notes: Iterable[str], *, again: bool = False) -> None:
-        """Replans if the reply's settings are live, and sends the notes."""
+        """Replans if settings from this source are live, and sends the notes."""
         if note := ". ".join(note for note in notes if note):
             reply.note(note, note, again=again)
         if self._plan.live(reply):
@@ -147,8 +147,8 @@ class Limits:
         return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
 
     def _bounded(self, code: str, word: str, value: float, what: str, names: Iterable[str]) -> str:
-        """A note if a limit of the path is above the machine file's for these axes or extruders,
-        which limit moves as well; else nothing."""
+        """A note if a limit of the path is above that of the machine file for these axes or
+        extruders, which also limits moves; else nothing."""
         parts = {**self._machine.axes, **self._machine.extruders}
         own = {n: parts[n].accel_mm_s2 if what == "accel" else parts[n].speed_mm_s for n in names}
         if value >= LARGEST or not any(limit < value for limit in own.values()):
@@ -175,7 +175,7 @@ class Limits:
         live = self._plan.live(reply)
         jerk = {letter: value for letter, value in words.items() if letter not in "BJSV"}
         if jerk.keys() <= {"T"}:
-            jerk = {}  # minimum speed of travel, not the tool of E
+            jerk = {}  # here T is the minimum travel speed, not a tool
         law, deviation = self._machine.limits.junction, words.get("J")
         if deviation is not None and not _DEVIATION[0] <= deviation <= _DEVIATION[1]:
             raise CommandError.bad_value("J", deviation, "{:g} to {:g} mm".format(*_DEVIATION))
@@ -183,7 +183,7 @@ class Limits:
             self._job.set_limit("junction_deviation", deviation, live)
         above = self._axis_limits("M205", jerk, "jerk", live=live) if law == "jerk" else []
         acts = {"deviation": {"J"}, "jerk": jerk.keys()}.get(law, set[str]())
-        # Without a limit, as with S0, no speed is too low and no segment too short.
+        # Without a limit, as after S0, any speed and any segment is allowed.
         idle = [k for k, value in words.items() if k not in acts and (value or k not in "BSTV")]
         without = f"M205: {_no_effect(idle)}, because {_CORNERS[law]}" if idle else ""
         self._set(reply, (*above, without))
@@ -242,7 +242,8 @@ class Limits:
         self._set(reply, (*above, without))
 
     def velocity_line(self) -> str:
-        """SET_VELOCITY_LIMIT with the settings that no other command has; 1e9 mm/s is no limit."""
+        """SET_VELOCITY_LIMIT with the settings that no other command has; 1e9 mm/s means no
+        limit."""
         speed, ratio = (self._job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
         speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
         return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"

@@ -1,4 +1,5 @@
-"""The paper test: the user lowers the nozzle until a sheet of paper just moves, and says so."""
+"""The paper test: the user lowers the nozzle until a sheet of paper just moves, and sends
+ACCEPT."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForProcedure
 if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
 
-_LOWEST_MM = 2.0  # below the bed as it is known
+_LOWEST_MM = 2.0  # below the last measured bed
 _SPEED_MM_S = 5.0
 
 Done = Callable[[Sequence[Measured], Reply], None]
@@ -26,8 +27,9 @@ Done = Callable[[Sequence[Measured], Reply], None]
 
 @dataclass(slots=True)
 class _Run:
-    """A test under way: places that are left, what was found, and what is called at the end.
-    `screws` are all screws of the bed where these are adjusted: the nozzle is at Z 0 there."""
+    """A test in progress: the remaining places, the heights so far, and the function to call at the
+    end. `screws` are all screws of the bed if the test adjusts screws, with the nozzle at Z 0 above
+    each."""
 
     places: list[Place]
     done: Done
@@ -39,8 +41,8 @@ class _Run:
 
 
 class ManualProbe:
-    """The paper test of one printer. While it is under way, the correction is off: Z is that of the
-    machine."""
+    """The paper test of one printer. During a test, the bed correction is off, so that Z is the
+    machine's."""
 
     def __init__(
         self, prober: Prober, correction: BedCorrection, offsets: ProbeOffsetCommands
@@ -49,12 +51,12 @@ class ManualProbe:
         self._run: _Run | None = None
 
     def begin(self) -> None:
-        """The boards have been replaced: no test is under way."""
+        """Call this after the boards have been replaced: ends a test."""
         self._run = None
 
     @property
     def status(self) -> ManualProbeStatus | None:
-        """Where the test is; None while there is none."""
+        """The status of the test; None without a test."""
         run = self._run
         if run is None:
             return None
@@ -71,7 +73,8 @@ class ManualProbe:
         *,
         screws: bool = False,
     ) -> Wait:
-        """Leads the nozzle to each place in turn; `done` gets the heights. Raises CommandError."""
+        """Starts a test that moves the nozzle to each place in turn; `done` is called with the
+        heights. Raises CommandError."""
         if self._run is not None:
             raise CommandError.of("probe.manual-active")
         self._prober.check(places)
@@ -89,8 +92,8 @@ class ManualProbe:
         return WaitForProcedure(begin)
 
     def adjust_screws(self, screws: Sequence[Place], reply: Reply) -> Wait:
-        """Leads the nozzle over each screw, at Z 0, until all are accepted in turn. Raises
-        CommandError."""
+        """Starts a test that moves the nozzle over each screw at Z 0, until the user has accepted
+        all of them in one round. Raises CommandError."""
 
         def done(_: Sequence[Measured], reply: Reply) -> None:
             reply.say("// All screws are as high as the bed at Z 0")
@@ -188,7 +191,7 @@ class ManualProbe:
         lacks=NO_PROBE,
     )
     def accept(self, _: Command, reply: Reply) -> Wait | None:
-        """Takes the height, and goes to the next place."""
+        """ACCEPT: stores the height, and moves to the next place."""
         self._require()
         return WaitForProcedure(lambda: self._accepted(reply))
 
@@ -245,7 +248,7 @@ class ManualProbe:
         lacks=NO_PROBE,
     )
     def abort(self, _: Command, reply: Reply) -> Wait | None:
-        """Lifts the nozzle, and ends the test."""
+        """ABORT: lifts the nozzle, and ends the test."""
         self._require()
 
         async def end() -> None:

@@ -1,4 +1,4 @@
-"""Temperatures and fan of materials, by number."""
+"""Presets of materials, by number: temperatures and fan speed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _MARGIN_C = 15.0  # minimum distance of a preset from a heater's limit
-_HOTTEST_C = 1200.0  # if there is no such heater
+_HOTTEST_C = 1200.0  # limit if the machine has no such heater
 
 
 class Preset:
@@ -31,8 +31,8 @@ class Presets:
         self._materials = [Preset(190, 60, 255), Preset(235, 100, 0), Preset(230, 80, 128)]
 
     def set(self, words: dict[str, float]) -> str:
-        """Sets the given values of the material S, clamped to their limits; without S it changes
-        nothing. Returns a note on clamped values, or nothing. Raises CommandError."""
+        """Sets the given values of material S, clamped to their limits; without S it changes
+        nothing. Returns a note about clamped values, or an empty text. Raises CommandError."""
         if "S" not in words:
             return ""
         preset = self._of("S", words["S"])

@@ -1,4 +1,4 @@
-"""M593, M900, M572 and their names in Klipper: input shapers and pressure advance."""
+"""M593, M900, M572 and the equivalent Klipper commands: input shapers and pressure advance."""
 
 from __future__ import annotations
 
@@ -46,8 +46,9 @@ class Shaper:
 
 
 class MotionFilters:
-    """The filters of one job. A shaper, and the time over which an advance is smoothed, change when
-    the moves before the command are done; an advance acts from the next move on, without a stop."""
+    """The filters of one job. A new shaper or smoothing time takes effect at standstill, after the
+    moves before the command. A new pressure advance takes effect from the next move on, without a
+    stop."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
         self._machine, self._job = machine, job
@@ -129,7 +130,7 @@ class MotionFilters:
         return WaitForMoves(apply)
 
     def shaper_lines(self) -> list[str]:
-        """SET_INPUT_SHAPER for each axis with what holds now."""
+        """SET_INPUT_SHAPER for each axis with the current values."""
         return [
             f"SET_INPUT_SHAPER SHAPER_FREQ_{axis}={numeral(shaper.frequency_hz)}"
             f" SHAPER_TYPE_{axis}={shaper.kind} DAMPING_RATIO_{axis}={numeral(shaper.damping)}"
@@ -152,7 +153,8 @@ class MotionFilters:
             if extruder is not None:
                 reply.say(f"Advance K={self._job.pressure_advance(extruder):g}")
             return None
-        if words["K"] > MAX_ADVANCE_S:  # slicers send both for firmwares of both kinds
+        # a slicer may send the K of Linear Advance 1.0 as well as that of 1.5
+        if words["K"] > MAX_ADVANCE_S:
             reply.note("M900", f"M900: K{words['K']:g} is of Linear Advance 1.0 and has no effect")
             return None
         _within("K", words["K"], 0.0, MAX_ADVANCE_S, _ADVANCES)
@@ -207,8 +209,8 @@ class MotionFilters:
     def _set_advance(
         self, extruder: int, advance: float, smooth: float | None = None
     ) -> Wait | None:
-        """The extruder is smoothed from its first advance on, which changes how all motors follow
-        the plan: only while the machine stands."""
+        """Sets the advance of an extruder. From its first advance on, the extruder is smoothed,
+        which changes the delay of all motors. This change waits for standstill."""
         smooth = self.smooth_s[extruder] if smooth is None else smooth
         other = smooth != self.smooth_s[extruder]
         self.smooth_s[extruder] = smooth
@@ -224,8 +226,8 @@ class MotionFilters:
         return WaitForMoves(apply)
 
     def _named(self, name: str | None) -> int | None:
-        """The extruder of a name, Klipper's or the machine file's; without one that in use. Raises
-        CommandError."""
+        """The extruder with this name (Klipper's or the machine file's); without a name, the active
+        one. Raises CommandError."""
         if name is None:
             return self._extruder(extruder_of(self._machine, {}, self._job.tool))
         known = {_klipper_name(i): i for i in range(len(self._extruders))}
@@ -239,7 +241,7 @@ class MotionFilters:
         return None if name is None else self._extruders.index(name)
 
     def advance_lines(self) -> list[str]:
-        """SET_PRESSURE_ADVANCE for each extruder with what holds now."""
+        """SET_PRESSURE_ADVANCE for each extruder with the current values."""
         several = len(self._extruders) > 1
         lines: list[str] = []
         for i, smooth_s in enumerate(self.smooth_s):
@@ -262,7 +264,7 @@ def _klipper_name(extruder: int) -> str:
 def _shaper(
     old: Shaper, kind: str | None, frequency_hz: float | None, damping: float | None
 ) -> Shaper:
-    """The shaper with these values; None: as it was. Raises CommandError."""
+    """A copy of the shaper with these values; None keeps a value. Raises CommandError."""
     if kind is not None:
         name = kind.lower()
         if name not in SHAPER_TYPES:
@@ -283,7 +285,7 @@ def _shaper(
 
 
 def _number(pairs: dict[str, str], key: str) -> float | None:
-    """Raises CommandError for a text that is not a number."""
+    """The number of a parameter. Raises CommandError if the text is not a number."""
     if key not in pairs:
         return None
     try:

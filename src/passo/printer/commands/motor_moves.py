@@ -1,4 +1,4 @@
-"""FORCE_MOVE and STEPPER_BUZZ: a motor turns, whether or not its axis is homed."""
+"""FORCE_MOVE and STEPPER_BUZZ: move a single motor, whether or not its axis is homed."""
 
 from __future__ import annotations
 
@@ -28,15 +28,16 @@ if TYPE_CHECKING:
 _BUZZ = (1.0, -1.0) * 10  # mm or degrees
 _BUZZ_SPEED = 4.0  # mm/s or degrees/s
 _BUZZ_PAUSE_S = 0.3
-_TRIAL_MM = 1.0  # to see whether an actuator moves the nozzle on a straight line
+# a trial distance, which shows whether an actuator moves the nozzle on a straight line
+_TRIAL_MM = 1.0
 _ROUNDING = 1e-6  # mm or degrees, far above the rounding of sums of positions
 
 
 @dataclass(frozen=True, slots=True)
 class _Motor:
-    """The motion of a motor. `per_unit` are the axes that move with it, by number, and their travel
-    in mm for 1 mm of it. It is empty if an actuator moves the nozzle on a curve: then `joint` is
-    its number."""
+    """The effect of a motor. `per_unit` has the axes that move with it, by number, and their travel
+    in mm for 1 mm of the motor. It is empty if the motor moves the nozzle on a curve; then `joint`
+    is the number of its actuator."""
 
     together: tuple[str, ...]  # all motors that drive the same axis
     per_unit: dict[int, float]
@@ -97,7 +98,7 @@ class MotorMoves:
     # -- motors -----------------------------------------------------------------------------------
 
     def _motor(self, name: str) -> _Motor:
-        """The motor of a name, in Klipper's form or as in the machine file. Raises CommandError."""
+        """The motor with this name (Klipper's or the machine file's). Raises CommandError."""
         driven_by = self._machine.driven_by
         movable = [
             n for n in self._machine.steppers if (d := driven_by(n)) and d.drive != "extruder"
@@ -146,7 +147,7 @@ class MotorMoves:
     # -- moves ------------------------------------------------------------------------------------
 
     def _fits(self, motor: _Motor, by: Sequence[float]) -> bool:
-        """Whether homed axes that move with the motor stay within their limits."""
+        """Whether all homed axes that move with the motor stay within their limits."""
         try:
             self._require_limits(motor, by)
         except CommandError:
@@ -169,7 +170,7 @@ class MotorMoves:
     async def _turn(
         self, motor: _Motor, by: Sequence[float], speed_mm_s: float, pause_s: float
     ) -> None:
-        """Moves by these distances, one after the other. Raises CommandError, Stopped."""
+        """Moves the motor by these distances, one after the other. Raises CommandError, Stopped."""
         self._require_limits(motor, by)
         if not self._rig.positions.settled:
             self._rig.positions.settle()

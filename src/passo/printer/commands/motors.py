@@ -1,4 +1,4 @@
-"""Motors on and off, and the homing state that depends on them."""
+"""Switches motors on and off, and keeps the homing state that depends on it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 
 class Motors:
-    """The drivers' enable pins of one printer. A move turns all motors on; an axis whose motors go
-    off is no longer homed."""
+    """The enable pins of one printer's drivers. A move switches all motors on. An axis whose motors
+    are switched off is no longer homed."""
 
     def __init__(self, rig: Rig, laser: Laser) -> None:
         self._rig, self._laser = rig, laser
@@ -26,16 +26,16 @@ class Motors:
         self.idle_s = self._machine.idle.motors_off_s
 
     def all_on(self) -> None:
-        """Before a move."""
+        """Switches all motors on, before a move."""
         if len(self.on) < len(self._machine.steppers):
             self._set(list(self._machine.steppers), on=True)
 
     def all_off(self) -> None:
-        """Only while the machine is at standstill."""
+        """Switches all motors off. Call it only at standstill."""
         self._set(list(self._machine.steppers), on=False)
 
     def forget(self) -> None:
-        """The board restarts, with all motors off."""
+        """Call this when the board restarts, which switches all motors off."""
         self.on.clear()
 
     def renew(self) -> None:
@@ -64,7 +64,8 @@ class Motors:
         return axes_lost(self._machine, steppers)
 
     def named(self, text: str) -> list[str]:
-        """The motors of the letters in a command: axes, actuators, E; all without letters."""
+        """The motors that a command names by letters of axes, actuators or E; without letters, all
+        motors."""
         return named_motors(self._machine, text)
 
     @command(
@@ -99,7 +100,7 @@ class Motors:
     )
     def _switch_off(self, command: Command, _: Reply) -> Wait | None:
         words = command.words()
-        if words.get("S", 0.0) < 0:  # 0 would be never
+        if words.get("S", 0.0) < 0:  # 0 means never
             raise CommandError.bad_value("S", words["S"], "0 s or more")
         if "S" in words:
             self.idle_s = words["S"]

@@ -21,8 +21,8 @@ _FULL_FAN = 255  # S of M106
 
 
 class Outputs:
-    """The outputs of one job that a program sets; `full_scale` is that of each, in the order of the
-    machine's timed outputs."""
+    """The outputs that the program of one job sets. `full_scale` has the value for fully on of each
+    timed output of the machine, in their order."""
 
     def __init__(
         self, machine: MachineConfig, job: _core.Job, full_scale: list[int], plan: Plan
@@ -30,20 +30,21 @@ class Outputs:
         self._machine, self._job, self._plan = machine, job, plan
         names = machine.timed_outputs
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
-        self.fans: dict[str, float] = {}  # as last set, 0 to 1
-        self._acts_at: dict[str, float] = {}  # clock from which their planned values act
+        self.fans: dict[str, float] = {}  # the last commanded speeds, 0 to 1
+        # the clock at which the planned value of each output takes effect
+        self._acts_at: dict[str, float] = {}
         self._spindle = 0.0
-        self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
+        self._spindle_mode = ""  # M3: constant power, M4: power proportional to the speed, or off
         if machine.laser:
             job.set_laser(*self._outputs["laser"])
 
     def plan_forgotten(self) -> None:
-        """The plan was discarded: its output values do not act any more."""
+        """Call this when the plan is discarded, and its output values with it."""
         self._acts_at.clear()
 
     def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
-        """Sets an output, 0 to 1, when the moves so far are done, or at once: then until its
-        planned value acts."""
+        """Sets an output, 0 to 1, when the moves so far are done. With `at_once` it is set now,
+        until the next planned value takes effect."""
         index, full = self._outputs[output]
         value, stays = round(min(max(share, 0.0), 1.0) * full), True
         if at_once:
@@ -85,14 +86,14 @@ class Outputs:
         self._laser()
 
     def laser_off(self) -> None:
-        """Switches laser or spindle off when the moves so far are done, until it is switched on
-        again."""
+        """Switches laser or spindle off when the moves so far are done, until a command switches it
+        on again."""
         self._spindle_mode = ""
         self._laser()
 
     @property
     def lit(self) -> bool:
-        """Whether the laser is also on at standstill."""
+        """Whether the laser stays on at standstill."""
         return bool(self._machine.laser) and self._spindle_mode == "M3" and self._spindle > 0
 
     def shade(self, *, dark: bool) -> None:
@@ -112,7 +113,7 @@ class Outputs:
 
     @property
     def commanded_fans(self) -> list[str]:
-        """The fans that follow nothing else."""
+        """The fans that commands control, not a heater or motors."""
         return [name for name, fan in self._machine.fans.items() if fan.commanded]
 
     def fans_off(self) -> None:
@@ -156,8 +157,8 @@ class Outputs:
         self._set_fan(command, 0.0)
 
     def _set_fan(self, command: Command, share: float | None) -> None:
-        """Sets a fan; None: only settings. Raises CommandError if P names no fan; a machine without
-        fans ignores the rest."""
+        """Sets a fan to the fraction `share`; None changes only its settings. Raises CommandError
+        if P does not name a fan. A machine without fans ignores a command without P."""
         words, fans = command.words(), self._machine.fans
         number = words.get("P")
         at_once = "F" not in words and "F" in command.letters()

@@ -1,4 +1,4 @@
-"""How commands change moves that are planned already."""
+"""Changes of moves that are planned already, for commands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ class Plan(Protocol):
     """The planned moves of a job that commands may change."""
 
     def live(self, reply: Reply) -> bool:
-        """Whether settings from that source also change planned moves, not only later ones."""
+        """Whether settings from the source `reply` also change planned moves, not only later
+        ones."""
         ...
 
     def replan(self) -> None:
@@ -28,12 +29,13 @@ class Plan(Protocol):
         ones."""
 
     def record_at_once(self, output: int, value: int) -> float:
-        """Sets an output as early as possible; returns the clock at which that acts."""
+        """Sets an output as early as possible; returns the clock at which it changes."""
         ...
 
 
 class PlanAhead:
-    """The plan of a job without consoles: a file is read in order, and nothing changes later."""
+    """The plan of a job without consoles: a file is read in order, and planned moves never
+    change."""
 
     def __init__(self, job: _core.Job) -> None:
         self._job = job
@@ -51,14 +53,14 @@ class PlanAhead:
         self._job.set_flow(extruder, factor)
 
     def record_at_once(self, output: int, value: int) -> float:
-        """Sets the output after the moves so far, because no user waits for it."""
+        """Sets the output after the moves so far."""
         self._job.record(output, value)
         return inf
 
 
 class LivePlan:
-    """The plan of a printer with consoles. `during_print`: whether a reply belongs to a console
-    during a print."""
+    """The plan of a printer with consoles. `during_print(reply)` is True for a console during a
+    print."""
 
     def __init__(self, drive: MotionQueue, during_print: Callable[[Reply], bool]) -> None:
         self._drive, self._during_print = drive, during_print

@@ -29,7 +29,8 @@ class PowerSupply:
         self.on = True
 
     def begin(self, boards: Boards) -> None:
-        """The boards have restarted, or continue with what another host has left on."""
+        """Call this after the boards have restarted, or after their adoption, when another host may
+        have left the supply on."""
         if self._pin is not None:
             self._switch(boards, self._pin.on_at_start or boards.adopted)
 
@@ -38,7 +39,7 @@ class PowerSupply:
         self._switch(self._rig.connection, self.on)
 
     def require(self) -> None:
-        """Raises CommandError while it is off."""
+        """Raises CommandError while the power supply is off."""
         if not self.on:
             raise CommandError.of("command.no-mains")
 

@@ -16,7 +16,7 @@ _SHORTEST_US, _LONGEST_US = 500.0, 2500.0
 
 
 class ProbeDeploymentCommands:
-    """Commands of a printer with a probe that gets to the bed and back."""
+    """The commands of a printer whose probe can be deployed and stowed."""
 
     def __init__(self, prober: Prober) -> None:
         self._prober = prober

@@ -1,4 +1,4 @@
-"""G38.2 to G38.5: straight moves that the probe ends."""
+"""G38.2 to G38.5: straight moves that end when the probe triggers or opens."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
 _SLOTS = {"X": 0, "Y": 1, "Z": 2}
-_SHORTEST_MM = 0.0275  # as Marlin has it
+_SHORTEST_MM = 0.0275  # as in Marlin
 _WORDS = "X Y Z (mm) F(mm/min)"
 
 
 class ProbeMoveCommands:
-    """Probing moves of one printer; the place is reported as grbl does."""
+    """The probing moves of one printer. The position of the trigger is reported in the format of
+    grbl."""
 
     def __init__(self, rig: Rig, prober: Prober) -> None:
         self._rig, self._prober = rig, prober

@@ -1,4 +1,4 @@
-"""M851, G31 and Z_OFFSET_APPLY_PROBE: where the probe is from the nozzle."""
+"""M851, G31 and Z_OFFSET_APPLY_PROBE: the offsets from the nozzle to the probe."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ _KEYS = {
 
 
 class ProbeOffsetCommands:
-    """The offsets of the probe of one printer. They have one owner: what changes the trigger height
-    changes the correction in force, and the first layer with it, once."""
+    """The only owner of the probe offsets of one printer. A change of the trigger height also
+    changes the active correction, and so the first layer, exactly once."""
 
     def __init__(
         self,
@@ -62,9 +62,9 @@ class ProbeOffsetCommands:
         return WaitForMoves(lambda: self.set_offsets(words))
 
     def set_offsets(self, words: dict[str, float]) -> None:
-        """X and Y of the probe, and Z of the nozzle's height below it, mm, as M851 has them. The
-        correction in force, which was measured with the height before, follows. Raises
-        CommandError."""
+        """Sets the offsets of M851, mm: X and Y from the nozzle to the probe, and Z, the negative
+        trigger height. The active correction, which was measured with the earlier height, is
+        adjusted. Raises CommandError."""
         prober = self._prober
         for letter, value in words.items():
             most = 20.0 if letter == "Z" else 300.0
@@ -162,7 +162,7 @@ class ProbeOffsetCommands:
             raise CommandError.of("probe.no-correction", value=f"{by:.3f}")
         before = self._prober.trigger_height_mm
         self.set_offsets({"Z": -round(before - by, 6)})
-        # The correction has the shift now, so the plan must not have it once more.
+        # The correction includes the babysteps now, so remove them from the plan.
         if not self._rig.queue.shift(Z, -by):
             raise CommandError.of("probe.no-correction", value=f"{by:.3f}")
         self._offsets.babysteps_mm["z"] = 0.0
@@ -172,6 +172,6 @@ class ProbeOffsetCommands:
         reply.say(f"// The nozzle stays {abs(by):.3f} mm {lower}, now by the correction of the bed")
 
     def line(self) -> str:
-        """M851 with what holds now."""
+        """M851 with the current values."""
         dx, dy = self._prober.offset_mm
         return f"M851 X{exact(dx)} Y{exact(dy)} Z{exact(-self._prober.trigger_height_mm + 0.0)}"

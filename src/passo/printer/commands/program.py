@@ -1,4 +1,5 @@
-"""The commands of one job that the interpreter hands out, for live and offline printing alike."""
+"""Executes the commands that the interpreter of a job does not handle itself, for live and offline
+printing."""
 
 from __future__ import annotations
 
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.printer.status import Status
 
-# The handlers of a job by code, as name of the part and of its method. The parts of a job belong to
-# `Commands`, and must not refer to it.
+# The handlers of a job by code: the names of the part and of its method. Parts belong to a
+# `Commands` object, and must not refer to it.
 _PARTS = {
     "flow": ProgramFlow,
     "set_points": SetPoints,
@@ -45,32 +46,30 @@ for _name, _part in _PARTS.items():
         _METHODS[_role][_code] = (_name, _method)
 
 DECLARED = frozenset(_METHODS[Role.DECLARED])
-"""The declarations of these commands are here; the others only have their handler in a program
-here."""
+"""Commands that are declared by these parts. For other commands, the parts only have the handler
+within a program."""
 
 
 class _Counted(NullReply):
-    """Counts the notes of one command of a program, whose answers have no reader."""
+    """A reply that counts the notes of a command, for a program without a console."""
 
     def __init__(self, omitted: SkippedCommands, line: int) -> None:
         self._omitted, self._line = omitted, line
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """Counts it."""
+        """Counts the note."""
         self._omitted.count(SkippedCommand.REFUSED, text, self._line)
 
 
 class Commands:
-    """Carries out the commands that the job's interpreter hands out. One object a job; not
-    thread-safe.
-
-    Its parts are one subject each. `omitted` counts the commands that it leaves out.
+    """Executes the commands that a job's interpreter does not handle itself; one object for each
+    job. Not thread-safe. Each part has the commands of one subject. `omitted` counts skipped
+    commands.
     """
 
     @classmethod
     def of_plan(cls, machine: MachineConfig, job: _core.Job) -> Self:
-        """The commands of a job that is only planned: without heat and without a board's
-        outputs."""
+        """The commands of a job that is only planned, without heaters and outputs."""
         return cls(machine, job, NoHeat(), [1] * len(machine.timed_outputs))
 
     def __init__(
@@ -82,8 +81,9 @@ class Commands:
         plan: Plan | None = None,
         macros: Macros | None = None,
     ) -> None:
-        """`full_scale` of each timed output; `plan`: which planned moves commands may change, by
-        default none; `macros` are those of a printer: a program has its own."""
+        """`full_scale` has the value for fully on of each timed output. `plan` decides which
+        planned moves commands may change; by default none. `macros` are those of a printer; by
+        default the job has its own."""
         self._machine, self._job = machine, job
         plan = plan or PlanAhead(job)
         self.omitted = SkippedCommands()
@@ -95,12 +95,12 @@ class Commands:
         self.filters = MotionFilters(machine, job)
         self.factors = SpeedAndFlow(machine, job, plan)
         self.klipper = KlipperCommands(machine, job)
-        self.skips = ALL  # what a print without consoles may leave out
+        self.skips = ALL  # the commands that a print without consoles may skip
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
-        """Carries out one command in its place, or counts it as unknown; returns its wait. Without
-        `reply` its notes are counted. Raises CommandError if it is refused, WordError for a word
-        without a number."""
+        """Executes one command in program order, or counts it as unknown. Returns the wait that the
+        command needs, or None. Without `reply`, notes are counted. Raises CommandError if the
+        command is refused, and WordError for a word without a number."""
         if command.letter == "T":
             if command.minor:
                 self.omitted.count(SkippedCommand.TOOL, f"T{command.number}", command.line)
@@ -130,18 +130,18 @@ class Commands:
             self.flow.homed()
 
     def expand(self, command: Command, respond: Respond, *, console: bool = False) -> None:
-        """A macro is called: the job reads its lines next. See Macros.expand."""
+        """Calls a macro: the job reads its lines next. See Macros.expand."""
         self.macros.expand(self._job, command, self.status(), respond, console=console)
 
     def status(self) -> Status:
-        """The printer's, or that of the plan, for templates."""
+        """The status for templates: that of the printer, or of the plan."""
         if self.macros.status is not None:
             return self.macros.status()
         targets_c, fans = self.set_points.targets_c, self.outputs.fans
         return planned_status(self._machine, self._job, targets_c, fans)
 
     def run_at_once(self, command: Command, reply: Reply) -> Wait | None:
-        """Carries out an immediate command of `DECLARED`. Raises CommandError."""
+        """Executes an immediate command of `DECLARED`. Raises CommandError."""
         handler = self._handler(command.code, Role.DECLARED)
         return handler(command, reply) if handler is not None else None
 
@@ -160,7 +160,7 @@ class Commands:
         return command.letter == "T" or code == "S" or row_of(code) is not None
 
     def refuse(self, command: Command, error: CommandError, file: str) -> None:
-        """Records a command of `file` that was not carried out, in a print that continues."""
+        """Records a refused command of `file`, in a print that continues."""
         del file
         self.omitted.count(SkippedCommand.REFUSED, f"{command.code}: {error}", command.line)
 
@@ -170,13 +170,13 @@ class Commands:
         return self._machine
 
     def use_geometry(self, machine: MachineConfig) -> None:
-        """The machine has another geometry from now on."""
+        """Replaces the machine by one with another geometry."""
         self._machine = machine
         self.flow.use_geometry(machine)
 
     @property
     def ended(self) -> bool:
-        """A command has ended the program."""
+        """Whether a command has ended the program."""
         return self.flow.ended
 
     @ended.setter
@@ -184,13 +184,12 @@ class Commands:
         self.flow.ended = ended
 
     def problem(self, path: str = "") -> Problem:
-        """The error that the job stopped at; `path` is the file."""
+        """The error that stopped the job; `path` is the file."""
         return problem_of(self._job, path, self._machine.geometry)
 
     def warnings(self, file: str) -> list[str]:
-        """One sentence for each code that was unknown, waited for the user, or was ignored, for
-        each axis whose targets were clamped to the limit, for moves that were left out, and for a
-        file that was cut short."""
+        """One sentence for each code that was unknown, waited for the user or was ignored, for each
+        axis with clamped targets, for skipped moves, and for a truncated file."""
         return self.omitted.warnings(file, self._clamped())
 
     def _clamped(self) -> dict[str, tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""Commands that begin, place, stop and end a program."""
+"""Commands that start, position, stop and end a program."""
 
 from __future__ import annotations
 
@@ -22,19 +22,20 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.printer.commands.outputs import Outputs
 
-# The form in which the interpreter writes the words of its own events. It marks them: the lexer
-# removes the last blank of a program's line, so a program cannot write it.
+# The text that the interpreter gives its own events. A program cannot produce it, because the lexer
+# removes trailing blanks.
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")
-_BABYSTEP_MM = 2.0  # at most, with one command
+_BABYSTEP_MM = 2.0  # maximum of one command
 
 
 def by_interpreter(command: Command) -> bool:
-    """G92 of motors, which the interpreter hands out as G92.1; a program cannot write it."""
+    """Whether the interpreter itself has produced this command: G92 of motors as G92.1, which a
+    program cannot write."""
     return _BY_INTERPRETER.fullmatch(command.text) is not None
 
 
 def babysteps(command: Command) -> list[tuple[int, float]]:
-    """M290: numbers of axes with their distances, mm; S is Z's. Raises CommandError."""
+    """M290: the distances, mm, by axis number; S means Z. Raises CommandError."""
     words = command.words()
     words.setdefault("Z", words.get("S", 0.0))
     found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
@@ -45,8 +46,8 @@ def babysteps(command: Command) -> list[tuple[int, float]]:
 
 
 class ProgramFlow:
-    """The flow of one job's program. `omitted` counts the commands left out; `ended`: a command has
-    ended the program."""
+    """The program flow of one job. `omitted` counts skipped commands. `ended` is True after a
+    command that ends the program."""
 
     def __init__(
         self, machine: MachineConfig, job: _core.Job, outputs: Outputs, omitted: SkippedCommands
@@ -56,7 +57,7 @@ class ProgramFlow:
         self.ended = False
 
     def use_geometry(self, machine: MachineConfig) -> None:
-        """The machine has another geometry from now on."""
+        """Replaces the machine by one with another geometry."""
         self._machine = machine
 
     # -- positions --------------------------------------------------------------------------------
@@ -71,7 +72,7 @@ class ProgramFlow:
         bare=ANY,
     )
     def _home(self, command: Command, _: Reply) -> Wait:
-        self._outputs.laser_off()  # homing moves over the work
+        self._outputs.laser_off()  # homing moves over the workpiece
         return WaitForHoming(command.text)
 
     def homed(self) -> None:
@@ -105,7 +106,8 @@ class ProgramFlow:
         return self._placed(places) if places else None
 
     def _placed(self, places: dict[int, float]) -> Wait:
-        """Waits for standstill: a plan in progress could not be replanned."""
+        """Sets positions at standstill, because a plan in progress cannot be replanned with
+        them."""
         return WaitForMoves(lambda: self._job.set_axes(list(places.items())))
 
     @in_program("M290")
@@ -151,7 +153,7 @@ class ProgramFlow:
         bare=None,
     )
     def _call(self, command: Command, _: Reply) -> None:
-        """Leaves out a call of a missing sub-program, if that is allowed."""
+        """M98: skips the call of a missing sub-program, if that is allowed."""
         self._omitted.count(SkippedCommand.UNKNOWN, f"M98 {command.text}", command.line)
 
     @command(
@@ -164,7 +166,8 @@ class ProgramFlow:
         bare=ANY,
     )
     def _return(self, command: Command, reply: Reply) -> Wait | None:
-        """M99 outside of a sub-program: other machines restart the program."""
+        """M99 outside of a sub-program is refused, because other machines restart the program
+        there."""
         if command.text:
             self._omitted.count(SkippedCommand.NOT_BUILT, "M99", command.line)
             return None
@@ -181,13 +184,13 @@ class ProgramFlow:
         bare=ANY,
     )
     def _level(self, command: Command, _: Reply) -> None:
-        """Bed levelling that may be left out."""
+        """Skips bed levelling, if that is allowed."""
         self._omitted.count(SkippedCommand.UNKNOWN, command.code, command.line)
 
     @in_program("M486")
     def _cancel_objects(self, command: Command, _: Reply) -> None:
-        """Cancels objects as a console has ordered, by number, in the part of a print that is read
-        again."""
+        """Cancels objects by number, when a part of a print is read again after a console has
+        cancelled them."""
         action = _core.ObjectAction
         for what, number, _name in _core.object_orders(command.code, command.text):
             if what in (action.CANCEL, action.RESTORE) and number >= 0:

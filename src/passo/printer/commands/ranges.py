@@ -4,8 +4,8 @@ from __future__ import annotations
 
 
 def beyond(code: str, value: float, within: tuple[float, float], unit: str = "") -> str:
-    """A note if a value of a command is outside of its range and is clamped to the nearer end; else
-    nothing."""
+    """A note if a value of a command is outside of its range and is clamped to the nearest limit;
+    else an empty text."""
     low, high = within
     taken = min(max(value, low), high)
     if taken == value:

@@ -35,7 +35,7 @@ CAPABILITIES = {
 
 
 class Reports:
-    """Reports of one printer."""
+    """The reporting commands of one printer."""
 
     def __init__(self, printer: Printer, *, card: bool = False, settings: bool = False) -> None:
         self._printer, self._card, self._settings = printer, card, settings
@@ -48,12 +48,12 @@ class Reports:
         parts: list[str] = []
         powers: list[str] = []
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
-        at_work = hotends[-1] if hotends else ""  # if the tool has none
+        at_work = hotends[-1] if hotends else ""  # if the tool has no hotend
         with suppress(CommandError):
             at_work = printer.commands.set_points.heater("hotend")
         for name, config in printer.machine.heaters.items():
             heater = printer.connection.heaters[name]
-            # The board's last report of a heater is from before the halt.
+            # The board's last report of a heater is older than the halt.
             power = 0 if printer.halted else round(heater.power * 127)
             letter = _LETTERS[config.kind]
             reading = f":{printer.connection.reading(name):.2f} /{heater.target:.2f}"
@@ -123,7 +123,7 @@ class Reports:
             raise CommandError.of("command.halted", value=self._printer.halted)
 
     def _real(self) -> str:
-        """As `position`, by the steps that the motors have made so far. Raises CommandError."""
+        """As `position`, but for the real position by the step counts. Raises CommandError."""
         self._require_board()
         places, counts = self._printer.positions.now()
         e = places.pop("E", None)
@@ -224,7 +224,7 @@ class Reports:
         return None
 
     def capabilities(self) -> dict[str, bool]:
-        """What M115 announces."""
+        """The capabilities in the reply to M115."""
         chamber = any(h.kind == "chamber" for h in self._printer.machine.heaters.values())
         files = dict.fromkeys(("AUTOREPORT_SD_STATUS", "EXTENDED_M20", "LFN_WRITE"), self._card)
         return CAPABILITIES | files | {"CHAMBER_TEMP": chamber, "EEPROM": self._settings}

@@ -26,21 +26,21 @@ class Heat(Protocol):
 
 
 class NoHeat:
-    """Nothing heats in a plan: temperatures count as reached."""
+    """A plan without heaters: temperatures count as reached."""
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
-        """Ignores it."""
+        """Ignores the target."""
 
 
 class SetPoints:
-    """The temperatures of one job; `presets` are those of materials."""
+    """The temperatures of one job; `presets` has those of materials."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job, heat: Heat) -> None:
         self._machine, self._job, self._heat = machine, job, heat
         self.presets = Presets(machine)
-        self.targets_c: dict[str, float] = {}  # as commands have set them; 0 is off
+        self.targets_c: dict[str, float] = {}  # the last commanded targets; 0 is off
         self._tool = 0
-        self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
+        self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # active, standby
 
     def heater(self, kind: str, number: int | None = None) -> str:
         """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
@@ -53,13 +53,14 @@ class SetPoints:
         return found
 
     def _exists(self, kind: str, words: dict[str, float]) -> bool:
-        """A machine without such heaters ignores a command without a number."""
+        """Whether the command is not to be ignored: the machine has such a heater, or the command
+        has a number, which is checked later."""
         there = any(heater.kind == kind for heater in self._machine.heaters.values())
         return there or _number(words) is not None
 
     def _heat_to(self, name: str, target: float | None, *, at_once: bool = False) -> None:
-        """Sets a target. Without one the heater goes off; outside of the safe range too, at once,
-        and CommandError is raised."""
+        """Sets a target; None switches the heater off. A target outside the safe range switches it
+        off at once and raises CommandError."""
         heater = self._machine.heaters[name]
         self.targets_c[name] = max(target or 0.0, 0.0)
         if target is None or target <= 0:
@@ -68,12 +69,13 @@ class SetPoints:
             self._heat.set_target(name, target, at_once=at_once)
         else:
             self._heat.set_target(name, 0.0, at_once=True)
-            self._heat.set_target(name, 0.0)  # a queued target must not override it
+            self._heat.set_target(name, 0.0)  # a queued target must not switch it on again
             limit = f"{heater.min_c:g} to {heater.max_c:g}"
             raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
 
     def _celsius(self, words: dict[str, float], kind: str) -> float | None:
-        """The temperature of a command: the material I of M145, or S, or R. Raises CommandError."""
+        """The temperature that a command gives: by material I of M145, S or R. Raises
+        CommandError."""
         if "I" in words and kind in ("hotend", "bed"):
             return self.presets.celsius(words["I"], kind)
         return words.get("S", words.get("R"))
@@ -214,8 +216,8 @@ class SetPoints:
 
     @in_program("G10")
     def _tool_temperatures(self, command: Command, _: Reply) -> None:
-        """G10 P: the temperature of a tool at work (S) and on standby (R). The tool at work uses
-        the one at once, another tool the other."""
+        """G10 P: the active (S) and the standby (R) temperature of a tool. The active tool takes S
+        at once, any other tool takes R."""
         words = command.words()
         tool = int(words.get("P", self._job.tool))
         work, standby = self._tool_c.get(tool, (None, None))
@@ -234,17 +236,18 @@ class SetPoints:
         self._tool_c |= other._tool_c
 
     def follow_tool(self) -> None:
-        """Another tool is in use, without a command: the program is suspended, stops or resumes."""
+        """Call this when the active tool has changed without a command, because a program was
+        suspended, stopped or resumed."""
         self._tool = self._job.tool
 
     def tool_changed(self, tool: int) -> None:
-        """The tool that leaves gets its standby temperature, the new one its working
+        """Sets the old tool to its standby temperature, and the new tool to its active
         temperature."""
         before, self._tool = self._tool, tool
         standby, work = (self._tool_c.get(t, (None, None))[i] for t, i in ((before, 1), (tool, 0)))
         if tool != before:
             self._heat_tool(before, standby)
-            self._heat_tool(tool, work)  # last, where both share a hotend
+            self._heat_tool(tool, work)  # the new tool last, because both may share a hotend
 
 
 def _number(words: dict[str, float]) -> int | None:

@@ -1,4 +1,4 @@
-"""SIMULATE_FAULT, and faults that come at a print time, on boards that support fault injection."""
+"""SIMULATE_FAULT, and faults at a given print time, on boards that support fault injection."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ _WORDS = ("NAME", "VALUE", "AFTER", "DURATION")
 
 
 class SimulatedFaultCommands:
-    """Faults of one printer's boards. Their print time passes as on the boards, also while the
-    printer is halted; if it is `free` (--clock fast), only while the printer works."""
+    """Injects faults into the boards of one printer. Their times are print time, which passes even
+    while the printer is halted, or, if it is `free` (--clock fast), only while the printer
+    works."""
 
     def __init__(self, rig: Rig, state: State, *, free: bool) -> None:
         self._rig, self._state, self._free = rig, state, free
         self._loop = asyncio.get_running_loop()
-        self._passed_s = self._seen_s = 0.0  # print time, where it is free
-        self._due: list[tuple[float, FaultOrder]] = []  # print times, where it is free
+        self._passed_s = self._seen_s = 0.0  # free print time
+        self._due: list[tuple[float, FaultOrder]] = []  # free print times
         self._timers: set[asyncio.TimerHandle] = set()
 
     @property
@@ -37,8 +38,8 @@ class SimulatedFaultCommands:
         return self._rig.connection.injector
 
     def order(self, order: FaultOrder) -> None:
-        """Injects a fault now or later, and ends it again if it has a duration. Raises
-        CommandError, also for a later fault that does not exist."""
+        """Injects a fault now or later, and ends it if it has a duration. Raises CommandError at
+        once for an unknown fault, even if it is due later."""
         injector = self.injector
         if order.after_s > 0:
             injector.check(order.part, order.value)
@@ -64,7 +65,7 @@ class SimulatedFaultCommands:
         self._timers.add(timer)
 
     def time_passed(self) -> None:
-        """Counts print time on, also across restarts of the boards."""
+        """Call this as time passes: counts print time, also across restarts of the boards."""
         if not self._free:
             return
         now_s = self._rig.queue.now_s
@@ -76,7 +77,7 @@ class SimulatedFaultCommands:
             self.order(order)
 
     def close(self) -> None:
-        """Cancels faults that are still to come."""
+        """Cancels faults that are not due yet."""
         for timer in self._timers:
             timer.cancel()
 
@@ -108,7 +109,7 @@ class SimulatedFaultCommands:
 
 
 def _number(pairs: dict[str, str], word: str) -> float | None:
-    """Seconds. Raises CommandError."""
+    """The parameter in seconds. Raises CommandError."""
     if word not in pairs:
         return None
     try:

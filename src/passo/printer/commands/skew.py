@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 NOT_CARTESIAN = "This machine is not cartesian."
 _PLANES = ("XY", "XZ", "YZ")
-_DIGITS = 9  # what is stored is what is in force
+_DIGITS = 9  # so that stored and active values are equal
 
 
 class SkewCommands:
-    """The skew of one cartesian machine. What is in force is that of the rig; homing takes axes as
-    their endstops have them."""
+    """The skew of one cartesian machine. The active skew is that of the rig; homing works without
+    it."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -34,8 +34,8 @@ class SkewCommands:
         return geometry
 
     def _use(self, factors: dict[int, float]) -> None:
-        """Sets the factors of these planes. Raises CommandError if a motor may get beyond what it
-        reaches."""
+        """Sets the factors of these planes. Raises CommandError if a motor could exceed its
+        limits."""
         machine, skew = self._rig.machine, list(self._geometry.skew)
         if self._rig.job.suspended:
             raise CommandError.of("command.aside", value="This command")
@@ -129,13 +129,13 @@ class SkewCommands:
         return None
 
     def setting_line(self) -> str:
-        """The command that brings the skew back, to the last bit."""
+        """The command that restores the skew exactly."""
         words = zip("IJK", self._geometry.skew, strict=True)
         return "M852 " + " ".join(f"{k}{factor:.{_DIGITS}f}" for k, factor in words)
 
 
 def _lengths(plane: str, text: str) -> tuple[float, float, float]:
-    """Three numbers between commas. Raises CommandError."""
+    """Three lengths, mm, separated by commas. Raises CommandError."""
     parts = text.split(",")
     try:
         ac, bd, ad = map(float, parts)

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from passo.printer.commands.plan import Plan
     from passo.printer.wait_requests import Reply
 
-_SPEED = (10.0, 1000.0)  # percent of M220
-_FLOW = (1.0, 1000.0)  # percent of M221
+_SPEED = (10.0, 1000.0)  # range of M220, percent
+_FLOW = (1.0, 1000.0)  # range of M221, percent
 
 
 class SpeedAndFlow:
-    """The factors of one job. In a program they take their place among the moves; a console's line
-    also changes planned moves. `kept` is the factor that M220 B has stored for R."""
+    """The factors of one job. In a program they apply to later moves; from a console they also
+    change planned moves. `kept` is the factor that M220 B has stored for M220 R."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job, plan: Plan) -> None:
         self._machine, self._job, self._plan = machine, job, plan
@@ -87,7 +87,7 @@ class SpeedAndFlow:
         tool = words.get("T", self._job.tool)
         own = tools[int(tool)].extruder if tool in range(len(tools)) else None
         if own is None and "T" not in words:
-            return  # the tool in use has no extruder
+            return  # the active tool has no extruder
         if own is None:
             raise CommandError.bad_value("T", tool, "a tool with an extruder")
         extruder = list(self._machine.extruders).index(own)

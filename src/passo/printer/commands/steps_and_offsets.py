@@ -1,4 +1,4 @@
-"""Limits, scales, offsets and overrides of motion."""
+"""Commands for motion settings: scales, offsets, retraction, filament."""
 
 from __future__ import annotations
 
@@ -25,10 +25,9 @@ if TYPE_CHECKING:
 
 
 class MotionCommands:
-    """Settings of motion of one printer. Limits and the feedrate override take their place among
-    the moves of their program or line. The lines of a console during a print are live, M221 too:
-    they act at once on the moves that the board does not have yet. M220 and M290 in lines of their
-    own are live from every console."""
+    """The motion settings of one printer. Settings in a program apply to later moves. Lines of a
+    console during a print are live: they also change the moves that the board does not have yet.
+    M220 and M290 alone in a line are live from every console."""
 
     def __init__(self, rig: LiveRig, state: State, offsets: Offsets, homer: Homer) -> None:
         self._rig, self._state, self._homer = rig, state, homer
@@ -42,7 +41,8 @@ class MotionCommands:
     # -- scales and limits ------------------------------------------------------------------------
 
     def _places(self, name: str | None) -> list[int]:
-        """Numbers, in the core's order, of the motors that drive an actuator, axis or extruder."""
+        """The numbers, in the core's order, of the motors that drive an actuator, axis or
+        extruder."""
         wanted = self._machine.drivable.by_name.get(name or "")
         rows = self._rig.job.steppers()
         driven_by = self._machine.driven_by
@@ -83,7 +83,7 @@ class MotionCommands:
         return WaitForMoves(lambda: self._rescale(changes))
 
     def _layers(self, words: dict[str, float]) -> str:
-        """Layer heights that Z's motor reaches in full steps, where it holds best."""
+        """Layer heights that are whole full steps of the Z motor, where it holds best."""
         places = self._places("z")
         if not places:
             raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
@@ -101,18 +101,18 @@ class MotionCommands:
         )
 
     def require_scales(self, code: str) -> None:
-        """Raises CommandError if a command must not change scales now."""
+        """Raises CommandError if a command must not change steps per mm now."""
         if self._rig.job.suspended:
             raise CommandError.of("command.aside", value=code)
 
     def _rescale(self, changes: list[tuple[int, float]]) -> None:
-        self.require_scales("M92")  # a pause may have begun meanwhile
+        self.require_scales("M92")  # a pause may have begun in the meantime
         for i, value in changes:
             self._rig.job.set_steps_per_unit(i, value)
 
     def scale_of(self, name: str) -> float:
-        """Steps for a mm or degree of the first motor that drives an actuator, axis or extruder; 0
-        if none does."""
+        """Steps per mm or degree of the first motor that drives an actuator, axis or extruder; 0 if
+        it has no motor."""
         rows = self._rig.job.steppers()
         return next((float(rows[i]["steps_per_unit"]) for i in self._places(name)), 0.0)
 
@@ -137,7 +137,7 @@ class MotionCommands:
         kind=Kind.MOTION,
     )
     def _filament_diameters(self, _: Command, reply: Reply) -> None:
-        """With words the interpreter has carried it out, as it does M209 and M603."""
+        """M200. A command with words is executed by the interpreter, like M209 and M603."""
         _report(reply, self.filament_lines())
 
     @command(
@@ -163,7 +163,7 @@ class MotionCommands:
         _report(reply, self.change_lines())
 
     def filament_lines(self) -> Iterator[str]:
-        """M200 for each tool whose E is a volume, else that it is a length."""
+        """M200 for each tool: the diameter if its E is a volume, else that E is a length."""
         diameters = self._rig.job.filament_diameters
         if diameters is None:
             yield "M200 S0"
@@ -210,7 +210,7 @@ class MotionCommands:
         return None
 
     def home_offsets(self, words: dict[str, float]) -> dict[str, float]:
-        """The offsets that M206 gives, mm, by axis. Raises CommandError."""
+        """The offsets in the words of M206, mm by axis. Raises CommandError."""
         offsets = {a: words[a.upper()] for a in self.offsets.home_mm if a.upper() in words}
         for name, mm in offsets.items():
             axis = self._machine.axes[name]
@@ -244,7 +244,7 @@ class MotionCommands:
         kind=Kind.MOTION,
     )
     def _saved(self, command: Command, reply: Reply) -> Wait | None:
-        """G60; the interpreter has saved the position."""
+        """G60: confirms that the interpreter has saved the position."""
         *axes, e = self._rig.job.program_position
         places = zip([a.upper() for a in self._axes], axes, strict=True)
         where = " ".join(f"{letter}:{at + 0.0:.2f}" for letter, at in places)
@@ -270,8 +270,7 @@ class MotionCommands:
         return None
 
     def tool_offset(self, words: dict[str, float], active: int) -> tuple[int, dict[str, float]]:
-        """The tool that M218 means, and the offsets that it gives, mm, by X, Y, Z. Raises
-        CommandError."""
+        """The tool that M218 selects, and its offsets in X, Y, Z, mm. Raises CommandError."""
         tools = len(self._rig.job.tool_offsets)
         tool = int(words.get("T", words.get("H", active)))
         if not 0 <= tool < tools:

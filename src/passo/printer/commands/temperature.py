@@ -17,7 +17,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForTuning
 
 
 class HeatCommands:
-    """Heater commands that only a live printer has; `SetPoints` has the temperatures."""
+    """Heater commands of a live printer; `SetPoints` has those for temperatures."""
 
     def __init__(self, rig: LiveRig, controls: ControlCommands) -> None:
         self._rig, self._controls = rig, controls
@@ -55,15 +55,15 @@ class HeatCommands:
         return None
 
     def cold_lines(self) -> Iterable[str]:
-        """M302 with the current setting."""
+        """The current settings as M302 commands."""
         return self.cold.lines(self._controls.number_of)
 
     def guard_extrusion(self) -> None:
-        """Sets in the interpreter which filament may move."""
+        """Sets in the interpreter which filament may move now."""
         self.cold.guard(self._rig.job, self._rig.connection.heaters)
 
     def warm(self) -> bool:
-        """Whether the active tool's hotend lets filament move."""
+        """Whether the active tool's hotend is warm enough to move filament."""
         return self.cold.warm(self._rig.connection.heaters, self._rig.job.tool)
 
     @command(

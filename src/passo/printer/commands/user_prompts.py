@@ -13,8 +13,8 @@ from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForUser
 
-# Words only if the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3". The rest is
-# a message, which the lexer does not split.
+# Words count only at the beginning: "M0 S30 Remove clip3", not "M0 Remove clip3". The rest is a
+# message, which the lexer does not split.
 _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
 
 
@@ -25,10 +25,11 @@ class UserPrompts:
         self._state, self._beeper = state, beeper
         self.message = ""
         self.asking = False  # hosts show a question
-        self.awaited = False  # it is that of a wait, which an answer ends; not of a paused print
-        self.for_ever = False  # a wait is open that only a user ends
+        # the question belongs to a wait that an answer ends, not to a paused print
+        self.awaited = False
+        self.for_ever = False  # a wait without a timeout is open
         self.wait_listeners: list[Callable[[], None]] = []  # called when a wait for a user begins
-        self.kill_s = 0.0  # M85: idle for so long, everything goes off
+        self.kill_s = 0.0  # M85: after this idle time, the printer halts
 
     @command(
         "M0",
@@ -57,7 +58,7 @@ class UserPrompts:
         return WaitForUser(text, max(seconds, 0.0))
 
     def ask(self, text: str, *, awaited: bool = True) -> None:
-        """Hosts show the text and a button to continue; a beeper beeps. `awaited`: the answer ends
+        """Makes hosts show the text and a button to continue, and beeps. `awaited`: the answer ends
         a wait."""
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
             self._state.tell(f"// action:{words}")
@@ -66,8 +67,8 @@ class UserPrompts:
 
     @contextmanager
     def waited_for(self, *, for_ever: bool = True) -> Generator[None]:
-        """A wait for a user lasts while this is open, with the machine at standstill; `for_ever`:
-        it has no timeout."""
+        """Marks a wait for the user, at standstill, within the block. `for_ever`: the wait has no
+        timeout."""
         self.for_ever = for_ever
         for listener in list(self.wait_listeners):
             listener()
@@ -77,7 +78,8 @@ class UserPrompts:
             self.for_ever = False
 
     def answered(self) -> None:
-        """The user has answered, or there is nothing left to continue: hosts show no question."""
+        """Call this when the user has answered, or when no wait or pause is left: hosts remove the
+        question."""
         if self.asking:
             self.asking = self.awaited = False
             self._state.tell("// action:prompt_end")
@@ -106,7 +108,7 @@ class UserPrompts:
     )
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        if words.get("S", 0.0) < 0:  # 0 would be never
+        if words.get("S", 0.0) < 0:  # 0 means never
             raise CommandError.bad_value("S", words["S"], "0 s or more")
         if "S" in words:
             self.kill_s = words["S"]

@@ -1,4 +1,4 @@
-"""G34, Z_TILT_ADJUST and QUAD_GANTRY_LEVEL: the motors of Z level the gantry, or the bed."""
+"""G34, Z_TILT_ADJUST and QUAD_GANTRY_LEVEL: level the gantry or the bed with the Z motors."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ if TYPE_CHECKING:
     from passo.motion.triggered_moves import TriggeredMoves
 
 NO_MOTORS = "The machine file has no [levelling.motors], or no probe."
-_DIGITS = 6  # of mm: what is stored is what is in force
+_DIGITS = 6  # decimals of mm, so that stored and active values are equal
 
 
 def has_endstops(machine: MachineConfig) -> bool:
-    """Whether each motor of Z has an endstop of its own."""
+    """Whether each Z motor has its own endstop."""
     return "z" in machine.homing and len(machine.homing["z"].stepper_pins) > 1
 
 
 class EndstopOffsets:
-    """The offsets of the endstops of one printer's motors of Z: `has_endstops` holds for its
-    machine. What is in force is that of the rig."""
+    """The endstop offsets of one printer's Z motors; `has_endstops` must be True for its machine.
+    The active offsets are those of the rig."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
 
     @property
     def offsets(self) -> dict[str, float]:
-        """How much higher than the position at home the endstop of each motor triggers, mm."""
+        """For each motor, the height above the home position at which its endstop triggers, mm."""
         config = self._rig.machine.homing["z"]
         return {name: config.offsets_mm.get(name, 0.0) for name in config.stepper_pins}
 
     def use(self, offsets_mm: Mapping[str, float]) -> None:
-        """Sets them; they act when Z is homed next."""
+        """Sets the offsets, mm by motor; they take effect when Z is homed the next time."""
         machine = self._rig.machine
         rounded = {name: round(mm, _DIGITS) + 0.0 for name, mm in offsets_mm.items()}
         z = machine.homing["z"].model_copy(update={"offsets_mm": rounded})
@@ -57,7 +57,7 @@ class EndstopOffsets:
         self._rig.use_geometry(machine.model_copy(update={"homing": homing}))
 
     def setting_lines(self) -> Iterator[str]:
-        """Commands that bring the offsets back, to the last bit."""
+        """Commands that restore the offsets exactly."""
         for n, mm in enumerate(self.offsets.values(), 1):
             yield f"M666 S{n} Z{mm:.{_DIGITS}f}"
 
@@ -78,11 +78,11 @@ class ZMotorCommands:
         self._rig, self._config, self._prober = rig, config, prober
         self._correction, self._triggered = correction, triggered
         self._motors, self._endstops = motors, endstops
-        self._levelled: tuple[Positions, int] | None = None  # since when it is level
+        self._levelled: tuple[Positions, int] | None = None  # the state at the last levelling
 
     @property
     def level(self) -> bool:
-        """The gantry was levelled, and the motors held it since then."""
+        """Whether the gantry was levelled, and its motors have been on since then."""
         positions = self._rig.positions
         return self._levelled == (positions, positions.loosenings)
 
@@ -137,11 +137,11 @@ class ZMotorCommands:
         return WaitForProcedure(partial(self._level, int(retries), tolerance, reply))
 
     async def _level(self, retries: int, tolerance_mm: float, reply: Reply) -> None:
-        """Measures and adjusts until the tilt between the motors is small enough. Z is 0 at the
-        mean of the points then."""
+        """Measures and adjusts until the tilt between the motors is at most `tolerance_mm`. Then
+        the mean of the points is Z 0."""
         points = self._config.points
         places = [Place(p.x, p.y, f"point {n}") for n, p in enumerate(points, 1)]
-        moved = dict.fromkeys(self._config.pivots, 0.0)  # how much higher Z of each motor counts
+        moved = dict.fromkeys(self._config.pivots, 0.0)  # change of each motor's endstop offset, mm
         tilts: list[float] = []
         while True:
             measured = await self._prober.measure(places)
@@ -177,8 +177,8 @@ class ZMotorCommands:
         return dict(zip(pivots, found, strict=True))
 
     async def _lift(self, by_mm: Mapping[str, float]) -> float:
-        """Moves each motor up; how far Z of the middle has risen, mm. If it fails, Z must be homed
-        again."""
+        """Moves each motor up. Returns the rise of Z in the middle, mm. After an error, Z must be
+        homed again."""
         rig, mean = self._rig, fmean(by_mm.values())
         self._levelled = None
         try:
@@ -191,7 +191,8 @@ class ZMotorCommands:
         return mean
 
     def _finish(self, moved: Mapping[str, float], mean_mm: float, reply: Reply) -> None:
-        """The bed is at Z 0; endstops of the motors are where they trigger now."""
+        """Ends the levelling: sets Z 0 to the bed, and the endstop offsets to the new trigger
+        positions."""
         rig, correction = self._rig, self._correction
         self._levelled = rig.positions, rig.positions.loosenings
         if correction.on:

@@ -15,8 +15,8 @@ _NAME_OF_NEW = "default"
 
 
 def bed_mesh(bed: BedStatus) -> Object:
-    """The mesh in use and all that are stored. A fitted surface is shown as a mesh of its method's
-    name."""
+    """The active mesh and all stored meshes. A fitted surface is shown as a mesh with the name of
+    its method."""
     active: StoredMesh | None = None
     if bed.on and bed.mesh is not None:
         active = StoredMesh(bed.profile or _NAME_OF_NEW, bed.mesh)
@@ -34,7 +34,7 @@ def _mesh_of(surface: BedSurface) -> Mesh:
 
 
 def probe(bed: BedStatus) -> Object:
-    """The probe, as it was asked last, and what it measured last."""
+    """The state of the probe at the last query, and its last measurement."""
     last = bed.points[-1] if bed.points else None
     place = [last.x_mm, last.y_mm, last.height_mm] if last else [0.0, 0.0, 0.0]
     return {
@@ -62,7 +62,7 @@ def levelled(status: Status) -> Object:
 
 
 def screws_tilt_adjust(status: Status) -> Object:
-    """The screws as they were measured last; the dialog of Mainsail shows them."""
+    """The last measurement of the screws; the dialog of Mainsail shows it."""
     results: Object = {}
     for n, screw in enumerate(status.screws, 1):
         sign, turns = screw.adjust.split()

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 Object = dict[str, Any]
 
-# Clients draw all machines but these as cartesian ones.
+# The geometries that clients can draw; they draw all others as cartesian machines.
 _KINEMATICS = {"delta", "rotary_delta", "corexy", "corexz", "cartesian"}
-# Clients warn if these sections are missing. Their functions need no configuration here.
+# Clients warn if these sections are missing, although Passo needs no configuration for them.
 _NEEDED: dict[str, Object] = {"pause_resume": {}, "display_status": {}, "respond": {}}
 _BUILT_IN = ("PAUSE", "RESUME", "CANCEL_PRINT")
 
@@ -29,8 +29,9 @@ _BUILT_IN = ("PAUSE", "RESUME", "CANCEL_PRINT")
 def configfile(
     machine: MachineConfig, folder: str, unsaved: Mapping[str, Mapping[str, str]]
 ) -> Object:
-    """`settings` have types, and sections in lower case; `config` has texts. `folder` is the card,
-    empty without one; `unsaved` is what SAVE_CONFIG would store."""
+    """The object configfile. Its `settings` are typed values in lower-case sections, and its
+    `config` has them as texts. `folder` is the folder of the card, or empty; `unsaved` are the
+    settings that SAVE_CONFIG would store."""
     named: dict[str, Object] = {
         "printer": _printer(machine),
         **_axes(machine),
@@ -76,7 +77,7 @@ def _printer(machine: MachineConfig) -> Object:
 
 
 def _axes(machine: MachineConfig) -> dict[str, Object]:
-    """The carriages of a delta take the limits of Z."""
+    """The sections of the motors; the carriages of a delta have the limits of Z."""
     letters = dict(zip("xyz", "abc", strict=True))
     is_delta = isinstance(machine.geometry, Delta)
     sections: dict[str, Object] = {}
@@ -93,7 +94,7 @@ def _axes(machine: MachineConfig) -> dict[str, Object]:
 
 
 def _bed(machine: MachineConfig) -> dict[str, Object]:
-    """Clients show the height map only if there is a section bed_mesh."""
+    """The sections of the bed. Clients show the height map only if there is a section bed_mesh."""
     probe, levelling = machine.probe, machine.levelling
     if probe is None:
         return {}

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 Object = dict[str, Any]
 
-_ROOM_C = 25.0  # shown of a heater whose sensor has not reported
+_ROOM_C = 25.0  # shown for a heater whose sensor has not reported
 
 
 def heater(status: Status, name: str) -> Object:
-    """A heater; its temperature is a room temperature in °C until its sensor reports."""
+    """A heater. Its temperature, °C, is room temperature until its sensor reports."""
     seen = status.heaters[name]
     celsius = _ROOM_C if seen.celsius is None else seen.celsius
     return {"temperature": round(celsius, 2), "target": seen.target_c, "power": seen.power}

@@ -41,8 +41,8 @@ def print_stats(status: Status) -> Object:
 
 
 def virtual_sdcard(status: Status) -> Object:
-    """The file that is printed, or the last one as long as it is selected. Its progress is that of
-    its bytes."""
+    """The file that is printed, or the last one as long as it is selected. Its progress is the
+    fraction of its bytes."""
     job = status.job or (status.ended.job if status.ended else None)
     return {
         "is_active": status.job is not None and status.state is not PrinterState.PAUSED,
@@ -64,7 +64,7 @@ def display_status(status: Status) -> Object:
 
 
 def idle_timeout(machine: MachineConfig, status: Status) -> Object:
-    """Whether the machine moves, also by hand."""
+    """Whether the printer is idle, ready or printing; any move counts as printing."""
     busy = status.state in (PrinterState.PRINTING, PrinterState.BUSY)
     rests = "Ready" if status.motion.motors_on else "Idle"
     return {
@@ -99,5 +99,6 @@ def _object_name(one: PrintObject) -> str:
 
 
 def _name(job: JobStatus) -> str:
-    """The path of a file on the card as clients know it, or the name of one of this computer."""
+    """The path of a file on the card in the form of clients, or the name of a file of this
+    computer."""
     return local_name(job.path) if is_local(job.path) else job.path.lstrip("/") or job.file

@@ -11,7 +11,7 @@ Object = dict[str, Any]
 
 
 def webhooks(status: Status) -> Object:
-    """Whether the printer runs; if not, why and what to do."""
+    """The state of the printer; if it does not run, the reason and the next action."""
     if status.link == "restarting":
         return {"state": "startup", "state_message": "The boards start. Wait some seconds"}
     if not status.halted:
@@ -25,7 +25,7 @@ def webhooks(status: Status) -> Object:
 
 
 def mcu(status: Status, name: str) -> Object:
-    """A board. Its load is 0 until it has reported it, and on a simulated chip."""
+    """A board. Its load is 0 until it has reported one, and always on a simulated chip."""
     board = status.boards[name]
     return {
         "mcu_version": board.firmware,

@@ -48,13 +48,13 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
 
 
 def _active_extruder(machine: MachineConfig, tool: int) -> str:
-    """The hotend of the tool in use: tools that share one share its object."""
+    """The hotend of the active tool; tools that share a hotend share its object."""
     hotend = heater_of(machine, "hotend", tool)
     return "" if hotend is None else heater_object(machine, hotend)
 
 
 def gcode_move(status: Status) -> Object:
-    """How lines are read: modes, offsets, factors and the program's position."""
+    """The state of the interpreter: modes, offsets, factors and the program's position."""
     motion, tool = status.motion, status.tool
     at, zero = Coord(*motion.end_mm), Coord(*motion.program_end_mm)
     flows = status.flow_factors

@@ -1,4 +1,4 @@
-"""All of Klipper's objects that a printer has."""
+"""Klipper's objects of a printer."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ Variables = Mapping[str, Mapping[str, object]]
 
 
 def objects(machine: MachineConfig, status: Status, variables: Variables) -> Objects:
-    """All objects of a printer by their names, each made on demand. `variables` are those of the
-    macros, by name."""
+    """Functions that make the objects of a printer on demand, by the name of the object.
+    `variables` are those of the macros, by name."""
     found: Objects = {
         "webhooks": lambda: webhooks(status),
         "configfile": lambda: configfile(machine, status.files.folder, status.unsaved),

@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class LinkState(Enum):
-    """The state of the boards, as far as the host knows."""
+    """The state of the links, from the host's point of view."""
 
     CONNECTED = "the boards answer"
     RECONNECTING = "a link is lost; the boards brake by themselves and keep warm"
@@ -17,11 +17,11 @@ class LinkState(Enum):
 
 _S = LinkState
 TRANSITIONS: dict[LinkState, frozenset[LinkState]] = {
-    # A link is lost, and the boards survive that; a board was reset; M112 or another halt.
+    # A link is lost and the boards survive it; a board was reset; M112 or another halt.
     _S.CONNECTED: frozenset({_S.RECONNECTING, _S.PLACE_LOST, _S.HALTED}),
-    # All boards are back; a motor is not at its stop position; M112, or a board has stopped.
+    # All boards are back; a motor is not at its stop position; M112 or the shutdown of a board.
     _S.RECONNECTING: frozenset({_S.CONNECTED, _S.PLACE_LOST, _S.HALTED}),
-    # Automatically, as soon as no command waits any more; M112 meanwhile.
+    # Automatically, as soon as no command waits any more; M112 in the meantime.
     _S.PLACE_LOST: frozenset({_S.RESTARTING, _S.HALTED}),
     # M999.
     _S.HALTED: frozenset({_S.RESTARTING}),

@@ -1,4 +1,5 @@
-"""After a lost link: the boards have stopped by themselves, and the print continues from there."""
+"""Recovery after a lost link: the boards have braked without the host, and the print continues from
+there."""
 
 from __future__ import annotations
 
@@ -25,13 +26,13 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_AGAIN_S = 0.5  # between two tries to open the port
-# Steps of one commit are taken back in this time: about 40 times more slowly.
+_AGAIN_S = 0.5  # between two attempts to open the port
+# The time in which the steps of one commit are reversed: about 40 times slower than they were made.
 _BACK_S = 3.0
 
 
 class Reconnection:
-    """Recovery from lost links of one printer, and the parts that it sets up again."""
+    """Recovers the lost links of one printer; the given parts are set up again afterwards."""
 
     def __init__(
         self,
@@ -49,9 +50,9 @@ class Reconnection:
 
     async def reconnect(self, lost: LinkLostError) -> None:
         """Waits for the boards, verifies that they have stopped at the end of their brake tails,
-        and resumes the held plan as soon as the heaters are warm again. Raises `lost` if the
-        printer is halted meanwhile, PlaceLostError if a board's position cannot be verified, and
-        MachineError if one has shut down."""
+        and resumes the suspended plan as soon as the heaters are warm again. Raises `lost` if the
+        printer is halted in the meantime, PlaceLostError if a board's position cannot be verified,
+        and MachineError if one has shut down."""
         held = self.rig.job.holds
         self.rig.queue.interrupted = True
         attempt = _Attempt(self)
@@ -79,20 +80,20 @@ class Reconnection:
 
 
 class _Attempt:
-    """One lost link, until all boards are back; those of `silent` must be reopened."""
+    """The recovery from one lost link, until all boards are back. The boards in `silent` must be
+    reopened."""
 
     def __init__(self, parts: Reconnection) -> None:
         self._parts, self._rig, self._state = parts, parts.rig, parts.state
         self._connections = parts.rig.connection.connections
         self.silent: set[Connection] = set()
         self.look_for_silent()
-        # Serials of two commits, and how far each motor is beyond the first one after the second
-        # one.
+        # The serials of two commits, and the steps of each motor between them.
         self._apart: tuple[int, int, list[int]] | None = None
 
     @property
     def outlook(self) -> str:
-        """A description of what the boards do meanwhile."""
+        """A sentence that describes what the boards do in the meantime."""
         who = "The board" if len(self._connections) == 1 else "Each board"
         if not self._rig.queue.commits:
             return f"Axes were homing: their positions are lost. {who} keeps warm for a minute"
@@ -103,21 +104,21 @@ class _Attempt:
         self.silent |= {c for c in self._connections if c.lost}
 
     async def take_over(self) -> None:
-        """Raises LinkLostError while a board cannot be reached, and again if a link is lost
-        again."""
+        """Reopens the silent boards and verifies all positions. Raises LinkLostError while a board
+        cannot be reached, or if a link is lost again."""
         rig, state, parts = self._rig, self._state, self._parts
-        rig.queue.wait()  # none has shut down
+        rig.queue.wait()  # raises if a board has shut down
         for connection in [c for c in self._connections if c in self.silent]:
             await connection.reopen()
             self.silent.discard(connection)
             if len(self._connections) > 1:
                 await self._passes(SETTLING_S)
         serials = {c: await self._stood_behind(c) for c in self._connections}
-        rig.queue.wait()  # none has shut down
+        rig.queue.wait()  # raises if a board has shut down
         serial = min(serials.values())
         ahead = [c for c in self._connections if serials[c] != serial]
         further = self._further(serial, {serials[c] for c in ahead})
-        # A board that was not armed yet has not moved yet; while axes home the plan has no commits.
+        # A board that was not armed has not moved; during homing the plan has no commits.
         if not rig.queue.recover_from(serial):
             raise PlaceLostError.of("machine.place-unknown")
         self._prove(dict.fromkeys(ahead, further))
@@ -150,7 +151,7 @@ class _Attempt:
             else "The board is back, at the position where it stopped",
         )
         heaters = rig.connection.heaters.values()
-        # A heater may be switched off meanwhile.
+        # A heater may have been switched off in the meantime.
         while any(h.target > 0 and not (h.reached or h.fault) for h in heaters):
             if state.halted:
                 return
@@ -158,14 +159,14 @@ class _Attempt:
             rig.queue.look()
 
     async def _stood_behind(self, connection: Connection) -> int:
-        """The last commit of a board whose motors have stopped."""
+        """The last commit that a board has executed before its motors stopped."""
         states = connection.dictionary.enumerations["survive"]
         with self._silence_of(connection):
-            # The link asks for the state as well, and its question may be older than a commit that
-            # is still on its way. After this answer, none is.
+            # An answer to an earlier question of the link may be older than a commit that is still
+            # being transmitted. After this answer, no commit is.
             connection.ask("get_config", "config")
-            # By the board's own time: while questions are asked again, the time of a simulated
-            # board runs ahead of the machine's.
+            # Use the board's own clock: repeated questions advance a simulated board beyond the
+            # time of the machine.
             end = connection.now + int(BRAKING_S * connection.wire.hz)
             while connection.now < end:
                 if (state := stopped(connection)) is not None:
@@ -175,8 +176,8 @@ class _Attempt:
         raise PlaceLostError.of("machine.place-unknown")
 
     def _further(self, serial: int, others: set[int]) -> dict[str, int]:
-        """The further steps of motors on boards that have stopped after another commit; it must be
-        the next one."""
+        """The additional steps of motors on boards that have stopped one commit after `serial`.
+        Raises PlaceLostError if they have stopped at any other commit."""
         job = self._rig.job
         if not others:
             return {}
@@ -190,7 +191,7 @@ class _Attempt:
         return dict(zip(names, self._apart[2], strict=True))
 
     def _prove(self, ahead: dict[Connection, dict[str, int]]) -> None:
-        """Verifies that every motor is where the plan is, or so many steps ahead of it."""
+        """Verifies that every motor is at the plan's position plus its steps in `ahead`."""
         found: dict[str, int] = {}
         for connection in self._connections:
             with self._silence_of(connection):
@@ -210,7 +211,7 @@ class _Attempt:
 
     @contextmanager
     def _silence_of(self, connection: Connection) -> Generator[None]:
-        """A board that does not answer must be reopened."""
+        """Marks a board that does not answer as silent within the block, so that it is reopened."""
         try:
             yield
         except LinkLostError:

@@ -1,4 +1,5 @@
-"""After a halt: repeats the emergency stop until all boards, also unreachable ones, confirm it."""
+"""Repeats the emergency stop after a halt until all boards confirm it, including those that were
+unreachable."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_AGAIN_S = 0.5  # between two tries; a board that receives the first has answered before the second
+_AGAIN_S = 0.5  # between two attempts; a board answers the first before the second is sent
 
 
 async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
@@ -36,8 +37,7 @@ async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
         await either(given_up, _AGAIN_S)
         rig.queue.live_on(_AGAIN_S)
         left = [c for c in left if not c.has_shut_down()]
-        # Boards that cannot keep heaters on by themselves have switched everything off within three
-        # seconds.
+        # Boards without `survive` switch all outputs off within three seconds.
         warm = [c for c in left if c.heaters] if rig.connection.survives else []
         if warm and not warned:
             warned = True

@@ -27,12 +27,12 @@ _log = logging.getLogger(__name__)
 
 # A second reset this soon is probably caused by a load, such as a heater.
 _SOON_S = 60.0
-_LOOK_S = 0.25  # while it is halted
+_LOOK_S = 0.25  # interval of checks while the printer is halted
 
 
 class Supervisor:
     """Runs the motion queue of one printer until a failure, and again after each restart. `halt`
-    halts the printer; `restart` starts its boards again, and raises if it fails."""
+    halts the printer; `restart` restarts its boards, and raises if that fails."""
 
     def __init__(
         self,
@@ -49,9 +49,10 @@ class Supervisor:
         self._lateness, self.reconnection = lateness, reconnection
         self._halt_printer, self._restart = halt, restart
         self._restart_asked = asyncio.Event()  # M999 was sent, and no M112 since
-        self._asking: list[asyncio.Future[None]] = []  # each waits for the outcome of M999
+        self._asking: list[asyncio.Future[None]] = []  # consoles that wait for the result of M999
         self._link = LinkState.CONNECTED
-        self.watchers: list[Callable[[LinkState, LinkState], None]] = []  # of what was, and is
+        # called with the old and the new state
+        self.watchers: list[Callable[[LinkState, LinkState], None]] = []
         self._reset_s = -inf  # when a board was reset
 
     @property
@@ -68,23 +69,23 @@ class Supervisor:
             watcher(was, link)
 
     def request_restart(self) -> None:
-        """M999: the user has made the halted machine safe."""
+        """M999: requests a restart of the halted machine, which the user has made safe."""
         self._restart_asked.set()
 
     def answered(self) -> asyncio.Future[None]:
-        """Done when the printer is ready again, or M999 has failed."""
+        """A future that is done when the printer is ready again, or M999 has failed."""
         asking: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._asking.append(asking)
         return asking
 
     def stop(self) -> None:
-        """M112, also while a restart is pending."""
+        """M112: halts the printer, even while a restart is pending."""
         if self._link is LinkState.PLACE_LOST:
             self._enter(LinkState.HALTED)
         self._answer()
 
     def _answer(self) -> None:
-        """Reports to the consoles that wait for M999 that it is done, or has failed."""
+        """Ends the waits of the consoles that have sent M999."""
         self._restart_asked.clear()
         for asking in self._asking:
             if not asking.done():
@@ -112,22 +113,22 @@ class Supervisor:
                 await self._all_have_stopped()
                 try:
                     if displaced and self._link is LinkState.HALTED:
-                        await self._halt()  # M112 came meanwhile
+                        await self._halt()  # M112 was received in the meantime
                     await self._restart_boards()
                 finally:
                     self._motion_lock.release()
 
     def _has_to_halt(self, failure: PlaceLostError) -> bool:
-        """True if the printer was halted already, or if its heaters may have caused the reset of
-        the board."""
+        """Whether the printer must halt: it was halted already, or its heaters may have caused the
+        reset of the board."""
         if not isinstance(failure, BoardResetError):
             return bool(self._state.halted)
         before, self._reset_s = self._reset_s, asyncio.get_running_loop().time()
         return bool(self._state.halted) or self._reset_s - before < _SOON_S
 
     async def _drive(self) -> None:
-        """Runs the motion queue until a board fails. A fault of the program halts the printer, too;
-        the board works, and confirms the stop."""
+        """Runs the motion queue until a board fails. A fault of the program also halts the printer;
+        then the board still works, and confirms the stop."""
         rig = self._rig
         try:
             await rig.queue.run()
@@ -139,13 +140,13 @@ class Supervisor:
             await rig.queue.hear_stop()
 
     async def _reconnect(self, error: Exception) -> Exception | None:
-        """After a lost link, resumes where the boards have braked by themselves, and returns None;
-        else returns the failure that halts the printer."""
+        """After a lost link, resumes from the position at which the boards have braked, and returns
+        None. Otherwise returns the failure that halts the printer."""
         rig, state = self._rig, self._state
         if state.halted or not isinstance(error, LinkLostError):
             return error
         if isinstance(error, PlaceLostError):
-            return error  # no board is left to take over
+            return error  # the boards cannot be taken over
         boards = rig.connection
         if not boards.survives or boards.timeline.halted:
             return error
@@ -158,7 +159,7 @@ class Supervisor:
         return None
 
     def _pause(self) -> None:
-        """Pauses: the boards work, but the positions of the motors are unknown."""
+        """Pauses the print: the boards work, but the positions of the motors are unknown."""
         rig, state = self._rig, self._state
         rig.connection.stop_job()
         state.tell(f"Error:{state.halted}")
@@ -170,41 +171,42 @@ class Supervisor:
         rig, state = self._rig, self._state
         self._make_safe()
         if state.start_failure is None and not self._restart_asked.is_set():
-            # Otherwise each console receives it when it opens, or there is nothing to do.
+            # Otherwise each console receives the message when it opens, or the message is not
+            # needed.
             state.tell(f"Error:Printer halted: {state.why_halted}")
         rig.queue.end_waits()
         await self._until_restart_asked()
 
     async def _until_restart_asked(self) -> None:
-        """Waits for M999; until then repeats the stop to each board that has not confirmed it."""
+        """Waits for M999, and repeats the stop until then for each board that has not confirmed
+        it."""
         await stop_boards(self._rig, self._state, self._restart_asked)
         while not self._restart_asked.is_set():
             await either(self._restart_asked, _LOOK_S)
             self._rig.queue.stand_by()
 
     def _make_safe(self) -> None:
-        """Stops all boards and heaters. A board that was silent for a moment must not continue when
-        it is back."""
+        """Stops all boards and heaters, so that a board that is only silent for a moment does not
+        continue."""
         rig = self._rig
         rig.connection.switch_heaters_off()
         rig.connection.stop_job()
         rig.connection.emergency_stop()
 
     async def _all_have_stopped(self) -> None:
-        """Acquires the motion lock: the caller that held it has then ended its wait for the old
-        plan."""
+        """Acquires the motion lock. Then the last holder has ended its wait for the old plan."""
         rig = self._rig
         while not self._motion_lock.try_acquire():
             rig.queue.end_waits()
             await asyncio.sleep(TICK_S)
 
     async def _restart_boards(self) -> None:
-        """Restarts the boards after M999, each time that it is sent, until they can be reached."""
+        """Restarts the boards after M999. If a board cannot be reached, waits for the next M999."""
         keeps_warm = self._link is LinkState.PLACE_LOST
         heaters = self._rig.connection.heaters.items()
         warm = {n: h.target for n, h in heaters if keeps_warm and not h.fault}
         if not keeps_warm:
-            await self._until_restart_asked()  # M112 may have come since M999
+            await self._until_restart_asked()  # M112 may have been sent after M999
         while True:
             self._enter(LinkState.RESTARTING)
             try:
@@ -217,7 +219,7 @@ class Supervisor:
                 if self._state.halted:
                     fields = failure.problems[0].log_fields
                     _log.error("The restart failed: %s", failure, extra=fields)
-                else:  # the board is well, but its start-up has failed
+                else:  # the board works, but its start-up has failed
                     self._state.halt(failure)
                 self._enter(LinkState.HALTED)
                 self._make_safe()

@@ -1,1 +1,1 @@
-"""From a machine file to configured boards, real or simulated."""
+"""Makes configured boards, real or simulated, from a machine file."""

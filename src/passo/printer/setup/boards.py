@@ -1,4 +1,4 @@
-"""From a machine file to the descriptions of its boards."""
+"""Makes the descriptions of the boards, and connections to them, from a machine file."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-MAX_DURATION_S = 3.0  # a heater that is on must be renewed within it, or the board shuts down
+MAX_DURATION_S = 3.0  # the host must renew a heater within this time, or the board shuts down
 _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
 
@@ -135,9 +135,9 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
-    """All outputs and their pins as written, by number: those on the timeline, then what switches
-    motors on, what chooses their microsteps, the boards' status LEDs, the mains, the
-    beeper, and the servo of the probe."""
+    """All outputs and their pins as written, by number: those on the timeline, then enable pins of
+    motors, microstep pins, status LEDs of boards, the power supply, the beeper, and the servo of
+    the probe."""
     outputs = list(machine.timed_outputs.items())
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
@@ -194,7 +194,7 @@ def _heater(name: str, heater: HeaterConfig) -> Heater:
 
 
 def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor:
-    """The sensor of a heater as its board has it; also for `Connection.set_sensor`."""
+    """The description of a heater's sensor; also used for `Connection.set_sensor`."""
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
     pin = machine.pin(heater.sensor_pin)
@@ -222,8 +222,8 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
 
 
 def enable_outputs(machine: MachineConfig) -> dict[str, str]:
-    """The output that enables each motor, for those that have one. Motors may share an output: it
-    has the name of the first of them."""
+    """The output that enables each motor, for those that have one. Motors may share an output,
+    which has the name of the first motor."""
     by_pin: dict[str, str] = {}
     outputs: dict[str, str] = {}
     for name in machine.steppers:
@@ -234,7 +234,8 @@ def enable_outputs(machine: MachineConfig) -> dict[str, str]:
 
 
 def enable_pin(machine: MachineConfig, name: str) -> str | None:
-    """The microcontroller's pin that enables a motor, if it has one, with its board's name."""
+    """The enable pin of a motor on the microcontroller, with the name of its board; None if it has
+    none."""
     stepper, socket = machine.steppers[name], machine.socket(name)
     pin = stepper.enable_pin or (socket.enable if socket else None)
     if pin is None:
@@ -245,7 +246,7 @@ def enable_pin(machine: MachineConfig, name: str) -> str | None:
 def simulated_board(
     machine: MachineConfig, board: BoardDescription, name: str = MAIN
 ) -> SimulatedBoard:
-    """A simulated board that a machine file names, with its part of mechanics and heat."""
+    """The simulated board `name` of a machine file, with its part of mechanics and heat."""
     from passo.simulator import Body, PlantDescription, SimulatedBoard
     from passo.simulator import Switch as PlantSwitch
 
@@ -290,7 +291,7 @@ def simulated_geometry(machine: MachineConfig) -> GeometryModel:
 
 
 def _simulated_home(machine: MachineConfig, name: str) -> float:
-    """Where an axis or an actuator really is at its switch."""
+    """The real position of an axis or actuator at its endstop."""
     true = machine.simulated.delta
     if true is None or true.endstops is None or not is_actuator(machine, name):
         return machine.homing[name].position
@@ -342,8 +343,8 @@ def _bed_probe(machine: MachineConfig) -> BedProbe | None:
 
 
 def _lifts(machine: MachineConfig) -> tuple[Lift, ...]:
-    """How the motors of Z carry the gantry, if the file gives their pivots: Z at each pivot is that
-    of its motor."""
+    """The Z motors as carriers of the gantry, if the file gives their pivots: each motor determines
+    Z at its pivot."""
     from passo.simulator import Lift
 
     motors = machine.levelling.motors
@@ -372,8 +373,8 @@ def _corners(area: Sequence[float]) -> tuple[float, float, float, float]:
 
 
 def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
-    """Before it is homed, a simulated machine is a little away from its endstops, and askew if it
-    has two motors with an endstop each."""
+    """The actuators of a simulated machine. At the start they are a little away from their
+    endstops, and skewed if an axis has two motors with an endstop each."""
     from passo.simulator import Actuator
 
     geometry = machine.geometry.square
@@ -401,7 +402,7 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
 def _felt_at(
     machine: MachineConfig, switch: Switch, weights: tuple[tuple[str, float], ...]
 ) -> float:
-    """The sum of weighted positions at which the endstop triggers."""
+    """The weighted sum of positions at which the endstop triggers."""
     if is_actuator(machine, switch.home) or len(weights) == 1:
         off_mm = machine.simulated.endstops_mm.get(switch.name, 0.0)
         return _simulated_home(machine, switch.home) + off_mm
@@ -421,8 +422,8 @@ def connect_simulated(
     machine: MachineConfig, cable: Cable | None = None
 ) -> tuple[Boards, SimulatedMachine]:
     """Connections to simulated boards for the machine, identified and configured, and the boards
-    themselves, for tests. Boards on a cable, even a perfect one, can be made to fail. Raises
-    MachineError."""
+    themselves, for tests. Only boards with a `cable`, even a perfect one, can have faults of the
+    link. Raises MachineError."""
     boards = board_descriptions(machine)
     simulated = simulated_machine(machine, boards, cable)
     ports = in_process([simulated.devices[name] for name in boards])
@@ -437,7 +438,7 @@ def connect_simulated(
 def simulated_machine(
     machine: MachineConfig, boards: dict[str, BoardDescription], cable: Cable | None = None
 ) -> SimulatedMachine:
-    """All simulated boards of a machine; the clocks of further boards are as its file says."""
+    """All simulated boards of a machine; the file gives the clocks of further boards."""
     from passo.simulator import SimulatedMachine
 
     return SimulatedMachine(

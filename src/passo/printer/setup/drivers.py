@@ -1,4 +1,4 @@
-"""From a machine file to the buses of drivers and converters."""
+"""The buses of drivers and of temperature converters, from a machine file."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 def drivers(machine: MachineConfig) -> Iterator[Driver]:
-    """The drivers that Passo sets up, in the order of the machine file. Those that share a UART
-    describe it alike."""
+    """The drivers that Passo sets up, in the order of the machine file. Drivers on the same UART
+    have equal descriptions of it."""
     for name, stepper in machine.steppers.items():
         tmc = stepper.tmc
         chip = chip_of(stepper.driver)
@@ -49,8 +49,8 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
 
 
 def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
-    """The pins that select the microsteps of drivers in sockets. They are never switched: a pin
-    that must be high is inverted, so that its off state is high."""
+    """The pins that select the microsteps of drivers in sockets. These outputs are always off; a
+    pin that must be high is inverted."""
     for name, stepper in machine.steppers.items():
         socket, on = machine.socket(name), machine.board_of_stepper(name)
         board = machine.all_boards[on]

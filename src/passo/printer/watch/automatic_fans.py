@@ -11,20 +11,20 @@ if TYPE_CHECKING:
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
 
-_STAYS_C = 2.0  # this far below its threshold a fan goes off again
+_STAYS_C = 2.0  # hysteresis: a fan is switched off this far below its threshold
 
 
 class AutomaticFans:
-    """The fans of one printer that follow heaters or motors. A fan is fully on, up to its
-    `max_power`, while its heater is above its threshold, or has failed, because its temperature is
-    then unknown; and while any of its motors is on, and for a time after that. A halted board has
-    all its outputs off."""
+    """The fans of one printer that follow heaters or motors. A fan runs at its `max_power` while
+    its heater is above the threshold or has failed (the temperature is then unknown), and while any
+    of its motors is on, and for some time afterwards. A halted board has switched all its outputs
+    off."""
 
     def __init__(self, rig: LiveRig, state: State, motors: Motors) -> None:
         self._rig, self._state, self._motors = rig, state, motors
         fans = rig.machine.fans
         self._fans = {n: f for n, f in fans.items() if not f.commanded and f.max_power > 0}
-        self._motors_s: dict[str, float] = {}  # host time when a fan's motors were last seen on
+        self._motors_s: dict[str, float] = {}  # host time at which a fan's motors were last on
 
     def time_passed(self) -> None:
         """Checks the heaters and motors."""

@@ -1,4 +1,4 @@
-"""The motors' drivers with registers: asks for their status, and acts on it."""
+"""Monitors the motor drivers that have registers."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_LOOK_S = 1.0  # between two status questions to a driver
-# Setting the driver up ends these: it has lost its settings, or keeps the flag of a past fault.
+_LOOK_S = 1.0  # interval of status questions to a driver
+# Findings that a new set-up of the driver clears: lost settings, or the flag of a past fault.
 _LATCHED = ("driver.reset", "driver.undervoltage", "driver.stopped")
 
 
 class DriverWatch:
-    """The drivers of one printer. Each reports its status every second. While the motors are on, a
-    driver that has failed halts the printer. While they are off, a driver that has lost its
-    settings, or whose supply was too low, is set up again. Nothing moves while a driver does not
+    """Reads the status of each driver of one printer every second. While the motors are on, a
+    failed driver halts the printer. While they are off, a driver that has lost its settings, or
+    whose supply was too low, is set up again. The machine does not move while a driver does not
     answer."""
 
     def __init__(
@@ -37,12 +37,13 @@ class DriverWatch:
     ) -> None:
         self._rig, self._state, self._motors, self._halt = rig, state, motors, halt
         self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
-        self._set: dict[str, DriverSettings] = {}  # by command: they survive the board's reset
+        self._set: dict[str, DriverSettings] = {}  # set by commands; kept over a reset of the board
         self._told: set[tuple[str, str]] = set()
         self._next_look = 0
 
     def begin(self, boards: Boards) -> None:
-        """The boards have restarted: sets up their drivers. Lets time pass; raises MachineError."""
+        """Call this after the boards have restarted: sets up their drivers. Lets time pass; raises
+        MachineError."""
         self._boards = boards
         self._of_boards = [Drivers(connection) for connection in boards.connections]
         for motor, settings in self._set.items():
@@ -53,8 +54,8 @@ class DriverWatch:
             drivers.configure()
 
     async def reconnected(self) -> None:
-        """The board is back after a lost link: sets up healthy drivers again, because a setting may
-        have been lost. Raises MachineError."""
+        """Call this when the board is back after a lost link: sets up the working drivers again,
+        because a setting may have been lost. Raises MachineError."""
         for drivers in self._of_boards:
             drivers.interrupt()
             for motor in drivers.states:
@@ -84,7 +85,7 @@ class DriverWatch:
         return {m: state for drivers in self._of_boards for m, state in drivers.states.items()}
 
     def set(self, motor: str, settings: DriverSettings) -> None:
-        """Gives a driver other settings; they take effect a moment later."""
+        """Changes the settings of a driver, without waiting for the exchange with the driver."""
         if settings != self.states[motor].settings:
             self._set[motor] = settings
             self._of(motor).begin_configure(motor, settings)
@@ -96,7 +97,8 @@ class DriverWatch:
                 yield state.failure.problem
 
     def before_motion(self) -> None:
-        """Halts the printer if a driver is not set up: its motor would not move as it should."""
+        """Halts the printer if a driver is not set up, because its motor would not move
+        correctly."""
         for problem in self.failures():
             self._halt(MachineError([problem]))
 
@@ -148,7 +150,7 @@ class DriverWatch:
         self._told = {(who, what) for who, what in self._told if who != motor or what in codes}
 
     def _tell_once(self, motor: str, what: str, problem: Problem) -> None:
-        """Reports a lasting condition once, when it begins."""
+        """Reports a condition once, when it begins."""
         if (motor, what) not in self._told:
             self._told.add((motor, what))
             self._state.tell(f"echo:{problem}")

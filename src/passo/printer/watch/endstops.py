@@ -1,4 +1,4 @@
-"""Endstops while the machine moves: M120 watches them, M540 lets them stop the machine."""
+"""Monitors endstops while the machine moves: M120 reports them, M540 lets them stop the machine."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _log = logging.getLogger(__name__)
 
 _REST_S = 0.001  # sampling interval of the board
 _AHEAD_S = 0.02  # from the command to the first sample
-_PRESSED_S = 0.25  # interval of checks whether a triggered endstop has opened
+_PRESSED_S = 0.25  # interval of checks for a triggered endstop that opens
 
 
 class EndstopWatch:
-    """M120, M121 and M540 of one printer. An endstop that is triggered when the watch begins, or
-    because its axis is at home, is watched once it has opened."""
+    """M120, M121 and M540 of one printer. An endstop that is triggered at first, for example
+    because its axis is at home, is monitored only after it has opened."""
 
     def __init__(
         self,
@@ -37,20 +37,20 @@ class EndstopWatch:
         stop: Callable[[Sequence[str]], None],
     ) -> None:
         self._rig, self._state, self._triggered = rig, state, triggered
-        self._stop = stop  # stops the machine, because of these endstops
+        self._stop = stop  # stops the machine; receives the triggered endstops
         self._switches = switches(rig.machine)
         self._on = False
         self.stops = False  # M540: a trigger stops the machine
         self.begin()
 
     def begin(self) -> None:
-        """The board has restarted."""
+        """Call this after the board has restarted."""
         self._endstops = Endstops(self._rig.connection)
         self._watched: list[str] = []
         self._next_look = 0  # clock
 
     def pause(self) -> None:
-        """Homing needs the endstops for itself."""
+        """Suspends the monitoring, because homing uses the endstops."""
         self._arm([])
         self._next_look = 0
 
@@ -68,7 +68,7 @@ class EndstopWatch:
             self._look()
 
     def _look(self) -> None:
-        """Watches all endstops that are open now."""
+        """Starts to monitor all endstops that are open now."""
         connection = self._rig.connection
         self._next_look = connection.now + int(_PRESSED_S * connection.board.clock_hz)
         others = [s.name for s in self._switches if s.name not in self._watched]
@@ -83,13 +83,13 @@ class EndstopWatch:
         self._watched = names
         if not names:
             return
-        # The board stops no motor by itself, because the plan would continue.
+        # The board must not stop motors itself, because the plan would continue.
         connection = self._rig.connection
         clock = connection.now + int(_AHEAD_S * connection.board.clock_hz)
         self._endstops.arm(dict.fromkeys(names, ()), clock, _REST_S)
 
     def _report(self, names: list[str]) -> None:
-        """Reports the position of the machine when the endstops triggered, a while ago."""
+        """Reports the position that the machine had when the endstops triggered."""
         base = self._rig.queue.base
         clocks = {name: self._endstops.hit_clock(name) - base for name in names}
         self._arm([name for name in self._watched if name not in clocks])

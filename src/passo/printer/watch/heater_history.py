@@ -23,8 +23,8 @@ class HeaterSample(NamedTuple):
 
 
 class HeaterHistory:
-    """Samples of all heaters, one in `EVERY_S` of print time, for `KEPT_S`; those since the last
-    restart (M999)."""
+    """Samples of all heaters since the last restart (M999), one every `EVERY_S` of print time, kept
+    for `KEPT_S`."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
@@ -41,7 +41,7 @@ class HeaterHistory:
             self._samples.append((now_s, self.now()))
 
     def now(self) -> dict[str, HeaterSample]:
-        """The current state of the heaters, without a question to a board."""
+        """The current state of the heaters, from the last reports."""
         return {
             name: HeaterSample(
                 heater.celsius if heater.heard else None,

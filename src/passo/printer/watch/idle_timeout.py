@@ -1,4 +1,4 @@
-"""Idle timeouts: motors, heaters and laser go off; M85 halts the printer."""
+"""Idle timeouts: switch motors, heaters and laser off; M85 halts the printer."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from passo.printer.wait_runner import WaitRunner
 
 _log = logging.getLogger(__name__)
 
-LASER_OFF_S = 3.0  # of standstill with the laser on, without a print
+LASER_OFF_S = 3.0  # standstill with the laser on, without a print
 
 
 class IdleWatch:
-    """The idle times of one printer: `[idle]` of the machine file, M84 S and M85."""
+    """The idle timeouts of one printer: `[idle]` of the machine file, M84 S and M85."""
 
     def __init__(
         self,
@@ -41,7 +41,7 @@ class IdleWatch:
         self._prompts, self._waits, self._halt = prompts, waits, halt
 
     def time_passed(self) -> None:
-        """Switches off what has been idle for too long."""
+        """Call this as time passes: switches off parts that have been idle for too long."""
         rig, waits = self._rig, self._waits
         idle_s, config = rig.queue.idle_s, rig.machine.idle
         heaters = rig.connection.heaters
@@ -50,7 +50,7 @@ class IdleWatch:
             self._cool_hotends()
         if self._state.busy() or self._motion_lock.locked:
             return
-        # If a heater is on, a host may only have paused: its print must not lose its position.
+        # While a heater is on, a host may have paused its print, which must not lose the position.
         warm = any(heater.target > 0 for heater in heaters.values())
         motors_off = 0 < self._motors.idle_s < idle_s and bool(self._motors.on) and not warm
         if rig.commands.outputs.lit and (idle_s > LASER_OFF_S or motors_off):
@@ -70,8 +70,8 @@ class IdleWatch:
                     self._note(f"Heater {name} off after an idle time")
 
     def _cool_hotends(self) -> None:
-        """The pause is long: hotends go off so that filament does not degrade; the bed holds the
-        print and stays warm."""
+        """Switches the hotends off in a long pause, so that filament does not degrade. The bed
+        stays warm, because it holds the part."""
         for name, config in self._rig.machine.heaters.items():
             if config.kind == "hotend" and self._rig.connection.heaters[name].target > 0:
                 self._targets.cool(name)

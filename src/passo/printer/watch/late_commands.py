@@ -1,4 +1,4 @@
-"""Reports when commands reach the board with little time to spare, and why."""
+"""Reports commands that reach the board only shortly before they are due, and the cause."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ _AGAIN_S = 10.0  # between two lines on the consoles
 
 
 class LateCommandWatch:
-    """The slack of one printer's link. `program` names the file that is printed; `worst` is the
-    report of the current or the last print."""
+    """Monitors the slack of one printer's links. `program` gives the name of the printed file;
+    `worst` is the worst report of the current or the last print."""
 
     def __init__(self, rig: Rig, state: State) -> None:
         self._rig, self._state = rig, state
         self.program: Callable[[], str] = str
         self.worst = ""
-        self._least_s = 0.0  # slack of `worst`
+        self._least_s = 0.0  # the slack of `worst`
         self._next_word = 0
         self._pending: tuple[float, Problem] | None = None
 
     def begin(self) -> None:
-        """A print begins."""
+        """Call this when a print begins."""
         self.worst = ""
 
     def time_passed(self) -> None:
@@ -48,7 +48,7 @@ class LateCommandWatch:
             self._tell()
 
     def look(self) -> None:
-        """Handles what has happened since the last call."""
+        """Handles the slack reports since the last call."""
         for connection in self._rig.connection.connections:
             slack = connection.link.take_slack()
             if not is_late(connection, slack):
@@ -61,7 +61,8 @@ class LateCommandWatch:
                 self._least_s, self.worst = seconds, str(problem)
 
     def board_failed(self) -> None:
-        """Reports what is known at once: it may be the cause."""
+        """Call this when a board has failed: reports pending lateness at once, because it may be
+        the cause."""
         self.look()
         self._next_word = 0  # the board's clock may restart
         self._tell()
