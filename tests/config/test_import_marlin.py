@@ -592,11 +592,11 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
 
         monkeypatch.setattr(Defines, name, recording)
     more = f"{PROBE}#define BLTOUCH\n#define ASSISTED_TRAMMING\n#define PROBE_MANUALLY\n"
-    more += "#define INPUT_SHAPING_X\n#define USE_CONTROLLER_FAN\n#define MESH_BED_LEVELING\n"
+    more += "#define INPUT_SHAPING_X\n#define SHAPING_FREQ_X 40\n#define USE_CONTROLLER_FAN\n#define MESH_BED_LEVELING\n"
     more += "#define SKEW_CORRECTION\n#define NOZZLE_PARK_FEATURE\n#define LIN_ADVANCE\n"
     more += "#define LASER_FEATURE\n#define SPINDLE_LASER_PWM_PIN 4\n#define PSU_CONTROL\n"
     more += "#define TRAMMING_POINT_XY { { 50, 50 }, { 150, 50 } }\n#define FT_MOTION\n"
-    more += "#define FTM_IS_DEFAULT_MOTION\n#define STEALTHCHOP_XY\n#define X_CURRENT 500\n"
+    more += "#define CONTROLLER_FAN_PIN 6\n#define FTM_IS_DEFAULT_MOTION\n#define STEALTHCHOP_XY\n#define X_CURRENT 500\n"
     more += "#define X_SERIAL_RX_PIN 63\n#define Z_CURRENT 500\n#define Z_SERIAL_RX_PIN 40\n"
     more += "#define E0_DRIVER_TYPE TMC2208\n#define E0_CURRENT 500\n#define E0_SERIAL_RX_PIN 42\n"
     load(
@@ -604,13 +604,15 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         more=f"{more}#define Z_STEPPER_AUTO_ALIGN\n",
     )
     load(("#define PIDTEMP\n", "#define MPCTEMP\n#define Z_MULTI_ENDSTOPS\n"))
-    load(("EXTRUDERS 1", "EXTRUDERS 2"), ("#define Z2_DRIVER_TYPE A4988\n", ""), advanced="")
+    servo = f"{PROBE}#define Z_PROBE_SERVO_NR 0\n"
+    two = (("EXTRUDERS 1", "EXTRUDERS 2"), ("#define Z2_DRIVER_TYPE A4988\n", ""))
+    load(*two, more=f"{servo}#define PIDTEMPBED\n", advanced="")
     load(
         ("#define Z2_DRIVER_TYPE A4988\n", ""),
         more="#define DELTA\n#define DELTA_RADIUS 120\n#define DELTA_DIAGONAL_ROD 200\n"
         "#define DELTA_HEIGHT 250\n#define PRINTABLE_RADIUS 90\n",
     )
-    for row, _ in TAKEN:
-        for name in row.split(", "):
-            pattern = re.escape(name).replace(r"\*", r"\w+")
-            assert any(re.fullmatch(pattern, one) for one in asked), name
+    names = [name for row, _ in TAKEN for name in row.split(", ")]
+    patterns = {name: re.escape(name).replace(r"\*", r"\w+") for name in names}
+    missing = [n for n, p in patterns.items() if not any(re.fullmatch(p, one) for one in asked)]
+    assert missing == []
