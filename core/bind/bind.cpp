@@ -6,6 +6,7 @@ void bind_chips(nanobind::module_& m);
 void bind_frames(nanobind::module_& m);
 void bind_link(nanobind::module_& m);
 void bind_board(nanobind::module_& m);
+void bind_nozzle_gap(nanobind::module_& m);
 void bind_wire(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
@@ -18,6 +19,7 @@ NB_MODULE(_core, m) {
   bind_frames(m);
   bind_link(m);
   bind_board(m);
+  bind_nozzle_gap(m);
   bind_wire(m);
   bind_chips(m);
   bind_geometry(m);

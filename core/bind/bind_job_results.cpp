@@ -88,8 +88,8 @@ using ToolpathTuple =
 
 std::optional<ToolpathTuple> take_toolpath(JobView& self) {
   if (!self.toolpath) return std::nullopt;
-  self.job.motion.on_move = nullptr;
   const Toolpath path = *std::exchange(self.toolpath, std::nullopt);
+  self.watch_moves();
   const Toolpath::Scale scale = path.scale();
   std::vector<LayerTuple> layers;
   for (const Toolpath::Layer& layer : path.layers())
@@ -126,10 +126,8 @@ void bind_job_results(JobClass& job) {
   job.def(
          "keep_moves",
          [](JobView& self, bool on) {
-           if (on)
-             self.job.motion.on_move = [&self](const Move& move) { self.moves.push_back(move); };
-           else
-             self.job.motion.on_move = nullptr;
+           self.keeps_moves = on;
+           self.watch_moves();
          },
          "on"_a)
       .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
@@ -137,9 +135,9 @@ void bind_job_results(JobClass& job) {
           "keep_toolpath",
           [](JobView& self) {
             self.toolpath.emplace(self.job.motion.machine().clock_hz);
-            self.job.motion.on_move = [&self](const Move& move) { self.toolpath->add(move); };
+            self.watch_moves();
           },
-          "From now on keeps the path of all moves, instead of the moves.")
+          "From now on keeps the path of all moves.")
       .def("take_toolpath", &take_toolpath,
            "The path that was kept, as toolpath.py describes it; None of none. It is kept no more.")
       .def(

@@ -49,6 +49,8 @@ class Motion {
   const std::deque<Record>& marks() const { return marks_; }
   // Called with each settled move, before its steps are solved.
   std::function<void(const Move&)> on_move;
+  // Ticks by which the motors follow the plan.
+  double delay() const { return machine_.filters.delay(machine_.clock_hz); }
 
   void push(const MoveRequest& request);
 
@@ -222,9 +224,7 @@ class Motion {
   void stand_before(const HeldPlan& held);
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
   void process(bool still);
-  // Ticks by which the motors follow the plan, and from a clock of the plan until no filter
-  // remembers it.
-  double delay() const { return machine_.filters.delay(machine_.clock_hz); }
+  // Ticks from a clock of the plan until no filter remembers it.
   double memory() const { return machine_.filters.memory(machine_.clock_hz); }
   // After a change of filters: the next move begins when they remember no earlier one.
   void remember_nothing() {

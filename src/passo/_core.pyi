@@ -910,6 +910,52 @@ def expand_steps(rows: bytes, from_clock: int, to_clock: int) -> bytes:
 def expand_directions(rows: bytes, from_clock: int, to_clock: int, sign: int) -> bytes:
     """int8 directions of the steps of expand_steps(), times sign (+1 or -1)."""
 
+class NozzleGap:
+    """
+    How far the nozzle is above the simulated bed while a job extrudes in its first layer, from executed steps; mm.
+    """
+
+    def __init__(self, clock_hz: float, geometry: dict, bed: Bed, motors: Sequence[tuple[Bench, int, float, float, float]], lifts: Sequence[tuple[int, Sequence[float]]]) -> None:
+        """
+        `motors`, first one for each actuator of the geometry: the board, the step pin, the mm or degrees of a step, the main board's ticks in one of the board's, and the main board's clock when the board's reads 0. `lifts`: the number of each motor that carries the gantry, and its weight as for carry_probe. Keeps the steps of these motors until the layer is over.
+        """
+
+    def begin(self, job: Job, base: float) -> None:
+        """The job begins at this clock of the main board."""
+
+    def place(self, ticks: float, positions: Sequence[float]) -> None:
+        """
+        From this clock of the job on, at which they stand, the motors are at these positions.
+        """
+
+    def follow(self, job: Job) -> bool:
+        """Looks at what the boards have executed; False once the layer is over."""
+
+    def end(self, job: Job) -> None:
+        """Keeps no more steps."""
+
+    @property
+    def looks(self) -> int: ...
+
+    @property
+    def mean(self) -> float: ...
+
+    @property
+    def lowest(self) -> tuple[float, float, float]:
+        """The smallest distance, and X and Y there."""
+
+    @property
+    def highest(self) -> tuple[float, float, float]:
+        """The largest distance, and X and Y there."""
+
+    @property
+    def cells(self) -> list[tuple[float, int]]:
+        """
+        The mean distance and the number of looks in each cell of the bed, in rows from the front.
+        """
+
+GAP_CELLS: int = 24
+
 class Stop(enum.Enum):
     """Why time stopped passing."""
 
@@ -1952,7 +1998,7 @@ class Job:
     def take_moves(self) -> list[Move]: ...
 
     def keep_toolpath(self) -> None:
-        """From now on keeps the path of all moves, instead of the moves."""
+        """From now on keeps the path of all moves."""
 
     def take_toolpath(self) -> tuple[int, list[float], float, float, list[tuple[int, float, float, int]], bytes] | None:
         """

@@ -16,10 +16,10 @@ from passo.cli.main import main
 
 FIELDS = [
     "file", "machine", "lines", "moves", "arcs", "print_time_s", "move_time_s", "heat_time_s",
-    "dwell_time_s", "filament_mm", "travel_mm", "layers", "final_position_mm", "steps",
-    "final_steps", "net_steps_expected", "reversal_pairs_dropped", "queue_step_commands",
-    "wire_bytes", "step_error_us", "limits", "budget", "stream_hash", "warnings", "errors", "cpu_s",
-    "process_peak_rss_mb",
+    "dwell_time_s", "filament_mm", "travel_mm", "layers", "first_layer", "final_position_mm",
+    "steps", "final_steps", "net_steps_expected", "reversal_pairs_dropped",
+    "queue_step_commands", "wire_bytes", "step_error_us", "limits", "budget", "stream_hash",
+    "warnings", "errors", "cpu_s", "process_peak_rss_mb",
 ]  # fmt: skip
 
 

@@ -60,12 +60,26 @@ def test_the_picture_without_scripts_has_the_same_corners(page):
     assert numbers == pytest.approx([0, 1000, 62.5, 0, 937.5, 0, 1000, 1000], abs=0.1)
 
 
+def test_first_layer_has_a_colour_for_each_cell_of_the_bed(page):
+    shown = page("M140 S60\nM104 S200\n" + PRINTED, "--machine", "i3-probe")
+    cells = [tag for tag in shown.tags if tag.name == "rect"]
+    texts = [tag.text for tag in shown.tags if tag.name == "title"][1:]
+    assert len(cells) == len(texts) > 4
+    heights = [float(text.split()[-2]) for text in texts]
+    styles = [cell.attributes["style"] for cell in cells]
+    (figures,) = [tag.text for tag in shown.tags if tag.name == "p" and "Nozzle" in tag.text]
+    mean = float(figures.split("on average ")[1].split()[0])
+    assert {s for s, mm in zip(styles, heights, strict=True) if mm < mean} == {"fill:var(--c1)"}
+    assert {s for s, mm in zip(styles, heights, strict=True) if mm > mean} == {"fill:var(--c0)"}
+
+
 def test_every_picture_has_a_title_units_and_round_labels(page):
     shown = page("M140 S60\nM104 S200\n" + PRINTED)
     assert shown.charts() == ["speed", "acceleration", "temperature", "power", "rates"]
     assert shown.titles() == [
         "Toolpath: layer 1 of 2, Z 0.2 mm",
         "Result",
+        "First layer",
         "What limits the speed: seconds by limit",
         "Speed along the path",
         "Acceleration along the path; braking is negative",

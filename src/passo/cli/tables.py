@@ -69,6 +69,7 @@ def print_table(result: PrintResult) -> str:
         ("machine", result.machine),
         ("lines, moves, arcs", f"{result.lines:,}, {result.moves:,}, {result.arcs:,}"),
         ("layers", f"{result.layers:,}"),
+        *([("first layer", str(result.first_layer))] if result.first_layer else []),
         ("print time", duration(result.print_time_s)),
         (
             "  moving, heating, waiting",

@@ -54,6 +54,11 @@ def bars(title: str, rows: Iterable[tuple[str, str, float]]) -> str:
     return _section("bars", title, f"<table>\n{cells}</table>\n")
 
 
+def picture(title: str, drawing: str, legend: str) -> str:
+    """A section with a drawing and its legend, both HTML."""
+    return _section("picture", title, f"{drawing}\n<p>{legend}</p>\n")
+
+
 def problems(title: str, texts: Iterable[str]) -> str:
     """A section with the problems."""
     rows = "".join(f"<li>{escape(text)}</li>\n" for text in texts)

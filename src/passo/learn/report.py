@@ -12,6 +12,7 @@ from passo.job.batch.policy import Policy
 from passo.job.batch.result import PrintResult
 from passo.job.batch.simulated_print import Print, Progress
 from passo.job.durable_files import replaced
+from passo.learn.bed_picture import bed_picture
 from passo.learn.chart import Chart, Curve
 from passo.learn.collector import Collector, HeaterSeries, Rates, of_actuator, of_axis
 from passo.learn.labels import duration
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from passo.config.machine import MachineConfig
+    from passo.job.batch.first_layer import FirstLayerWatch
 
 _COLOURS = 6  # of the page's palette
 _NO_PROGRAM = ("input.unreadable", "input.empty", "input.no-known-command")
@@ -59,7 +61,7 @@ def write_report(
         failed = error
         job.job.flush()  # so that the moves before the failed line are planned
     collector.take(job.job.take_moves())
-    text = _page(collector, job.job.statistics(), result, failed)
+    text = _page(collector, job.job.statistics(), result, failed, job.first_layer)
     with replaced(output) as temporary:
         temporary.write_text(text, encoding="utf-8")
     try:
@@ -90,6 +92,7 @@ def _page(
     plan: Mapping[str, Any],
     result: PrintResult,
     failed: PassoError | None,
+    first_layer: FirstLayerWatch | None,
 ) -> str:
     end_s = max(collector.planned_s, result.print_time_s) or collector.looked_s
     collector.finish(end_s)
@@ -104,6 +107,8 @@ def _page(
     side = list[str]()
     if failed is None:
         side.append(table("Result", _summary(result)))
+    if first_layer is not None and (drawn_layer := bed_picture(first_layer)):
+        side.append(drawn_layer)
     if limits := _shares(plan["limit_s"]):
         side.append(bars("What limits the speed: seconds by limit", limits))
     sections.append(beside(path.html() if drawn else "", side))

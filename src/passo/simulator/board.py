@@ -104,6 +104,7 @@ class SimulatedBoard:
         return device
 
     def _add_plant(self, plant: PlantDescription) -> None:
+        self._per_unit = {a.stepper: a.steps_per_unit for a in plant.actuators}
         for a in plant.actuators:
             per_step = self._sign(a.stepper) / a.steps_per_unit
             self.device.add_actuator(self._step_pin(a.stepper), a.start, per_step)
@@ -280,6 +281,12 @@ class SimulatedBoard:
             (rows[i], rows[i + 1], rows[i + 2], rows[i + 3], sign * rows[i + 4])
             for i in range(0, len(rows), 5)
         ]
+
+    def motor(self, stepper: str) -> tuple[_core.Bench, int, float]:
+        """The core's board of a stepper, its step pin there, and how far a step moves its actuator,
+        mm or degrees."""
+        per_step = self._sign(stepper) / self._per_unit[stepper]
+        return self.device, self._step_pin(stepper), per_step
 
     def trace_output(self, output: str) -> None:
         """Records, from now on, the changes of an output, for `take_changes`."""

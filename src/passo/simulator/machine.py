@@ -14,6 +14,8 @@ from passo.config.probing import PROBE
 from passo.simulator.board import SimulatedBoard
 from passo.simulator.plant import Area
 
+_LATE = 1 << 48  # ticks: years
+
 
 @dataclass(frozen=True, slots=True)
 class Cable:
@@ -182,6 +184,13 @@ class SimulatedMachine:
     def own_clock(self, stepper: str, clock: int) -> int:
         """The clock of the stepper's board when the main board's clock reads `clock`."""
         return self._own_clock(self._of("steppers", stepper), clock)
+
+    def motor(self, stepper: str) -> tuple[_core.Bench, int, float, float, float]:
+        """As `SimulatedBoard.motor`, with the main board's ticks in one of its board's, and the
+        main board's clock when its board's reads 0."""
+        board = self._of("steppers", stepper)
+        first, last = self._main_clock(board, 0), self._main_clock(board, _LATE)
+        return *board.motor(stepper), (last - first) / _LATE, first
 
     def trace_output(self, output: str) -> None:
         """Records, from now on, the changes of an output, for `take_changes`."""

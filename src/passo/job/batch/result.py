@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo import _core
 from passo.job.batch.board_load import BudgetUse, budget_use
+from passo.job.batch.first_layer import FirstLayer
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -36,6 +37,7 @@ class PrintResult:
     filament_mm: dict[str, float] = field(default_factory=dict[str, float])
     travel_mm: float = 0.0
     layers: int = 0
+    first_layer: FirstLayer | None = None
     final_position_mm: dict[str, float] = field(default_factory=dict[str, float])
     steps: dict[str, int] = field(default_factory=dict[str, int])
     final_steps: dict[str, int] = field(default_factory=dict[str, int])

@@ -13,14 +13,15 @@ from passo import _core
 from passo.board.drivers import Drivers
 from passo.board.faults import HeaterFault
 from passo.errors import InputError, MachineError, Problem
+from passo.job.batch.first_layer import FirstLayerWatch
 from passo.job.batch.policy import Policy
 from passo.job.batch.program import heated, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_s
 from passo.printer.commands.program import Commands
 from passo.printer.macros import Macros
-from passo.printer.setup.boards import connect_simulated
-from passo.printer.wait_requests import Stop, Wait
+from passo.printer.setup.boards import connect_simulated, nozzle_gap
+from passo.printer.wait_requests import Stop, Wait, WaitForHoming
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -110,6 +111,7 @@ class Print:
             )
         self._commands = self._checks or Commands(machine, self.job, self._targets, full)
         self._commands.skips = self._policy.skips.on(machine)
+        self.first_layer: FirstLayerWatch | None = None
         self._filament: dict[str, int] | None = None  # steps so far, while it may be cold
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
@@ -204,9 +206,12 @@ class Print:
             if isinstance(wait, Stop):
                 raise MachineError.of(_STOPS[wait.code], str(path), wait.line)
             warm(wait)
+            if watch is not None and isinstance(wait, WaitForHoming):
+                watch.placed()
             if checks is not None:
                 checks.guard(self.connection.now - self.base)
 
+        watch = self._watch_first_layer()
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
@@ -219,10 +224,23 @@ class Print:
                 self._from, self._to = self._to, (self.job.line, share, self.job.layer)
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
             self.job.passed(self.job.clock)  # nothing is ever replanned
+            if watch is not None:
+                watch.look()
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
         kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)
         self._run(self.connection.now + round((_LEAD_S + kick_s) * self._hz))
+        if watch is not None:
+            watch.end()
+
+    def _watch_first_layer(self) -> FirstLayerWatch | None:
+        """None on a machine that prints nothing, and while the boards keep steps for others."""
+        if self._trace_s > 0 or not self._machine.extruders:
+            return None
+        follows = nozzle_gap(self._machine, self.board)
+        self.first_layer = FirstLayerWatch(self._machine, self.job, follows)
+        self.first_layer.begin(self.base)
+        return self.first_layer
 
     def _run_to(self, job_clock: float) -> None:
         """Lets the board work up to a clock of the job; heaters are set at their marks."""
@@ -323,6 +341,7 @@ class Print:
         axes, extruders = ([row["name"] for row in spec[key]] for key in ("axes", "extruders"))
         result.take_plan(job, axes, extruders, machine)
         result.take_steps(job, self._hz)
+        result.first_layer = self.first_layer.layer if self.first_layer else None
         steppers = [row["name"] for row in spec["steppers"]]
         result.steps = {s: self.board.steps(s) for s in steppers}
         result.final_steps = {s: self.board.net_steps(s) for s in steppers}

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
+from passo import _core
 from passo.board.boards import Boards
 from passo.board.connection import Connection
 from passo.board.description import (
@@ -38,6 +39,7 @@ from passo.motion.endstops import (
     is_actuator,
     motors_of_actuators,
     pressed_point,
+    steppers_of,
     switches,
     weights_of,
 )
@@ -312,6 +314,41 @@ def simulated_bed(machine: MachineConfig) -> Bed:
         (wave_x, wave_y),
         bed.height_mm,
     )
+
+
+def home_errors_mm(machine: MachineConfig) -> dict[str, float]:
+    """Where each motor of the simulated printer really is after homing, minus where the printer
+    believes it to be: by its true geometry and endstops, and by the bed if the probe homes Z."""
+    errors = dict.fromkeys(machine.steppers, 0.0)
+    for name, homing in machine.homing.items():
+        for stepper in steppers_of(machine, name) if is_actuator(machine, name) else ():
+            errors[stepper] += _simulated_home(machine, name) - homing.position
+        for stepper in homing.stepper_pins:
+            at_mm = machine.simulated.endstops_mm.get(stepper, 0.0)
+            errors[stepper] += at_mm - homing.offsets_mm.get(stepper, 0.0)
+    if machine.probe is not None and (z := machine.homing.get("z")) is not None and z.probe:
+        x, y = machine.probe_home_mm
+        for stepper in steppers_of(machine, "z"):
+            errors[stepper] += simulated_bed(machine).shape.height(x, y)
+    return errors
+
+
+def nozzle_gap(
+    machine: MachineConfig, board: SimulatedMachine
+) -> tuple[_core.NozzleGap, tuple[str, ...]]:
+    """The distance of the nozzle from the bed of simulated boards that nothing has moved yet, and
+    the motors whose positions it follows."""
+    lifts = _lifts(machine)
+    motors = motors_of_actuators(machine)
+    motors += tuple(lift.stepper for lift in lifts if lift.stepper not in motors)
+    gap = _core.NozzleGap(
+        machine.board.clock_hz,
+        simulated_geometry(machine).spec(),
+        simulated_bed(machine).shape,
+        [board.motor(name) for name in motors],
+        [(motors.index(lift.stepper), lift.weight) for lift in lifts],
+    )
+    return gap, motors
 
 
 def _bed_probe(machine: MachineConfig) -> BedProbe | None:

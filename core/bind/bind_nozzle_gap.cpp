@@ -1,0 +1,132 @@
+// passo._core.NozzleGap: the first layer of a job above the simulated bed.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <array>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bind/bind_job.hpp"
+#include "bind/bind_machine.hpp"
+#include "sim/nozzle_gap.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+using namespace passo::wire;
+
+namespace {
+
+using GapMotor = std::tuple<Bench*, uint32_t, double, double, double>;
+using GapLift = std::pair<uint32_t, std::array<double, 4>>;
+using GapPlace = std::tuple<double, double, double>;
+
+class GapView {
+ public:
+  GapView(double clock_hz, const nb::dict& geometry, const Bed& bed,
+          const std::vector<GapMotor>& motors, const std::vector<GapLift>& lifts)
+      : gap_(clock_hz, make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry)),
+             bed, motors_of(motors), lifts_of(lifts)) {
+    for (const auto& [board, pin, per_step, ratio, offset] : motors) {
+      motors_.push_back({board, pin});
+      board->trace_steps(pin, -kNever, kNever);
+    }
+  }
+
+  void begin(JobView& job, double base) {
+    job.spans.emplace(1);
+    job.watch_moves();
+    base_ = base;
+  }
+  void place(double ticks, std::vector<double> positions) {
+    if (positions.size() != motors_.size()) throw nb::value_error("a motor has no position");
+    gap_.place(base_ + ticks, std::move(positions));
+  }
+  // False once there is nothing more to follow.
+  bool follow(JobView& job) {
+    if (!job.spans) return false;
+    for (const auto& [from, to] : job.spans->take()) gap_.add_span(base_ + from, base_ + to);
+    for (size_t i = 0; i < motors_.size(); ++i) {
+      auto& [board, pin] = motors_[i];
+      gap_.add_steps(i, board->take_steps(pin), board->steps(pin), board->now());
+    }
+    gap_.advance();
+    if (!job.spans->over() || !gap_.idle()) return true;
+    end(job);
+    return false;
+  }
+  void end(JobView& job) {
+    job.spans.reset();
+    job.watch_moves();
+    for (const auto& [board, pin] : motors_) {
+      board->trace_steps(pin, kNever, kNever);
+      board->take_steps(pin);
+    }
+  }
+  const NozzleGap& gap() const { return gap_; }
+
+ private:
+  NozzleGap gap_;
+  std::vector<std::pair<Bench*, uint32_t>> motors_;
+  double base_ = 0;
+
+  static std::vector<NozzleGap::Motor> motors_of(const std::vector<GapMotor>& list) {
+    std::vector<NozzleGap::Motor> motors;
+    for (const auto& [board, pin, per_step, ratio, offset] : list)
+      motors.push_back({per_step, ratio, offset});
+    return motors;
+  }
+  static std::vector<Lift> lifts_of(const std::vector<GapLift>& list) {
+    std::vector<Lift> lifts;
+    for (const auto& [motor, c] : list) lifts.push_back({motor, {c[0], c[1], c[2], c[3]}});
+    return lifts;
+  }
+};
+
+GapPlace place_of(const NozzleGap::Place& at) { return {at.gap, at.x, at.y}; }
+
+}  // namespace
+
+void bind_nozzle_gap(nb::module_& m) {
+  nb::class_<GapView>(m, "NozzleGap",
+                      "How far the nozzle is above the simulated bed while a job extrudes in its "
+                      "first layer, from executed steps; mm.")
+      .def(nb::init<double, const nb::dict&, const Bed&, const std::vector<GapMotor>&,
+                    const std::vector<GapLift>&>(),
+           "clock_hz"_a, "geometry"_a, "bed"_a, "motors"_a, "lifts"_a, nb::keep_alive<1, 5>(),
+           "`motors`, first one for each actuator of the geometry: the board, the step pin, the mm "
+           "or degrees of a step, the main board's ticks in one of the board's, and the main "
+           "board's clock when the board's reads 0. `lifts`: the "
+           "number of each motor that carries the gantry, and its weight as for carry_probe. Keeps "
+           "the steps of these motors until the layer is over.")
+      .def("begin", &GapView::begin, "job"_a, "base"_a,
+           "The job begins at this clock of the main board.")
+      .def("place", &GapView::place, "ticks"_a, "positions"_a,
+           "From this clock of the job on, at which they stand, the motors are at these positions.")
+      .def("follow", &GapView::follow, "job"_a,
+           "Looks at what the boards have executed; False once the layer is over.")
+      .def("end", &GapView::end, "job"_a, "Keeps no more steps.")
+      .def_prop_ro("looks", [](const GapView& v) { return v.gap().looks(); })
+      .def_prop_ro("mean", [](const GapView& v) { return v.gap().mean(); })
+      .def_prop_ro(
+          "lowest", [](const GapView& v) { return place_of(v.gap().lowest()); },
+          "The smallest distance, and X and Y there.")
+      .def_prop_ro(
+          "highest", [](const GapView& v) { return place_of(v.gap().highest()); },
+          "The largest distance, and X and Y there.")
+      .def_prop_ro(
+          "cells",
+          [](const GapView& v) {
+            std::vector<std::pair<double, int>> cells;
+            for (const NozzleGap::Cell& cell : v.gap().cells())
+              cells.emplace_back(cell.looks > 0 ? cell.sum / cell.looks : 0, cell.looks);
+            return cells;
+          },
+          "The mean distance and the number of looks in each cell of the bed, in rows from the "
+          "front.");
+  m.attr("GAP_CELLS") = NozzleGap::kCells;
+}

@@ -1,0 +1,38 @@
+// When a plan extrudes along X or Y in one layer.
+#pragma once
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "plan/move.hpp"
+
+namespace passo {
+
+class PrintingSpans {
+ public:
+  explicit PrintingSpans(uint16_t layer) : layer_(layer) {}
+
+  // A settled move, in the order of time; its steps come `delay` ticks later than its plan.
+  void add(const Move& move, double delay) {
+    if (over_) return;
+    over_ = move.layer > layer_;
+    const bool along = move.p0[kX] != move.p1[kX] || move.p0[kY] != move.p1[kY];
+    if (move.layer != layer_ || move.kind != MoveKind::print || !along) return;
+    const double from = move.start + delay, to = move.end() + delay;
+    if (!spans_.empty() && from <= spans_.back().second)
+      spans_.back().second = to;
+    else
+      spans_.emplace_back(from, to);
+  }
+  // A move of a later layer has come.
+  bool over() const { return over_; }
+  // From and to, ticks since the start of the job; moves without a rest in between are one span.
+  std::vector<std::pair<double, double>> take() { return std::exchange(spans_, {}); }
+
+ private:
+  uint16_t layer_;
+  bool over_ = false;
+  std::vector<std::pair<double, double>> spans_;
+};
+
+}  // namespace passo

@@ -1,0 +1,100 @@
+#include "sim/nozzle_gap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace passo::wire {
+
+NozzleGap::NozzleGap(double clock_hz, std::shared_ptr<const Geometry> geometry, const Bed& bed,
+                     const std::vector<Motor>& motors, std::vector<Lift> lifts)
+    : hz_(clock_hz), geometry_(std::move(geometry)), bed_(bed), lifts_(std::move(lifts)),
+      cells_(size_t(kCells) * kCells) {
+  for (const Motor& motor : motors) tracks_.push_back({motor});
+}
+
+void NozzleGap::add_steps(size_t motor, const std::vector<StepRun>& runs, int64_t all, Ticks now) {
+  Track& track = tracks_.at(motor);
+  track.ahead.insert(track.ahead.end(), runs.begin(), runs.end());
+  for (const StepRun& run : runs) track.traced += run.count;
+  const Ticks until = track.traced == all ? now : runs.empty() ? 0 : runs.back().end;
+  track.known = std::max(track.known, double(until) * track.motor.ratio + track.motor.offset);
+}
+
+void NozzleGap::advance() {
+  double known = kInfinity;
+  for (const Track& track : tracks_) known = std::min(known, track.known);
+  look_until(known);
+}
+
+void NozzleGap::look_until(double clock) {
+  while (!spans_.empty()) {
+    const auto [from, to] = spans_.front();
+    if (!within_) at_ = from;
+    within_ = true;
+    for (; at_ < to; at_ += kLookSeconds * hz_) {
+      if (at_ >= clock) return run(clock);
+      look(at_);
+    }
+    if (to >= clock) return run(clock);
+    look(to);
+    spans_.pop_front();
+    within_ = false;
+  }
+  run(clock);
+}
+
+void NozzleGap::run(Track& track, double clock) {
+  const double own = (clock - track.motor.offset) / track.motor.ratio;
+  while (!track.ahead.empty()) {
+    const StepRun& first = track.ahead.front();
+    if (double(first.start) >= own) return;
+    const int64_t done = double(first.end) <= own ? first.count : first.done(Ticks(own));
+    track.position += double(first.dir * (done - track.done)) * track.motor.per_step;
+    track.done = done;
+    if (done < first.count) return;
+    track.ahead.pop_front();
+    track.done = 0;
+  }
+}
+
+void NozzleGap::run(double clock) {
+  while (!places_.empty() && places_.front().clock <= clock) {
+    const Set set = std::move(places_.front());
+    places_.pop_front();
+    for (size_t i = 0; i < tracks_.size(); ++i) {
+      run(tracks_[i], set.clock);
+      tracks_[i].position = set.positions[i];
+    }
+  }
+  for (Track& track : tracks_) run(track, clock);
+}
+
+void NozzleGap::look(double clock) {
+  run(clock);
+  double q[3], p[3];
+  for (int i = 0; i < geometry_->actuators(); ++i) q[i] = tracks_[size_t(i)].position;
+  if (!geometry_->forward(q, p)) return;
+  const double x = p[0], y = p[1];
+  double z = p[2];
+  if (!lifts_.empty()) {
+    z = 0;
+    for (Lift& lift : lifts_) {
+      lift.position = tracks_[lift.motor].position;
+      z += lift.share(x, y);
+    }
+  }
+  const Place here{z - bed_.height(x, y), x, y};
+  if (looks_ == 0 || here.gap < lowest_.gap) lowest_ = here;
+  if (looks_ == 0 || here.gap > highest_.gap) highest_ = here;
+  ++looks_;
+  sum_ += here.gap;
+  auto index = [](double at, double center, double size) {
+    return size_t(std::clamp(std::floor(((at - center) / size + 0.5) * kCells), 0.0, kCells - 1.0));
+  };
+  Cell& cell = cells_[index(y, bed_.center[1], bed_.size[1]) * kCells +
+                      index(x, bed_.center[0], bed_.size[0])];
+  cell.sum += here.gap;
+  ++cell.looks;
+}
+
+}  // namespace passo::wire

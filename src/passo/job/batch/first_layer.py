@@ -1,0 +1,100 @@
+"""How far the nozzle was from the simulated bed while a print extruded its first layer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.printer.setup.boards import home_errors_mm
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_SAME_MM = 0.0005  # heights that differ by less are shown as one
+
+
+@dataclass(frozen=True, slots=True)
+class FirstLayer:
+    """The smallest, the mean and the largest distance of the nozzle from the bed in mm, at looks
+    that are 5 ms apart; X and Y of the nozzle where the smallest and the largest were."""
+
+    lowest_mm: float
+    lowest_at_mm: tuple[float, float]
+    mean_mm: float
+    highest_mm: float
+    highest_at_mm: tuple[float, float]
+
+    def __str__(self) -> str:
+        """One line for users."""
+        if self.highest_mm - self.lowest_mm < _SAME_MM:
+            return f"nozzle {self.mean_mm:.3f} mm above the bed"
+        return (
+            f"nozzle {self.lowest_mm:.3f} mm ({_place(self.lowest_at_mm)}) to"
+            f" {self.highest_mm:.3f} mm ({_place(self.highest_at_mm)}) above the bed, on average"
+            f" {self.mean_mm:.3f} mm"
+        )
+
+
+def _place(at_mm: tuple[float, float]) -> str:
+    x, y = at_mm
+    return f"X{x:.1f} Y{y:.1f}"
+
+
+class FirstLayerWatch:
+    """Follows the first layer of one print from the steps that the simulated boards execute, at
+    next to no cost; it keeps nothing once that layer is over."""
+
+    def __init__(
+        self,
+        machine: MachineConfig,
+        job: _core.Job,
+        follows: tuple[_core.NozzleGap, tuple[str, ...]],
+    ) -> None:
+        """`follows` is `nozzle_gap` of the boards."""
+        self._job = job
+        self.area_mm = machine.bed_area_mm
+        self._gap, self._motors = follows
+        self._errors_mm: Mapping[str, float] = home_errors_mm(machine)
+        self._going = True
+
+    def begin(self, base: int) -> None:
+        """The job begins at this clock of the main board, at home."""
+        self._gap.begin(self._job, base)
+        self.placed()
+
+    def placed(self, errors_mm: Mapping[str, float] | None = None) -> None:
+        """The plan has a new position without motion, at its end: the machine was homed. If given,
+        the motors are so far from where the plan has them."""
+        self._errors_mm = self._errors_mm if errors_mm is None else errors_mm
+        rows = {row["name"]: row["count"] / row["steps_per_unit"] for row in self._job.steppers()}
+        at = [rows[name] + self._errors_mm[name] for name in self._motors]
+        self._gap.place(self._job.clock, at)
+
+    def look(self) -> None:
+        """The boards have executed more."""
+        self._going = self._going and self._gap.follow(self._job)
+
+    def end(self) -> None:
+        """The print is over."""
+        self.look()
+        if self._going:
+            self._gap.end(self._job)
+            self._going = False
+
+    @property
+    def layer(self) -> FirstLayer | None:
+        """What was found; None if nothing was extruded along the bed."""
+        if self._gap.looks == 0:
+            return None
+        (lowest, *at), (highest, *there) = self._gap.lowest, self._gap.highest
+        return FirstLayer(lowest, (at[0], at[1]), self._gap.mean, highest, (there[0], there[1]))
+
+    @property
+    def cells(self) -> list[list[float | None]]:
+        """The mean distance in each cell of the bed, in rows from the front, mm; None where nothing
+        was extruded."""
+        n = _core.GAP_CELLS
+        found = [mean if looks else None for mean, looks in self._gap.cells]
+        return [found[i : i + n] for i in range(0, n * n, n)]
