@@ -441,6 +441,7 @@ def test_power_laser_park_and_skew(load) -> None:
 #define YZ_DIAG_BD 141
 #define YZ_SIDE_AD 100
 #define REPRAP_DISCOUNT_SMART_CONTROLLER
+#define INPUT_SHAPING_X
 """
     draft, machine = load(more=more)
     assert (machine.mains.pin, machine.mains.on_at_start) == ("!PS_ON", False)
@@ -591,19 +592,27 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
             return old(self, *names)
 
         monkeypatch.setattr(Defines, name, recording)
-    more = f"{PROBE}#define BLTOUCH\n#define ASSISTED_TRAMMING\n#define PROBE_MANUALLY\n"
-    more += "#define INPUT_SHAPING_X\n#define SHAPING_FREQ_X 40\n#define USE_CONTROLLER_FAN\n#define MESH_BED_LEVELING\n"
-    more += "#define SKEW_CORRECTION\n#define NOZZLE_PARK_FEATURE\n#define LIN_ADVANCE\n"
-    more += "#define LASER_FEATURE\n#define SPINDLE_LASER_PWM_PIN 4\n#define PSU_CONTROL\n"
-    more += "#define TRAMMING_POINT_XY { { 50, 50 }, { 150, 50 } }\n#define FT_MOTION\n"
-    more += "#define CONTROLLER_FAN_PIN 6\n#define FTM_IS_DEFAULT_MOTION\n#define STEALTHCHOP_XY\n#define X_CURRENT 500\n"
-    more += "#define X_SERIAL_RX_PIN 63\n#define Z_CURRENT 500\n#define Z_SERIAL_RX_PIN 40\n"
-    more += "#define E0_DRIVER_TYPE TMC2208\n#define E0_CURRENT 500\n#define E0_SERIAL_RX_PIN 42\n"
-    load(
-        ("X_DRIVER_TYPE DRV8825", "X_DRIVER_TYPE TMC2209\n#define Z_DRIVER_TYPE TMC2209"),
-        more=f"{more}#define Z_STEPPER_AUTO_ALIGN\n",
-    )
-    load(("#define PIDTEMP\n", "#define MPCTEMP\n#define Z_MULTI_ENDSTOPS\n"))
+    on = """BLTOUCH ASSISTED_TRAMMING PROBE_MANUALLY INPUT_SHAPING_X USE_CONTROLLER_FAN
+        MESH_BED_LEVELING SKEW_CORRECTION NOZZLE_PARK_FEATURE LIN_ADVANCE PSU_CONTROL FT_MOTION
+        FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN"""
+    values = {
+        "SHAPING_FREQ_X": 40,
+        "TRAMMING_POINT_XY": "{ { 50, 50 }, { 150, 50 } }",
+        "CONTROLLER_FAN_PIN": 17,
+        "X_CURRENT": 500,
+        "X_SERIAL_RX_PIN": 63,
+        "Z_CURRENT": 500,
+        "Z_SERIAL_RX_PIN": 40,
+        "E0_DRIVER_TYPE": "TMC2208",
+        "E0_CURRENT": 500,
+        "E0_SERIAL_RX_PIN": 42,
+    }
+    more = "".join(f"#define {name}\n" for name in on.split())
+    more += "".join(f"#define {name} {value}\n" for name, value in values.items())
+    drivers = "X_DRIVER_TYPE TMC2209\n#define Z_DRIVER_TYPE TMC2209"
+    load(("X_DRIVER_TYPE DRV8825", drivers), more=PROBE + more)
+    laser = "#define LASER_FEATURE\n#define SPINDLE_LASER_PWM_PIN 4\n#define Z_MULTI_ENDSTOPS\n"
+    load(("#define PIDTEMP\n", "#define MPCTEMP\n"), more=laser)
     servo = f"{PROBE}#define Z_PROBE_SERVO_NR 0\n"
     two = (("EXTRUDERS 1", "EXTRUDERS 2"), ("#define Z2_DRIVER_TYPE A4988\n", ""))
     load(*two, more=f"{servo}#define PIDTEMPBED\n", advanced="")

@@ -19,11 +19,11 @@ _DISPLAYS = {
 
 def put_features(job: Job) -> None:
     """All of them. Raises ConfigError."""
-    _put_shapers(job)
     _put_idle(job)
     _put_park(job)
     _put_mains(job)
     _put_laser(job)
+    _put_shapers(job)
 
 
 def _put_shapers(job: Job) -> None:
@@ -34,6 +34,10 @@ def _put_shapers(job: Job) -> None:
     for axis in "xyz":
         letter, path = axis.upper(), ("shaping", axis)
         if defines.on(f"INPUT_SHAPING_{letter}"):
+            if ("laser", "pin") in job.draft.keys:
+                text = "no shaping with a laser, whose power follows the plan"
+                job.dropped(f"INPUT_SHAPING_{letter}", text)
+                continue
             frequency = defines.number(f"SHAPING_FREQ_{letter}")
             if frequency is None or frequency.value <= 0:
                 continue
