@@ -1,1 +1,1 @@
-"""HTTP and WebSocket interface of a printer, in a thread and a real-time event loop of its own."""
+"""HTTP and WebSocket interface of a printer, in a separate thread with a real-time event loop."""

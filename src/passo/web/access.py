@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from passo.web.accounts.accounts import Accounts
     from passo.web.operation import Operation
 
-_RRF = "/rr_"  # begins the paths of RepRapFirmware's interface
+_RRF = "/rr_"  # prefix of the paths of RepRapFirmware's interface
 _LOCAL = "local"  # the caller on this computer while there is no administrator
-# Headers that a proxy adds: its clients are not on this computer, although the proxy is.
+# Headers that a proxy adds. A proxy may be on this computer, but its clients are not.
 _OF_PROXIES = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
 
 
@@ -36,8 +36,8 @@ class Binding:
     names: frozenset[str] = frozenset()
 
     def has(self, host: str) -> bool:
-        """Whether a host in a request means this printer. A name that is not its own may be one
-        that another web page has pointed here (DNS rebinding); an address cannot."""
+        """Whether the host of a request is this printer. Another web page may point a foreign name
+        to this printer (DNS rebinding), so only own names are accepted, and any address."""
         try:
             name = urlsplit(f"//{host}").hostname or ""
         except ValueError:
@@ -52,8 +52,9 @@ class Binding:
 
 
 class Access:
-    """Finds the caller of each request. An address gives no rights, except this computer's own
-    before there is an administrator, if no other computer can reach the web interface."""
+    """Finds the caller of each request. An address gives no rights, with one exception: before
+    there is an administrator, a program of this computer has them if no other computer can reach
+    the web interface."""
 
     def __init__(self, accounts: Accounts, binding: Binding) -> None:
         self._accounts, self._binding = accounts, binding
@@ -64,8 +65,8 @@ class Access:
         return not (self._binding.loopback and _is_local(connection))
 
     def caller(self, connection: HTTPConnection, *, writes: bool) -> Caller:
-        """The caller; `writes` if the request may change something. Raises WebError for an invalid
-        key, and for requests that another web page has made a browser send."""
+        """The caller of a request; `writes` if the request may change something. Raises WebError
+        for an invalid key, and for a request that another web page has caused."""
         peer = connection.client.host if connection.client is not None else ""
         address = address_key(peer)
         # Before there is an administrator there are no keys: a key in a request is ignored.
@@ -86,8 +87,8 @@ class Access:
         return self._connected(connection, peer) or Caller("", Role.PUBLIC, address=address)
 
     def connect(self, connection: HTTPConnection, token: str) -> bool:
-        """Begins a session of RepRapFirmware's interface with an API key; False if the key is
-        invalid."""
+        """Starts a session of RepRapFirmware's interface with an API key. Returns False if the key
+        is invalid."""
         key = self._accounts.key(token)
         peer = connection.client.host if connection.client is not None else ""
         if key is None or any(name in connection.headers for name in _OF_PROXIES):
@@ -96,11 +97,11 @@ class Access:
         return True
 
     def _connected(self, connection: HTTPConnection, peer: str) -> Caller | None:
-        """The caller of such a session: its clients send no key with their further requests."""
+        """The caller of such a session, whose further requests have no key."""
         if not connection.url.path.startswith(_RRF):
             return None
         if any(name in connection.headers for name in _OF_PROXIES):
-            return None  # many clients have its address
+            return None  # the address of a proxy is that of many clients
         caller = self.connected.use(peer)
         return caller if caller is not None and self.holds(caller) else None
 
@@ -114,7 +115,7 @@ class Access:
         return not self._accounts.exist
 
     def permit(self, caller: Caller, operation: Operation) -> None:
-        """Raises WebError unless the caller may do it."""
+        """Raises WebError unless the caller may execute the operation."""
         self.require(caller, operation.role)
         if not operation.fresh:
             return
@@ -124,7 +125,7 @@ class Access:
             raise WebError.of("web.password", limit=f"{FRESH_S / 60:g}")
 
     def require(self, caller: Caller, role: Role) -> None:
-        """Raises WebError unless the caller has a role."""
+        """Raises WebError unless the caller has at least this role."""
         if caller.role >= role:
             return
         if caller.role is Role.PUBLIC:
@@ -137,7 +138,7 @@ class Access:
             await self._accounts.use(found[0])
 
     def _require_own_page(self, connection: HTTPConnection) -> None:
-        """Raises WebError for a request that another web page has made a browser send."""
+        """Raises WebError for a request that another web page has caused in a browser."""
         site = connection.headers.get("sec-fetch-site", "none")
         if site not in ("same-origin", "none"):
             raise WebError.of("web.origin", value=f"Sec-Fetch-Site is {site}")

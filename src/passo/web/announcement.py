@@ -19,29 +19,30 @@ from passo.version import __version__
 
 _log = logging.getLogger(__name__)
 
-# A browser of services finds the page, PrusaSlicer and Cura the interface of OctoPrint.
+# Service browsers find the page; PrusaSlicer and Cura find the interface of OctoPrint.
 _KINDS = ("_http._tcp.local.", "_octoprint._tcp.local.")
 _LONGEST = 63  # bytes of a label (RFC 1035, 2.3.4)
 
 
 class Registry(Protocol):
-    """The part of zeroconf that announces services."""
+    """The methods of zeroconf that announce services."""
 
     async def async_register_service(
         self, info: ServiceInfo, *, allow_name_change: bool = ...
     ) -> Awaitable[object]:
-        """Announces a service; with `allow_name_change` under another name if its own is taken."""
+        """Announces a service; with `allow_name_change`, under another name if its name is
+        taken."""
         ...
 
     async def async_close(self) -> None:
-        """Takes all services back."""
+        """Withdraws all services."""
         ...
 
 
 class Announcement:
-    """What is announced of a printer whose web interface listens at an address: `0.0.0.0` and `::`
-    are all addresses of this computer. `host_name` is the name of this computer that it makes
-    known. Raises InputError for an address that no other computer can reach."""
+    """The announcement of a web interface that listens at an address; `0.0.0.0` and `::` mean all
+    addresses of this computer. It contains the `host_name` of this computer. Raises InputError for
+    an address that no other computer can reach."""
 
     def __init__(self, machine: str, host: str, port: int) -> None:
         address = ip_address(host.partition("%")[0])
@@ -66,8 +67,8 @@ class Announcement:
         ]
 
     async def run(self, registry: Callable[[], Registry] = AsyncZeroconf) -> None:
-        """Announces it until cancelled. A network that does not take it is a line in the log: the
-        web interface works without."""
+        """Announces the web interface until cancelled. A failure is only logged, because the web
+        interface works without it."""
         try:
             registered = registry()
         except OSError as error:

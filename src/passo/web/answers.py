@@ -96,7 +96,7 @@ class Fault(Struct):
 
 
 class Refusal(Struct):
-    """Why a request was not carried out. `others` are further problems that were found."""
+    """The reason why a request was refused. `others` are further problems of the request."""
 
     error: Fault
     others: list[Fault] = []
@@ -107,14 +107,14 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, slots=True)
 class Answer(Generic[_T]):
-    """An answer with headers of its own."""
+    """An answer with additional headers."""
 
     body: _T
     headers: Mapping[str, str]
 
 
 def status_of(code: str) -> int:
-    """The HTTP status of an error of the catalogue: 400 unless it has another."""
+    """The HTTP status of an error of the catalogue; the default is 400."""
     if (status := _STATUS.get(code)) is not None:
         return status
     if code.startswith("job."):
@@ -128,7 +128,7 @@ def json(body: object, status: int = 200, headers: Mapping[str, str] | None = No
 
 
 def refusal(error: PassoError, headers: Mapping[str, str] | None = None) -> Response:
-    """The error as a `Refusal`."""
+    """The error as an answer with a `Refusal`."""
     first, *others = [fault(problem) for problem in error.problems]
     status = status_of(first.code)
     known = {"WWW-Authenticate": 'Passo realm="printer"'} if status == 401 else {}

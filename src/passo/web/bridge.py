@@ -1,5 +1,4 @@
-"""The interface between the web and a printer, which runs in another thread with a time of its
-own."""
+"""The interface between the web and a printer, which runs in another thread with another clock."""
 
 from __future__ import annotations
 
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A printer at one moment, immutable. `version` counts up with each snapshot; `host_s` is real
+    """A printer at one moment, immutable. `version` increases with each snapshot; `host_s` is real
     monotonic time, in seconds."""
 
     version: int
@@ -33,9 +32,9 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True)
 class PastPrint:
-    """A print that is over. `started_s` is the wall clock in seconds since 1970, None if that is
-    not known; `ended` is done, cancelled, failed or interrupted; `print_s` is print time without
-    pauses; `note` is a remark about a problem, or empty."""
+    """A finished print. `started_s` is the wall clock in seconds since 1970, None if unknown;
+    `ended` is done, cancelled, failed or interrupted; `print_s` is print time without pauses;
+    `note` is a remark about a problem, or empty."""
 
     file: str
     size: int
@@ -48,9 +47,10 @@ class PastPrint:
 
 @dataclass(frozen=True, slots=True)
 class SettingValue:
-    """A value that commands set: `command` with `word` and a value sets it. `value` is in force,
-    `file` is that of the machine file (None: it has none), `stored` the one that M500 has stored
-    (None: none is). `source` says which of them is in force: `file`, `stored` or `command`."""
+    """A value that a command can set: `command` with `word` and the value. `value` is the active
+    value, `file` that of the machine file, and `stored` the value that M500 has stored; each of the
+    last two may be None. `source` is the source of the active value: `file`, `stored` or
+    `command`."""
 
     group: str
     command: str
@@ -63,9 +63,8 @@ class SettingValue:
 
 @dataclass(frozen=True, slots=True)
 class Queue:
-    """The prints that wait, the next one first. With `automatic` the next one starts without
-    confirmation after one that has succeeded; otherwise it waits until a user confirms that the bed
-    is clear."""
+    """The queued prints, the next one first. With `automatic`, the next print starts without
+    confirmation after a successful print; otherwise a user must confirm that the bed is clear."""
 
     prints: tuple[QueuedPrint, ...]
     automatic: bool
@@ -73,8 +72,7 @@ class Queue:
 
 @dataclass(frozen=True, slots=True)
 class BedState:
-    """What is added to Z: `correction`, None before the first measurement, and whether it is
-    `on`."""
+    """The bed correction, None before the first measurement, and whether it is `on`."""
 
     correction: Correction | None
     on: bool
@@ -82,15 +80,14 @@ class BedState:
 
 @dataclass(frozen=True, slots=True)
 class SimulatedPart:
-    """A part of the simulated printer: the faults that it can have, `none` first, and the one that
-    it has now."""
+    """A part of the simulated printer: its possible faults, `none` first, and its current fault."""
 
     part: str
     faults: tuple[str, ...]
     active: str
 
 
-Hearer: TypeAlias = Callable[[str], None]  # of a line; returns at once
+Hearer: TypeAlias = Callable[[str], None]  # receives a line, and returns at once
 
 
 class Listener(Protocol):
@@ -98,20 +95,21 @@ class Listener(Protocol):
     once."""
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """The printer has changed. At most one call each tick; a slow listener misses some."""
+        """Called when the printer has changed, at most once a tick; a slow listener misses
+        snapshots."""
 
     def on_event(self, event: Event) -> None:
-        """An event, in the order of occurrence."""
+        """Called for each event, in the order of occurrence."""
 
 
 class Bridge(Protocol):
-    """A printer, for calls from the web's event loop. Methods that wait do so for the printer's
-    loop, never for the web's; a cancelled one ends its command's wait as M108 does. All raise
-    PassoError if the printer refuses."""
+    """A printer, for calls from the web's event loop. A waiting method waits for the printer's loop
+    without blocking the web's loop; its cancellation ends the wait of its command like M108. All
+    methods raise PassoError if the printer refuses."""
 
     @property
     def machine(self) -> MachineConfig:
-        """The machine, which stays the same."""
+        """The machine; it does not change during a run of the program."""
         ...
 
     @property
@@ -122,13 +120,13 @@ class Bridge(Protocol):
 
     @property
     def places(self) -> Sequence[str]:
-        """Where hosts, browsers and Moonraker connect, each with its kind: `tcp HOST:PORT`, `pty
-        PATH`, `serial DEVICE`, `http://HOST:PORT`, `klippy PATH`."""
+        """The addresses for hosts, browsers and Moonraker, each with its kind: `tcp HOST:PORT`,
+        `pty PATH`, `serial DEVICE`, `http://HOST:PORT`, `klippy PATH`."""
         ...
 
     @property
     def commands(self) -> Sequence[Declaration]:
-        """Each command that the printer knows, as the table declares it."""
+        """The declarations of all commands of the printer."""
         ...
 
     def latest(self) -> Snapshot:
@@ -136,8 +134,8 @@ class Bridge(Protocol):
         ...
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """Sends a listener all snapshots and events from now on; returns a function that ends
-        it."""
+        """Sends a listener all snapshots and events from now on. Returns a function that ends
+        this."""
         ...
 
     def console_history(self) -> list[ConsoleLine]:
@@ -148,24 +146,23 @@ class Bridge(Protocol):
 
     def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
         """Calls `call` in the web's event loop with each line that a console sends or receives from
-        now on, without secrets; it returns at once. Returns a function that ends it."""
+        now on, without secrets; `call` must return at once. Returns a function that ends this."""
         ...
 
     async def run(
         self, script: str, heard: Hearer | None = None, *, sender: str = ""
     ) -> tuple[str, ...]:
-        """Carries out lines of G-code, one after the other, and returns their answers, a string a
-        line. A move is answered when it is planned. The first line that fails ends the script; of
-        the lines after it only RESTORE_GCODE_STATE without MOVE is carried out. `heard` is called
-        with each answer at once, with its console prefix; `sender` is shown with its lines.
-
-        Scripts do not mix: each waits for the earlier ones. Only a single line that acts at once (a
-        report, a temperature with F, M108, M112) overtakes them.
+        """Executes lines of G-code, one after the other, and returns the lines of their answers.
+        The answer to a move comes when the move is planned. The first line that fails ends the
+        script; after it, only RESTORE_GCODE_STATE lines without MOVE are executed. `heard` is
+        called at once with each answer and its console prefix. `sender` is shown with the lines. A
+        script waits for earlier ones; only a single line that acts at once (a report, a temperature
+        with F, M108, M112) overtakes them.
         """
         ...
 
     def emergency_stop(self) -> None:
-        """Switches everything off at once (M112). Never waits."""
+        """Switches all outputs off at once (M112). Never waits."""
         ...
 
     async def restart(self) -> None:
@@ -173,9 +170,9 @@ class Bridge(Protocol):
         ...
 
     async def restart_program(self) -> None:
-        """Ends the printer, and restarts it with its current machine file. Consoles are closed and
-        opened again. Raises `job.printing`, `machine.no-restart`, and ConfigError for a file with
-        errors: then the printer continues."""
+        """Ends the printer, and restarts it with the current machine file. Consoles are closed and
+        opened again. If it raises, the printer continues: `job.printing`, `machine.no-restart`, and
+        ConfigError for a file with errors."""
         ...
 
     async def endstops(self) -> dict[str, bool]:
@@ -205,23 +202,23 @@ class Bridge(Protocol):
         ...
 
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
-        """Leaves an object out of the print, or prints it again."""
+        """Cancels an object of the print, or prints it again."""
         ...
 
     async def past_prints(self, most: int) -> list[PastPrint]:
-        """The newest prints that are over, newest first."""
+        """The last finished prints, newest first; at most `most`."""
         ...
 
     async def queue(self) -> Queue:
-        """The prints that wait."""
+        """The queued prints."""
         ...
 
     async def queue_print(self, path: str) -> QueuedPrint:
-        """Puts a file of the card at the end of the queue."""
+        """Adds a file of the card at the end of the queue."""
         ...
 
     async def unqueue_print(self, number: int) -> None:
-        """Takes a print out of the queue."""
+        """Removes a print from the queue."""
         ...
 
     async def move_queued_print(self, number: int, place: int) -> None:
@@ -229,11 +226,11 @@ class Bridge(Protocol):
         ...
 
     async def set_queue_mode(self, *, automatic: bool) -> None:
-        """Sets whether the next print starts without confirmation after one that has succeeded."""
+        """Sets whether the next print starts without confirmation after a successful print."""
         ...
 
     async def start_queued_print(self) -> None:
-        """Starts the next print of the queue: the bed is clear."""
+        """Starts the next print of the queue. The caller confirms that the bed is clear."""
         ...
 
     async def settings(self) -> list[SettingValue]:
@@ -245,44 +242,44 @@ class Bridge(Protocol):
         ...
 
     async def simulated_parts(self) -> list[SimulatedPart]:
-        """The parts that can be given faults; empty where the boards are real."""
+        """The parts into which faults can be injected; empty if the boards are real."""
         ...
 
     # -- files ------------------------------------------------------------------------------------
 
     async def card(self) -> Card:
-        """The card, to read it: its methods block for as long as the medium takes, so call them in
+        """The card, for reading. Its methods block for as long as the medium takes, so call them in
         a worker thread. Raises CardError if there is none."""
         ...
 
     async def create_file(self, path: str) -> Writer:
-        """Begins a file of the card, unless it is printed now. Write to it in a worker thread: it
-        is on the card once `close` has returned."""
+        """Starts to write a file of the card, unless it is being printed. Write to it in a worker
+        thread; it is on the card after `close` has returned."""
         ...
 
     async def remove_file(self, path: str) -> None:
-        """Deletes a file of the card, unless it is printed now."""
+        """Deletes a file of the card, unless it is being printed."""
         ...
 
     async def rename(self, path: str, to: str) -> None:
-        """Renames a file or folder of the card, unless it is, or holds, what is printed now."""
+        """Renames a file or folder of the card, unless it is, or contains, the file that is being
+        printed."""
         ...
 
     async def estimate(
         self, path: str, take_path: Callable[[bytes], None] | None = None
     ) -> Estimate:
         """Plans a file of the card; `take_path` is called in the planning thread with the planned
-        path, see job/batch/toolpath.py. That takes seconds for a long file, in a thread of low
-        priority; one estimate waits for another, and a cancelled one ends. Raises PassoError for a
+        path, see job/batch/toolpath.py. This takes seconds for a long file, in a thread of low
+        priority. Estimates run one after the other; a cancelled one ends. Raises PassoError for a
         file that cannot be printed as it is."""
         ...
 
     async def explain(self, path: str, line: int) -> Explanation:
-        """Explains a line of a file of the card as `passo explain` does; otherwise as `estimate`.
-        Raises InputError for a line that the file does not have."""
+        """Explains a line of a file of the card like `passo explain`. Time, priority and errors are
+        those of `estimate`. Raises InputError if the file does not have the line."""
         ...
 
     async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:
-        """As `explain`, of a line between the lines `before` and `after` it; the first of all
-        starts with all axes at 0."""
+        """As `explain`, for a line between the lines `before` and `after`. All axes start at 0."""
         ...

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A request, in the form for a handler."""
+    """One request: its caller, and its access to the printer."""
 
     site: Site
     caller: Caller
@@ -27,5 +27,5 @@ class Call:
         return self.site.bridge
 
     async def run(self, script: str) -> tuple[str, ...]:
-        """Carries out lines of G-code for the caller, as `Bridge.run`."""
+        """Executes lines of G-code for the caller, as `Bridge.run`."""
         return await self.site.bridge.run(script, sender=self.caller.name)

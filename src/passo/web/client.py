@@ -1,4 +1,4 @@
-"""The Python client of the HTTP interface. Its calls are those of the table of operations."""
+"""The Python client of the HTTP interface. Its calls come from the table of operations."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _TIMEOUT_S = 30.0
 
 
 class RequestError(Exception):
-    """A request was not carried out. `status` is that of HTTP, 0 if the printer could not be
-    reached; `fault` is the error, with its code, values and next action."""
+    """A request has failed. `status` is the HTTP status, or 0 if the printer could not be reached;
+    `fault` is the error, with its code, values and next action."""
 
     def __init__(self, status: int, fault: Fault) -> None:
         super().__init__(f"{fault.message}. {fault.action}.")
@@ -43,7 +43,7 @@ class _Request:
 
 
 class _Connection:
-    """The address of the printer, and the key."""
+    """The address of the printer, and the API key."""
 
     def __init__(self, url: str, key: str | None, timeout_s: float) -> None:
         parts = urlsplit(url)
@@ -56,7 +56,7 @@ class _Connection:
         self._headers = {HEADER: "1"} | ({"X-Api-Key": key} if key else {})
 
     def exchange(self, request: _Request) -> bytes:
-        """The body of the answer. Raises RequestError."""
+        """Sends a request; returns the body of the answer. Raises RequestError."""
         connection = self._kind(self._host, self._port, timeout=self._timeout_s)
         try:
             headers = self._headers | request.headers
@@ -118,7 +118,7 @@ def _request(operation: Operation, given: tuple[Any, ...], named: dict[str, Any]
 
 
 def _fields(kind: Any) -> dict[str, bool]:
-    """The fields of a type of request, and whether each is needed."""
+    """The fields of a type of request, and whether each is required."""
     if kind is None:
         return {}
     return {field.encode_name: field.required for field in msgspec.structs.fields(kind)}
@@ -157,9 +157,9 @@ class _Group:
 class Client:
     """A served printer: `client.heaters.set("hotend", 200)`.
 
-    `url` is the address of `passo serve`, `key` an API key of it. Arguments of a call are the
-    parameters of its path, then the fields of its request, in the order of docs/reference/http.md.
-    Calls raise RequestError. Threads may share a client.
+    `url` is the address of `passo serve`, `key` an API key. The arguments of a call are the
+    parameters of its path, and then the fields of its request, in the order of
+    docs/reference/http.md. Calls raise RequestError. Threads may share a client.
     """
 
     def __init__(
@@ -179,7 +179,7 @@ class Client:
 
 
 class AsyncClient:
-    """As `Client`, with calls to await: `await client.heaters.set("hotend", 200)`. Each call runs
+    """As `Client`, with awaitable calls: `await client.heaters.set("hotend", 200)`. Each call runs
     in a worker thread of the event loop."""
 
     def __init__(

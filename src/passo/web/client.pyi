@@ -31,19 +31,19 @@ class Status:
     def get(
         self,
     ) -> passo.web.endpoints.status.StatusNow:
-        """The printer now: state, positions, heaters, fans, the print, faults. The
-        WebSocket `/api/v1/feed` reports the same as it changes. Numbers that are not finite
-        are null."""
+        """The current status: state, positions, heaters, fans, the print, faults. The
+        WebSocket `/api/v1/feed` reports its changes. Numbers that are not finite are
+        null."""
         ...
     def version(
         self,
     ) -> passo.web.endpoints.status.Version:
-        """The version of Passo, and the machine that it serves."""
+        """The version of Passo, and the name of its machine."""
         ...
     def places(
         self,
     ) -> builtins.list[str]:
-        """Where hosts, browsers and Moonraker connect, each with its kind."""
+        """The addresses for hosts, browsers and Moonraker, each with its kind."""
         ...
 
 class Faults:
@@ -58,12 +58,12 @@ class Machine:
     def get(
         self,
     ) -> passo.web.endpoints.machine.Machine:
-        """The parts of the machine, which stay the same while it is served."""
+        """The parts of the machine. They do not change while the machine is served."""
         ...
     def file(
         self,
     ) -> passo.web.endpoints.machine_file.MachineFile:
-        """The machine file as it is now, which may differ from the machine that runs."""
+        """The current machine file, which may differ from the running machine."""
         ...
     def keys(
         self,
@@ -75,14 +75,14 @@ class Machine:
         self,
     ) -> dict[str, typing.Any]:
         """The JSON schema of the machine file: type, range, default and help of each key,
-        its unit as `x-unit`, and as `x-acts` whether a change acts `live` or after a
-        `restart`."""
+        its unit as `x-unit`, and, as `x-acts`, whether a change takes effect `live` or
+        after a `restart`."""
         ...
     def validate(
         self,
         text: str,
     ) -> passo.web.endpoints.machine_file.Validation:
-        """Checks a text as `passo check` does, and reports all problems at once."""
+        """Checks a text like `passo check`, and reports all problems at once."""
         ...
     def diff(
         self,
@@ -95,18 +95,18 @@ class Machine:
         text: str,
         replaces: str,
     ) -> passo.web.endpoints.machine_file.Applied:
-        """Writes the machine file, whole or not at all, if the text has no errors. A copy
-        of the file before is kept as FILE.toml.bak. Changes that commands can make act at
-        once; the answer names those that need a restart."""
+        """Writes the machine file, completely or not at all, if the text has no errors. A
+        copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
+        take effect at once; the answer names those that need a restart."""
         ...
     def restart(
         self,
     ) -> None:
-        """Ends the printer, and starts it again with the machine file as it is now: heaters
-        go off, and axes are not homed. The command RESTART does the same; FIRMWARE_RESTART
-        and M999 do not read the machine file. Consoles and this connection are closed;
-        connect again after some seconds. Log-ins stay valid if the printer has a folder for
-        them (`--state`)."""
+        """Ends the printer, and restarts it with the current machine file, with heaters off
+        and axes not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do
+        not read the machine file. Consoles and this connection are closed; connect again
+        after some seconds. Log-ins stay valid if the printer has a folder for them
+        (`--state`)."""
         ...
     def library(
         self,
@@ -124,21 +124,21 @@ class Firmware:
     def boards(
         self,
     ) -> passo.web.endpoints.firmware.Boards:
-        """The boards of the machine and all that come with Passo, and what each needs."""
+        """The boards of the machine, and all boards that come with Passo, with the steps
+        that each needs."""
         ...
     def build(
         self,
         board: str | None = ...,
         text: str | None = ...,
     ) -> passo.web.firmware.builds.Build:
-        """Starts to build images, in a process of its own, one build at a time. The feed
+        """Starts a build of images in a separate process, one build at a time. The feed
         sends each line of the log; `firmware.last` has the whole log."""
         ...
     def last(
         self,
     ) -> passo.web.firmware.builds.Build:
-        """The build that is running, or the last one, with its log and the sizes of its
-        images."""
+        """The current or the last build, with its log and the sizes of its images."""
         ...
     def cancel(
         self,
@@ -192,21 +192,21 @@ class Job:
         number: int,
         cancelled: bool,
     ) -> None:
-        """Leaves an object out of the print from now on, or prints it again. `number` is
-        that of the status."""
+        """Cancels an object of the print, or prints it again. `number` is its number in the
+        status."""
         ...
     def past(
         self,
         limit: int = ...,
     ) -> builtins.list[passo.web.bridge.PastPrint]:
-        """The newest prints that are over, newest first."""
+        """The last finished prints, newest first."""
         ...
 
 class Queue:
     def get(
         self,
     ) -> passo.web.bridge.Queue:
-        """The prints that wait, the next one first. The queue survives a restart if the
+        """The queued prints, the next one first. The queue survives a restart if the
         printer has a folder for it (`--state`)."""
         ...
     def add(
@@ -248,14 +248,14 @@ class Console:
         self,
         script: str,
     ) -> passo.web.endpoints.console.Answer:
-        """Carries out lines of G-code, one after the other, and answers when the last one
-        is done or planned. The first line that fails ends the script."""
+        """Executes lines of G-code, one after the other, and answers when the last line is
+        done or planned. The first line that fails ends the script."""
         ...
     def end_wait(
         self,
     ) -> None:
-        """Ends what the printer waits for (M108): heating, a calibration, a measurement of
-        the bed."""
+        """Ends the current wait (M108): for a temperature, a calibration, or a measurement
+        of the bed."""
         ...
     def history(
         self,
@@ -265,7 +265,7 @@ class Console:
     def commands(
         self,
     ) -> builtins.list[passo.web.endpoints.console.Command]:
-        """Each command that the printer knows."""
+        """All commands of the printer."""
         ...
 
 class Heaters:
@@ -286,7 +286,7 @@ class Fans:
     def list(
         self,
     ) -> dict[str, float]:
-        """The speed of each fan as last set, a fraction of full speed."""
+        """The last commanded speed of each fan, a fraction of full speed."""
         ...
     def set(
         self,
@@ -303,9 +303,9 @@ class Motion:
         distances_mm: dict[str, float],
         speed_mm_s: float,
     ) -> None:
-        """Moves axes by a distance, at once or after the moves that are planned. Modes such
-        as G91 and G20 stay as they were, and do not change the meaning of the distances.
-        The answer comes when the move is planned."""
+        """Moves axes by a distance, after the planned moves. Modes such as G91 and G20 stay
+        as they are, and do not affect the distances. The answer comes when the move is
+        planned."""
         ...
     def home(
         self,
@@ -329,14 +329,14 @@ class Tuning:
         self,
         factor: float,
     ) -> None:
-        """Scales the speed; during a print also that of queued moves (M220)."""
+        """Scales the speed; during a print, also that of planned moves (M220)."""
         ...
     def set_flow(
         self,
         tool: int,
         factor: float,
     ) -> None:
-        """Scales the extrusion of a tool; during a print also that of queued moves
+        """Scales the extrusion of a tool; during a print, also that of planned moves
         (M221)."""
         ...
     def babystep(
@@ -344,14 +344,14 @@ class Tuning:
         axis: str,
         distance_mm: float,
     ) -> None:
-        """Shifts all moves that are not done yet along an axis, at once (M290)."""
+        """Shifts all remaining moves along an axis, at once (M290)."""
         ...
 
 class Settings:
     def list(
         self,
     ) -> builtins.list[passo.web.bridge.SettingValue]:
-        """All settings. `source` is the source of the value in force: `file` (the machine
+        """All settings. `source` is the source of the active value: `file` (the machine
         file or its defaults), `stored` (M500), or `command` (changed since)."""
         ...
     def set(
@@ -386,17 +386,18 @@ class Calibration:
         celsius: float,
         method: typing.Literal['pid', 'model'] = ...,
     ) -> passo.web.endpoints.console.Answer:
-        """Tunes a heater, takes the result, and stores it where there is a place for
-        settings (M303 with U1). The heater is off before it answers. Minutes pass;
-        `console.end_wait` ends it."""
+        """Tunes a heater, applies the result, and stores it if the printer can store
+        settings (M303 with U1). This takes minutes; `console.end_wait` ends it. The heater
+        is switched off before the answer."""
         ...
     def fit_thermistor(
         self,
         heater: str,
         readings: builtins.list[passo.web.endpoints.calibration.Reading],
     ) -> builtins.list[passo.web.endpoints.calibration.ThermistorFit]:
-        """What a heater's thermistor should be for readings, by each method that these
-        allow; the thermistor as it is now comes first. Nothing is set."""
+        """Fits the coefficients of a heater's thermistor to readings, by each method for
+        which there are enough readings. The first entry is the current thermistor. Nothing
+        is set."""
         ...
     def set_thermistor(
         self,
@@ -411,8 +412,8 @@ class Calibration:
     def measure_bed(
         self,
     ) -> passo.web.endpoints.console.Answer:
-        """Homes all axes, measures the bed by the method of the machine file, and corrects
-        by it (G28, G29)."""
+        """Homes all axes, measures the bed by the method of the machine file, and switches
+        the correction on (G28, G29)."""
         ...
     def repeat_probe(
         self,
@@ -423,29 +424,29 @@ class Calibration:
         self,
         procedure: typing.Literal['gantry', 'screws', 'delta'],
     ) -> passo.web.endpoints.console.Answer:
-        """Homes all axes, then levels the gantry by its motors (G34), reports the turns of
-        the screws of the bed (G35), or calibrates the geometry of a delta (G33).
-        `calibration.bed` lists what the machine allows."""
+        """Homes all axes, and then levels the gantry by its motors (G34), reports how far
+        to turn the bed screws (G35), or calibrates the geometry of a delta (G33).
+        `calibration.bed` lists the procedures that the machine allows."""
         ...
     def bed(
         self,
     ) -> passo.web.endpoints.calibration.BedMap:
-        """The map of the bed that is in force, or was measured last."""
+        """The active map of the bed, or the last one that was measured."""
         ...
 
 class Simulation:
     def parts(
         self,
     ) -> builtins.list[passo.web.bridge.SimulatedPart]:
-        """The parts of the simulated printer that can be given a fault; empty where a board
-        is real."""
+        """The parts of the simulated printer that can have faults; empty if the boards are
+        real."""
         ...
     def set_fault(
         self,
         part: str,
         fault: str,
     ) -> None:
-        """Gives a part of the simulated printer a fault, or ends it, also while the printer
+        """Gives a part of the simulated printer a fault, or ends it, even while the printer
         is halted (SIMULATE_FAULT)."""
         ...
 
@@ -460,9 +461,9 @@ class Files:
         self,
         path: str,
     ) -> passo.web.files.metadata.Metadata:
-        """Facts about a file: slicer, objects, thumbnails, and how this printer would print
-        it, as `passo estimate` computes. That takes some seconds for a long file; until
-        then `state` is `pending`."""
+        """Facts about a file: slicer, objects, thumbnails, and the plan of this printer, as
+        by `passo estimate`. Planning takes some seconds for a long file; until then `state`
+        is `pending`."""
         ...
     def toolpath(
         self,
@@ -490,10 +491,10 @@ class Files:
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path, once it is complete. If
-        the connection is lost, the bytes so far are kept for some minutes: `files.kept`
-        reports how many, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`.
-        Any file may be sent in such parts."""
+        """Uploads a file to the card. Once it is complete, it replaces a file of the same
+        path. If the connection is lost, the received bytes are kept for ten minutes:
+        `files.kept` reports their number, and the client sends the rest with `Content-
+        Range: bytes FIRST-LAST/TOTAL`. A client may send any file in such parts."""
         ...
     def kept(
         self,
@@ -511,15 +512,15 @@ class Files:
         self,
         path: str,
     ) -> None:
-        """Deletes a file, unless it is printed now."""
+        """Deletes a file, unless it is being printed."""
         ...
     def rename(
         self,
         path: str,
         to: str,
     ) -> None:
-        """Renames or moves a file or folder, unless it is, or holds, what is printed
-        now."""
+        """Renames or moves a file or folder, unless it is, or contains, the file that is
+        being printed."""
         ...
 
 class Folders:
@@ -541,8 +542,8 @@ class History:
         self,
         span_s: float = ...,
     ) -> passo.web.endpoints.history.Temperatures:
-        """Temperatures, targets and power of all heaters: one sample a second of the last
-        15 minutes, one each 15 s of the day before."""
+        """Temperatures, targets and power of all heaters: one sample per second for the
+        last 15 minutes, and one every 15 s for the day before."""
         ...
 
 class Explain:
@@ -561,8 +562,8 @@ class Explain:
         before: str = ...,
         after: str = ...,
     ) -> passo.learn.explanation.Explanation:
-        """What one line becomes if all axes are at 0 before it, and before the lines of
-        `before`. Nothing moves."""
+        """Explains one line. All axes start at 0, before the lines of `before`. Nothing
+        moves."""
         ...
 
 class Logs:
@@ -582,7 +583,7 @@ class Session:
     def get(
         self,
     ) -> passo.web.endpoints.session.Identity:
-        """The identity of the caller, and whether there is an administrator yet."""
+        """The identity of the caller, and whether there is an administrator."""
         ...
     def set_up(
         self,
@@ -590,8 +591,8 @@ class Session:
         password: str,
         code: str = ...,
     ) -> passo.web.endpoints.session.Identity:
-        """Creates the administrator, once, and logs in. From this computer; from elsewhere
-        with the one-time code that `passo serve` prints."""
+        """Creates the administrator, once, and logs in. From another computer, this needs
+        the one-time code that `passo serve` prints."""
         ...
     def log_in(
         self,
@@ -609,7 +610,7 @@ class Session:
         self,
         password: str,
     ) -> None:
-        """Enters the password again, for operations that need it: for the next five
+        """Confirms the password, which allows operations that need it for the next five
         minutes."""
         ...
     def change_password(
@@ -617,18 +618,18 @@ class Session:
         old: str,
         new: str,
     ) -> None:
-        """Changes the password of one's own account, and ends its other log-ins."""
+        """Changes the password of the caller's account, and ends its other log-ins."""
         ...
     def list(
         self,
     ) -> builtins.list[passo.web.endpoints.session.LogInRecord]:
-        """One's own log-ins; for an administrator those of all accounts."""
+        """The caller's log-ins; for an administrator, those of all accounts."""
         ...
     def revoke(
         self,
         id: str,
     ) -> None:
-        """Ends a log-in at once, one's own or, for an administrator, any."""
+        """Ends a log-in of the caller at once; an administrator can end any log-in."""
         ...
 
 class Accounts:
@@ -672,7 +673,7 @@ class Keys:
         name: str,
         role: typing.Literal['viewer', 'operator', 'admin'] = ...,
     ) -> passo.web.endpoints.accounts.MadeKey:
-        """Makes an API key for a slicer or a script: it goes into the header `X-Api-
+        """Makes an API key for a slicer or a script, which sends it in the header `X-Api-
         Key`."""
         ...
     def revoke(
@@ -686,19 +687,19 @@ class AsyncStatus:
     async def get(
         self,
     ) -> passo.web.endpoints.status.StatusNow:
-        """The printer now: state, positions, heaters, fans, the print, faults. The
-        WebSocket `/api/v1/feed` reports the same as it changes. Numbers that are not finite
-        are null."""
+        """The current status: state, positions, heaters, fans, the print, faults. The
+        WebSocket `/api/v1/feed` reports its changes. Numbers that are not finite are
+        null."""
         ...
     async def version(
         self,
     ) -> passo.web.endpoints.status.Version:
-        """The version of Passo, and the machine that it serves."""
+        """The version of Passo, and the name of its machine."""
         ...
     async def places(
         self,
     ) -> builtins.list[str]:
-        """Where hosts, browsers and Moonraker connect, each with its kind."""
+        """The addresses for hosts, browsers and Moonraker, each with its kind."""
         ...
 
 class AsyncFaults:
@@ -713,12 +714,12 @@ class AsyncMachine:
     async def get(
         self,
     ) -> passo.web.endpoints.machine.Machine:
-        """The parts of the machine, which stay the same while it is served."""
+        """The parts of the machine. They do not change while the machine is served."""
         ...
     async def file(
         self,
     ) -> passo.web.endpoints.machine_file.MachineFile:
-        """The machine file as it is now, which may differ from the machine that runs."""
+        """The current machine file, which may differ from the running machine."""
         ...
     async def keys(
         self,
@@ -730,14 +731,14 @@ class AsyncMachine:
         self,
     ) -> dict[str, typing.Any]:
         """The JSON schema of the machine file: type, range, default and help of each key,
-        its unit as `x-unit`, and as `x-acts` whether a change acts `live` or after a
-        `restart`."""
+        its unit as `x-unit`, and, as `x-acts`, whether a change takes effect `live` or
+        after a `restart`."""
         ...
     async def validate(
         self,
         text: str,
     ) -> passo.web.endpoints.machine_file.Validation:
-        """Checks a text as `passo check` does, and reports all problems at once."""
+        """Checks a text like `passo check`, and reports all problems at once."""
         ...
     async def diff(
         self,
@@ -750,18 +751,18 @@ class AsyncMachine:
         text: str,
         replaces: str,
     ) -> passo.web.endpoints.machine_file.Applied:
-        """Writes the machine file, whole or not at all, if the text has no errors. A copy
-        of the file before is kept as FILE.toml.bak. Changes that commands can make act at
-        once; the answer names those that need a restart."""
+        """Writes the machine file, completely or not at all, if the text has no errors. A
+        copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
+        take effect at once; the answer names those that need a restart."""
         ...
     async def restart(
         self,
     ) -> None:
-        """Ends the printer, and starts it again with the machine file as it is now: heaters
-        go off, and axes are not homed. The command RESTART does the same; FIRMWARE_RESTART
-        and M999 do not read the machine file. Consoles and this connection are closed;
-        connect again after some seconds. Log-ins stay valid if the printer has a folder for
-        them (`--state`)."""
+        """Ends the printer, and restarts it with the current machine file, with heaters off
+        and axes not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do
+        not read the machine file. Consoles and this connection are closed; connect again
+        after some seconds. Log-ins stay valid if the printer has a folder for them
+        (`--state`)."""
         ...
     async def library(
         self,
@@ -779,21 +780,21 @@ class AsyncFirmware:
     async def boards(
         self,
     ) -> passo.web.endpoints.firmware.Boards:
-        """The boards of the machine and all that come with Passo, and what each needs."""
+        """The boards of the machine, and all boards that come with Passo, with the steps
+        that each needs."""
         ...
     async def build(
         self,
         board: str | None = ...,
         text: str | None = ...,
     ) -> passo.web.firmware.builds.Build:
-        """Starts to build images, in a process of its own, one build at a time. The feed
+        """Starts a build of images in a separate process, one build at a time. The feed
         sends each line of the log; `firmware.last` has the whole log."""
         ...
     async def last(
         self,
     ) -> passo.web.firmware.builds.Build:
-        """The build that is running, or the last one, with its log and the sizes of its
-        images."""
+        """The current or the last build, with its log and the sizes of its images."""
         ...
     async def cancel(
         self,
@@ -847,21 +848,21 @@ class AsyncJob:
         number: int,
         cancelled: bool,
     ) -> None:
-        """Leaves an object out of the print from now on, or prints it again. `number` is
-        that of the status."""
+        """Cancels an object of the print, or prints it again. `number` is its number in the
+        status."""
         ...
     async def past(
         self,
         limit: int = ...,
     ) -> builtins.list[passo.web.bridge.PastPrint]:
-        """The newest prints that are over, newest first."""
+        """The last finished prints, newest first."""
         ...
 
 class AsyncQueue:
     async def get(
         self,
     ) -> passo.web.bridge.Queue:
-        """The prints that wait, the next one first. The queue survives a restart if the
+        """The queued prints, the next one first. The queue survives a restart if the
         printer has a folder for it (`--state`)."""
         ...
     async def add(
@@ -903,14 +904,14 @@ class AsyncConsole:
         self,
         script: str,
     ) -> passo.web.endpoints.console.Answer:
-        """Carries out lines of G-code, one after the other, and answers when the last one
-        is done or planned. The first line that fails ends the script."""
+        """Executes lines of G-code, one after the other, and answers when the last line is
+        done or planned. The first line that fails ends the script."""
         ...
     async def end_wait(
         self,
     ) -> None:
-        """Ends what the printer waits for (M108): heating, a calibration, a measurement of
-        the bed."""
+        """Ends the current wait (M108): for a temperature, a calibration, or a measurement
+        of the bed."""
         ...
     async def history(
         self,
@@ -920,7 +921,7 @@ class AsyncConsole:
     async def commands(
         self,
     ) -> builtins.list[passo.web.endpoints.console.Command]:
-        """Each command that the printer knows."""
+        """All commands of the printer."""
         ...
 
 class AsyncHeaters:
@@ -941,7 +942,7 @@ class AsyncFans:
     async def list(
         self,
     ) -> dict[str, float]:
-        """The speed of each fan as last set, a fraction of full speed."""
+        """The last commanded speed of each fan, a fraction of full speed."""
         ...
     async def set(
         self,
@@ -958,9 +959,9 @@ class AsyncMotion:
         distances_mm: dict[str, float],
         speed_mm_s: float,
     ) -> None:
-        """Moves axes by a distance, at once or after the moves that are planned. Modes such
-        as G91 and G20 stay as they were, and do not change the meaning of the distances.
-        The answer comes when the move is planned."""
+        """Moves axes by a distance, after the planned moves. Modes such as G91 and G20 stay
+        as they are, and do not affect the distances. The answer comes when the move is
+        planned."""
         ...
     async def home(
         self,
@@ -984,14 +985,14 @@ class AsyncTuning:
         self,
         factor: float,
     ) -> None:
-        """Scales the speed; during a print also that of queued moves (M220)."""
+        """Scales the speed; during a print, also that of planned moves (M220)."""
         ...
     async def set_flow(
         self,
         tool: int,
         factor: float,
     ) -> None:
-        """Scales the extrusion of a tool; during a print also that of queued moves
+        """Scales the extrusion of a tool; during a print, also that of planned moves
         (M221)."""
         ...
     async def babystep(
@@ -999,14 +1000,14 @@ class AsyncTuning:
         axis: str,
         distance_mm: float,
     ) -> None:
-        """Shifts all moves that are not done yet along an axis, at once (M290)."""
+        """Shifts all remaining moves along an axis, at once (M290)."""
         ...
 
 class AsyncSettings:
     async def list(
         self,
     ) -> builtins.list[passo.web.bridge.SettingValue]:
-        """All settings. `source` is the source of the value in force: `file` (the machine
+        """All settings. `source` is the source of the active value: `file` (the machine
         file or its defaults), `stored` (M500), or `command` (changed since)."""
         ...
     async def set(
@@ -1041,17 +1042,18 @@ class AsyncCalibration:
         celsius: float,
         method: typing.Literal['pid', 'model'] = ...,
     ) -> passo.web.endpoints.console.Answer:
-        """Tunes a heater, takes the result, and stores it where there is a place for
-        settings (M303 with U1). The heater is off before it answers. Minutes pass;
-        `console.end_wait` ends it."""
+        """Tunes a heater, applies the result, and stores it if the printer can store
+        settings (M303 with U1). This takes minutes; `console.end_wait` ends it. The heater
+        is switched off before the answer."""
         ...
     async def fit_thermistor(
         self,
         heater: str,
         readings: builtins.list[passo.web.endpoints.calibration.Reading],
     ) -> builtins.list[passo.web.endpoints.calibration.ThermistorFit]:
-        """What a heater's thermistor should be for readings, by each method that these
-        allow; the thermistor as it is now comes first. Nothing is set."""
+        """Fits the coefficients of a heater's thermistor to readings, by each method for
+        which there are enough readings. The first entry is the current thermistor. Nothing
+        is set."""
         ...
     async def set_thermistor(
         self,
@@ -1066,8 +1068,8 @@ class AsyncCalibration:
     async def measure_bed(
         self,
     ) -> passo.web.endpoints.console.Answer:
-        """Homes all axes, measures the bed by the method of the machine file, and corrects
-        by it (G28, G29)."""
+        """Homes all axes, measures the bed by the method of the machine file, and switches
+        the correction on (G28, G29)."""
         ...
     async def repeat_probe(
         self,
@@ -1078,29 +1080,29 @@ class AsyncCalibration:
         self,
         procedure: typing.Literal['gantry', 'screws', 'delta'],
     ) -> passo.web.endpoints.console.Answer:
-        """Homes all axes, then levels the gantry by its motors (G34), reports the turns of
-        the screws of the bed (G35), or calibrates the geometry of a delta (G33).
-        `calibration.bed` lists what the machine allows."""
+        """Homes all axes, and then levels the gantry by its motors (G34), reports how far
+        to turn the bed screws (G35), or calibrates the geometry of a delta (G33).
+        `calibration.bed` lists the procedures that the machine allows."""
         ...
     async def bed(
         self,
     ) -> passo.web.endpoints.calibration.BedMap:
-        """The map of the bed that is in force, or was measured last."""
+        """The active map of the bed, or the last one that was measured."""
         ...
 
 class AsyncSimulation:
     async def parts(
         self,
     ) -> builtins.list[passo.web.bridge.SimulatedPart]:
-        """The parts of the simulated printer that can be given a fault; empty where a board
-        is real."""
+        """The parts of the simulated printer that can have faults; empty if the boards are
+        real."""
         ...
     async def set_fault(
         self,
         part: str,
         fault: str,
     ) -> None:
-        """Gives a part of the simulated printer a fault, or ends it, also while the printer
+        """Gives a part of the simulated printer a fault, or ends it, even while the printer
         is halted (SIMULATE_FAULT)."""
         ...
 
@@ -1115,9 +1117,9 @@ class AsyncFiles:
         self,
         path: str,
     ) -> passo.web.files.metadata.Metadata:
-        """Facts about a file: slicer, objects, thumbnails, and how this printer would print
-        it, as `passo estimate` computes. That takes some seconds for a long file; until
-        then `state` is `pending`."""
+        """Facts about a file: slicer, objects, thumbnails, and the plan of this printer, as
+        by `passo estimate`. Planning takes some seconds for a long file; until then `state`
+        is `pending`."""
         ...
     async def toolpath(
         self,
@@ -1145,10 +1147,10 @@ class AsyncFiles:
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Puts a file onto the card, in place of one of that path, once it is complete. If
-        the connection is lost, the bytes so far are kept for some minutes: `files.kept`
-        reports how many, and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`.
-        Any file may be sent in such parts."""
+        """Uploads a file to the card. Once it is complete, it replaces a file of the same
+        path. If the connection is lost, the received bytes are kept for ten minutes:
+        `files.kept` reports their number, and the client sends the rest with `Content-
+        Range: bytes FIRST-LAST/TOTAL`. A client may send any file in such parts."""
         ...
     async def kept(
         self,
@@ -1166,15 +1168,15 @@ class AsyncFiles:
         self,
         path: str,
     ) -> None:
-        """Deletes a file, unless it is printed now."""
+        """Deletes a file, unless it is being printed."""
         ...
     async def rename(
         self,
         path: str,
         to: str,
     ) -> None:
-        """Renames or moves a file or folder, unless it is, or holds, what is printed
-        now."""
+        """Renames or moves a file or folder, unless it is, or contains, the file that is
+        being printed."""
         ...
 
 class AsyncFolders:
@@ -1196,8 +1198,8 @@ class AsyncHistory:
         self,
         span_s: float = ...,
     ) -> passo.web.endpoints.history.Temperatures:
-        """Temperatures, targets and power of all heaters: one sample a second of the last
-        15 minutes, one each 15 s of the day before."""
+        """Temperatures, targets and power of all heaters: one sample per second for the
+        last 15 minutes, and one every 15 s for the day before."""
         ...
 
 class AsyncExplain:
@@ -1216,8 +1218,8 @@ class AsyncExplain:
         before: str = ...,
         after: str = ...,
     ) -> passo.learn.explanation.Explanation:
-        """What one line becomes if all axes are at 0 before it, and before the lines of
-        `before`. Nothing moves."""
+        """Explains one line. All axes start at 0, before the lines of `before`. Nothing
+        moves."""
         ...
 
 class AsyncLogs:
@@ -1237,7 +1239,7 @@ class AsyncSession:
     async def get(
         self,
     ) -> passo.web.endpoints.session.Identity:
-        """The identity of the caller, and whether there is an administrator yet."""
+        """The identity of the caller, and whether there is an administrator."""
         ...
     async def set_up(
         self,
@@ -1245,8 +1247,8 @@ class AsyncSession:
         password: str,
         code: str = ...,
     ) -> passo.web.endpoints.session.Identity:
-        """Creates the administrator, once, and logs in. From this computer; from elsewhere
-        with the one-time code that `passo serve` prints."""
+        """Creates the administrator, once, and logs in. From another computer, this needs
+        the one-time code that `passo serve` prints."""
         ...
     async def log_in(
         self,
@@ -1264,7 +1266,7 @@ class AsyncSession:
         self,
         password: str,
     ) -> None:
-        """Enters the password again, for operations that need it: for the next five
+        """Confirms the password, which allows operations that need it for the next five
         minutes."""
         ...
     async def change_password(
@@ -1272,18 +1274,18 @@ class AsyncSession:
         old: str,
         new: str,
     ) -> None:
-        """Changes the password of one's own account, and ends its other log-ins."""
+        """Changes the password of the caller's account, and ends its other log-ins."""
         ...
     async def list(
         self,
     ) -> builtins.list[passo.web.endpoints.session.LogInRecord]:
-        """One's own log-ins; for an administrator those of all accounts."""
+        """The caller's log-ins; for an administrator, those of all accounts."""
         ...
     async def revoke(
         self,
         id: str,
     ) -> None:
-        """Ends a log-in at once, one's own or, for an administrator, any."""
+        """Ends a log-in of the caller at once; an administrator can end any log-in."""
         ...
 
 class AsyncAccounts:
@@ -1327,7 +1329,7 @@ class AsyncKeys:
         name: str,
         role: typing.Literal['viewer', 'operator', 'admin'] = ...,
     ) -> passo.web.endpoints.accounts.MadeKey:
-        """Makes an API key for a slicer or a script: it goes into the header `X-Api-
+        """Makes an API key for a slicer or a script, which sends it in the header `X-Api-
         Key`."""
         ...
     async def revoke(

@@ -105,7 +105,7 @@ def _name(kind: Any, modules: set[str]) -> str:
 
 
 def _builtin(name: str, modules: set[str]) -> str:
-    """A type of Python, also within a class with a method of that name."""
+    """A built-in type, even within a class that has a method of the same name."""
     if any(operation.verb == name for operation in OPERATIONS):
         modules.add("builtins")
         return f"builtins.{name}"

@@ -1,4 +1,4 @@
-"""A tree of plain values, as in JSON, and the changes between two of them."""
+"""Trees of plain values, as in JSON, and the changes between two of them."""
 
 from __future__ import annotations
 

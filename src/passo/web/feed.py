@@ -1,5 +1,5 @@
-"""One WebSocket: the status as it changes, each event, and console lines both ways. A slow client
-misses states."""
+"""One WebSocket: sends changes of the status, events and console lines, and receives scripts. A
+slow client misses states."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from passo.web.operation import Caller
     from passo.web.site import Site
 
-_MAX_WAITING = 1000  # events, and as many lines, for a slow client
+_MAX_WAITING = 1000  # maximum of events, and of lines, that wait for a slow client
 _MAX_SCRIPTS = 16  # of one client at a time
 _NOT_ALLOWED = 1008  # "policy violation" (IANA, WebSocket close codes)
 
@@ -44,7 +44,7 @@ class Script(Struct, tag_field="type", tag="script", forbid_unknown_fields=True)
 
 
 class Listen(Struct, tag_field="type", tag="listen", forbid_unknown_fields=True):
-    """Whether the client wants the lines of all consoles, and those of builds of firmware."""
+    """Whether the client wants the lines of all consoles, and those of firmware builds."""
 
     console: bool
     builds: bool = False
@@ -52,7 +52,8 @@ class Listen(Struct, tag_field="type", tag="listen", forbid_unknown_fields=True)
 
 @dataclass(frozen=True, slots=True)
 class BuildLine:
-    """A line of a build of firmware, empty at its end, and the state of the build then."""
+    """A line of a firmware build, and the state of the build. The line is empty when the build
+    ends."""
 
     number: int
     state: str
@@ -60,7 +61,8 @@ class BuildLine:
 
 
 async def serve_feed(site: Site, feeds: Feeds, messages: Messages, websocket: WebSocket) -> None:
-    """Serves a client if it may see the printer; nothing is sent before that is certain."""
+    """Serves a client if it has the right to see the printer. Nothing is sent before this is
+    checked."""
     try:
         caller = site.access.caller(websocket, writes=False)
         site.access.require(caller, Role.VIEWER)
@@ -109,14 +111,15 @@ class Feed:
         self._news.set()
 
     async def run(self) -> None:
-        """Serves the client until it leaves, does not read, or may not see the printer any more."""
+        """Serves the client until it disconnects, does not read, or loses the right to see the
+        printer."""
         await self._websocket.accept()
         end = self._feeds.join(self)
         self._sent = self._feeds.snapshot
         try:
             async with create_task_group() as group:
                 group.start_soon(self._receive, group)
-                with suppress(WebSocketDisconnect):  # it may leave at any time
+                with suppress(WebSocketDisconnect):  # it may disconnect at any time
                     await self._send_all()
                 group.cancel_scope.cancel()
         finally:
@@ -127,8 +130,8 @@ class Feed:
     # -- from the client --------------------------------------------------------------------------
 
     async def _receive(self, group: TaskGroup) -> None:
-        """Takes the messages of the client; ends everything when it has left."""
-        with suppress(WebSocketDisconnect, KeyError):  # KeyError: of a message that is not text
+        """Receives the messages of the client; ends the other tasks when it has disconnected."""
+        with suppress(WebSocketDisconnect, KeyError):  # KeyError: the message is not text
             while True:
                 self._take(await self._websocket.receive_text(), group)
         group.cancel_scope.cancel()
@@ -209,5 +212,6 @@ class Feed:
             await self._send(text("answer", **self._answers.popleft()))
 
     async def _send(self, message: str) -> None:
-        """Waits while the client does not read; `web/protocol.py` ends that."""
+        """Sends a message. Waits while the client does not read; `web/protocol.py` limits that
+        time."""
         await self._websocket.send_text(message)

@@ -1,4 +1,4 @@
-"""All WebSockets of one printer, which share one listener of its bridge."""
+"""The WebSockets of one printer, which share one listener of its bridge."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
     from passo.events import Event
     from passo.web.bridge import Bridge, Snapshot
 
-AT_ONCE = 10  # feeds that are woken before other connections have their turn
-RIGHTS_EVERY_S = 5.0  # how often an idle feed looks whether its log-in goes on
+AT_ONCE = 10  # feeds that are woken before other tasks of the event loop run
+RIGHTS_EVERY_S = 5.0  # interval at which an idle feed checks whether its log-in is still valid
 
 
 class Woken(Protocol):
     """One WebSocket. Its methods return at once."""
 
     def wake(self) -> None:
-        """There is something to send, or rights may have ended."""
+        """Called when there is something to send, or when rights may have ended."""
         ...
 
     def on_event(self, event: Event) -> None:
@@ -27,20 +27,20 @@ class Woken(Protocol):
 
 
 class Feeds:
-    """Wakes the feeds in groups: a request waits for one group at most, not for a message to each
-    of some hundred clients. `snapshot` is the one that all feeds send, so that each message is made
-    once. Used in the web's event loop alone."""
+    """Wakes the feeds in groups, so that a request waits at most for one group, not for messages to
+    hundreds of clients. All feeds send the same `snapshot`, so that each message is made once. Use
+    it only in the web's event loop."""
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
         self.snapshot = bridge.latest()
         self._feeds: dict[Woken, None] = {}
-        self._due: dict[Woken, None] = {}  # in the order in which they are woken
+        self._due: dict[Woken, None] = {}  # in the order of waking
         self._end: Callable[[], None] = lambda: None
         self._rights: asyncio.TimerHandle | None = None
 
     def join(self, feed: Woken) -> Callable[[], None]:
-        """Wakes the feed when something happens from now on; returns what ends that."""
+        """Wakes the feed at each change from now on. Returns a function that ends this."""
         if not self._feeds:
             self.snapshot = self._bridge.latest()
             self._end = self._bridge.listen(self)
@@ -73,7 +73,7 @@ class Feeds:
         self._wake_all()
 
     def _wake_all(self) -> None:
-        """A feed that still waits for its turn keeps its place."""
+        """Schedules all feeds; a feed that is scheduled already keeps its place."""
         if not self._due and self._feeds:
             asyncio.get_running_loop().call_soon(self._wake_some)
         self._due.update(self._feeds)

@@ -1,5 +1,4 @@
-"""The first checks of each request: its host, and headers that keep browsers from using the answer
-for anything else."""
+"""The first checks of each request: its host; and security headers for browsers in each answer."""
 
 from __future__ import annotations
 
@@ -29,13 +28,13 @@ _HEADERS = {
 
 
 class Guard:
-    """Lets requests to names of this printer pass, and adds the headers."""
+    """Rejects requests to hosts that are not this printer, and adds the headers."""
 
     def __init__(self, app: ASGIApp, binding: Binding) -> None:
         self._app, self._binding = app, binding
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """As an ASGI application."""
+        """Handles a request, as an ASGI application."""
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return

@@ -1,4 +1,4 @@
-"""The files of logs and reports that may be downloaded, and their text without secrets."""
+"""Logs and reports for download, without secrets."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _PASSWORD = re.compile(r"(?i)(\"?(?:password|api[-_ ]?key|cookie|authorization)\
 
 @dataclass(frozen=True, slots=True)
 class Log:
-    """A file: its bytes, and when it was changed, in seconds since 1970."""
+    """A file: its size in bytes, and the time of its last change, in seconds since 1970."""
 
     name: str
     size: int
@@ -25,8 +25,8 @@ class Log:
 
 
 class Logs:
-    """Files whose paths begin with one of some stems, as `FILE`, `FILE.1` and `FILE-halt-0001.txt`
-    do. Its methods block for as long as the disk takes."""
+    """The files whose paths begin with one of the stems, such as `FILE`, `FILE.1` and
+    `FILE-halt-0001.txt`. Its methods block during access to the disk."""
 
     def __init__(self, stems: Collection[Path] = ()) -> None:
         self._stems = stems

@@ -1,4 +1,4 @@
-"""The messages of the feed as text, made once for all clients."""
+"""Makes the messages of the feed as text, once for all clients."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from passo.events import Event
     from passo.web.bridge import Snapshot
 
-_KEPT = 8  # states and differences; clients that are further behind cost more
+_KEPT = 8  # cached states and differences; for slower clients they are computed again
 
 
 class Messages:
-    """Texts for the clients of one printer. Used in the web's event loop alone."""
+    """The texts for the clients of one printer. Use it only in the web's event loop."""
 
     def __init__(self) -> None:
         self._trees: OrderedDict[int, Tree] = OrderedDict()
@@ -56,5 +56,5 @@ class Messages:
 
 
 def text(kind: str, **fields: object) -> str:
-    """A message of a type."""
+    """The text of a message of this type."""
     return msgspec.json.encode({"type": kind, **fields}).decode()

@@ -19,7 +19,7 @@ _REFERENCE = "#/components/schemas/{name}"
 
 
 def description(operations: Sequence[Operation]) -> Tree:
-    """The answer of `/api/v1/openapi.json`."""
+    """The content of `/api/v1/openapi.json`."""
     listed = [operation for operation in operations if not operation.compatible]
     kinds = [kind for o in listed for kind in (o.body, o.response, o.query) if kind is not None]
     kinds += [kind for o in listed for kind in o.parameters.values()]
@@ -32,7 +32,7 @@ def description(operations: Sequence[Operation]) -> Tree:
         paths.setdefault(operation.template, {})[operation.method.lower()] = row
     for name in {_name(schema_of[_key(o.query)]) for o in listed if o.query is not None}:
         if _REFERENCE.format(name=name) not in msgspec.json.encode(paths).decode():
-            del components[name]  # its fields are parameters
+            del components[name]  # its fields are listed as parameters
     return {
         "openapi": "3.1.0",
         "info": {"title": "Passo", "version": __version__, "license": {"name": "Apache-2.0"}},
@@ -48,7 +48,7 @@ def description(operations: Sequence[Operation]) -> Tree:
 
 
 def statuses(operation: Operation) -> dict[int, list[str]]:
-    """The codes of the errors that an operation may answer with, by HTTP status."""
+    """The codes of the possible errors of an operation, by HTTP status."""
     codes = ["web.host", "web.program", *operation.errors]
     if operation.role > Role.PUBLIC:
         codes += ["web.log-in", "web.role", "web.too-many"]
@@ -106,7 +106,7 @@ def _row(operation: Operation, schema_of: dict[str, Tree], components: Tree) -> 
 
 
 def _query(schema: Tree, components: Tree) -> list[Tree]:
-    """The fields of the type of a query, as parameters."""
+    """The fields of a query type, as parameters."""
     name = _name(schema)
     described = components[name]
     required = described.get("required", [])
@@ -117,7 +117,7 @@ def _query(schema: Tree, components: Tree) -> list[Tree]:
 
 
 def _name(schema: Tree) -> str:
-    """The name of the component that it refers to."""
+    """The name of the component to which a schema refers."""
     return str(schema["$ref"]).rpartition("/")[2]
 
 

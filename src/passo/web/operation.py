@@ -1,4 +1,4 @@
-"""A row of the table of operations, and how a handler declares its own."""
+"""A row of the table of operations, and the decorator with which a handler declares it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from passo.web.answers import JSON, Answer
 from passo.web.roles import Role
 
 API = "/api/v1"
-HEADER = "X-Passo-Request"  # a header that no form of another web page can send
+HEADER = "X-Passo-Request"  # a form of another web page cannot send this header
 _MAX_BODY = 1 << 20  # bytes of a request in JSON
 _PARAMETER = re.compile(r"\{(\w+)(?::\w+)?\}")
 
@@ -35,7 +35,7 @@ Handler: TypeAlias = Callable[..., Awaitable[object]]
 
 
 def _body_of(response: Any) -> Any:
-    """The type of the body of an answer, which may have headers of its own; None without a body."""
+    """The type of the body of an answer; None without a body."""
     if response is type(None):
         return None
     return get_args(response)[0] if get_origin(response) is Answer else response
@@ -43,15 +43,14 @@ def _body_of(response: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """A row: an operation for clients.
-
-    `name` is `group.verb`, as the Python client calls it. `body` and `query` are the types of the
-    request, None without one; `response` is the type of an answer in JSON, None for 204 and for
-    other content; `status` is that of an answer in JSON. `errors` are codes of the catalogue that
-    this operation has in addition to the common ones. A request that does not consume JSON is read
-    by its handler, which also limits its size; one that does not produce JSON answers with a
-    `Response`. `fresh`: the password must have been entered within the last minutes. `compatible`:
-    of another printer's interface, and not in the description.
+    """A row of the table: an operation for clients. `name` is `group.verb`, as in the Python
+    client. `body` and `query` are the types of the request, None without one; `response` is the
+    type of an answer in JSON, None for 204 and for other content; `status` is the HTTP status of an
+    answer in JSON. `errors` are the codes of the catalogue that this operation has in addition to
+    the common ones. If the request is not JSON, the handler reads it and limits its size; if the
+    answer is not JSON, the handler returns a `Response`. `fresh`: the password must have been
+    entered within the last five minutes. `compatible`: the operation belongs to another printer's
+    interface, and is not in the description.
     """
 
     name: str
@@ -88,12 +87,12 @@ class Operation:
 
     @property
     def template(self) -> str:
-        """The path, with the names of its parameters alone in braces."""
+        """The path with only the names of its parameters in braces."""
         return _PARAMETER.sub(r"{\1}", self.path)
 
     @property
     def writes(self) -> bool:
-        """Whether it changes something."""
+        """Whether the operation changes something."""
         return self.method != "GET"
 
 
@@ -111,9 +110,9 @@ def operation(
     fresh: bool = False,
     root: str = API,
 ) -> Callable[[Handler], Operation]:
-    """Declares the handler below it. The handler takes the call, then the parameters of the path by
-    name, `body` and `query` if it has them. Its annotations are the types of request and answer;
-    its docstring is the text in the reference. A `root` other than the API's is that of another
+    """Declares a handler. The arguments of the handler are the call, the parameters of the path by
+    name, and `body` and `query` if it has them. Its annotations are the types of request and
+    answer; its docstring is the text in the reference. A `root` other than the API's marks another
     printer's interface."""
 
     def declare(handler: Handler) -> Operation:

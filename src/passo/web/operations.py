@@ -1,5 +1,5 @@
-"""The one table of operations for clients. Routes, the checks of roles, the description for
-OpenAPI, the reference and the Python client follow it."""
+"""The table of all operations for clients. Routes, checks of roles, the OpenAPI description, the
+reference and the Python client are made from it."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _BUILT = Path(__file__).with_name("static")
 _INDEX = "index.html"
-_HASHED = "assets/"  # their names contain a hash of their content
+_HASHED = "assets/"  # names in it contain a hash of the content
 _NOT_BUILT = b"""<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
@@ -30,7 +30,7 @@ run <code>make web</code> in the sources, then start Passo again.</p>
 @dataclass(frozen=True, slots=True)
 class _File:
     data: bytes
-    packed: bytes | None  # by gzip
+    packed: bytes | None  # compressed by gzip
     headers: Mapping[str, str]
 
     def answer(self, request: Request) -> Response:
@@ -48,8 +48,8 @@ class _File:
 
 
 def page_routes(built: Path = _BUILT) -> list[Route]:
-    """A route for each file of the page, read once; without the page, one that explains how to
-    build it."""
+    """A route for each file of the page, which is read once. Without a built page, a route that
+    explains how to build it."""
     files = {
         path.relative_to(built).as_posix(): path
         for path in built.rglob("*")

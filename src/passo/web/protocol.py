@@ -1,4 +1,4 @@
-"""Connections that do not wait for ever: uvicorn's protocols with limits that they lack."""
+"""Connections with timeouts: uvicorn's protocols with additional limits."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from ipaddress import ip_address
 from uvicorn.protocols.http.h11_impl import H11Protocol, RequestResponseCycle
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-HEADERS_S = 10.0  # until the headers of a request are complete
-UNREAD_S = 60.0  # for which a client may leave an answer unread, as a browser that asks its user
-UNREAD_MESSAGES_S = 5.0  # for which the client of a WebSocket may do so
+HEADERS_S = 10.0  # maximum time until the headers of a request are complete
+# maximum time for which a client may leave an answer unread, such as a browser that asks its user
+UNREAD_S = 60.0
+UNREAD_MESSAGES_S = 5.0  # the same for the client of a WebSocket
 MAX_CONNECTIONS = 1000
-MAX_OF_PEER = 64  # connections of one address; a proxy on this computer may have more
+MAX_OF_PEER = 64  # maximum of connections from one address, except a proxy on this computer
 
 
 class _Timeout:
@@ -26,23 +27,23 @@ class _Timeout:
         return self._handle is not None
 
     def start(self, after_s: float, transport: asyncio.Transport) -> None:
-        """The connection ends after so many seconds from now."""
+        """Starts the timeout: the connection ends `after_s` seconds from now."""
         self.stop()
         self._handle = asyncio.get_running_loop().call_later(after_s, transport.abort)
 
     def stop(self) -> None:
-        """It does not."""
+        """Stops the timeout."""
         if self._handle is not None:
             self._handle.cancel()
             self._handle = None
 
 
 class LimitedProtocol(H11Protocol):
-    """Closes a connection whose headers come too slowly, one whose client does not read, and one of
-    a peer that has too many."""
+    """Closes a connection if its headers arrive too slowly, if its client does not read, or if its
+    address has too many connections."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """A client has connected."""
+        """Called when a client has connected."""
         self._headers, self._unread = _Timeout(), _Timeout()
         super().connection_made(transport)
         if self._too_many():
@@ -51,9 +52,10 @@ class LimitedProtocol(H11Protocol):
             self._headers.start(HEADERS_S, transport)
 
     def data_received(self, data: bytes) -> None:
-        """Bytes have come. The timeout of headers runs until they are complete."""
+        """Called when bytes have arrived. The timeout of headers runs until they are complete."""
         super().data_received(data)
-        if self._asked or self not in self.connections:  # the latter: it is a WebSocket now
+        # not in `connections`: it is a WebSocket now
+        if self._asked or self not in self.connections:
             self._headers.stop()
         elif not self._headers.runs:
             self._headers.start(HEADERS_S, self.transport)
@@ -61,21 +63,22 @@ class LimitedProtocol(H11Protocol):
     @property
     def _asked(self) -> bool:
         """Whether a request is in progress."""
-        cycle: RequestResponseCycle | None = getattr(self, "cycle", None)  # None before the first
+        # None before the first request
+        cycle: RequestResponseCycle | None = getattr(self, "cycle", None)
         return cycle is not None and not cycle.response_complete
 
     def pause_writing(self) -> None:
-        """The client leaves more unread than is kept for it."""
+        """Called when more data waits for the client than the buffer may contain."""
         super().pause_writing()
         self._unread.start(UNREAD_S, self.transport)
 
     def resume_writing(self) -> None:
-        """It has read."""
+        """Called when the client has read enough."""
         self._unread.stop()
         super().resume_writing()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The connection has ended."""
+        """Called when the connection has ended."""
         self._headers.stop()
         self._unread.stop()
         super().connection_lost(exc)
@@ -91,25 +94,25 @@ class LimitedProtocol(H11Protocol):
 
 
 class LimitedWebSocket(WebSocketsSansIOProtocol):
-    """Ends the connection of a client that does not read. It gets no close message: it would not
-    read that either."""
+    """Ends the connection of a client that does not read, without a close message, which the client
+    would not read either."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """A connection becomes a WebSocket."""
+        """Called when a connection becomes a WebSocket."""
         self._unread = _Timeout()
         super().connection_made(transport)
 
     def pause_writing(self) -> None:
-        """The client leaves more unread than is kept for it."""
+        """Called when more data waits for the client than the buffer may contain."""
         super().pause_writing()
         self._unread.start(UNREAD_MESSAGES_S, self.transport)
 
     def resume_writing(self) -> None:
-        """It has read."""
+        """Called when the client has read enough."""
         self._unread.stop()
         super().resume_writing()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The connection has ended."""
+        """Called when the connection has ended."""
         self._unread.stop()
         super().connection_lost(exc)

@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
     from passo.web.operation import Operation
 
-BODY_S = 20.0  # until a request in JSON is complete
+BODY_S = 20.0  # maximum time until a request in JSON is complete
 _AT = re.compile(r"(?P<what>.*?)(?: - at `(?:key in )?\$(?P<path>.*)`)?\Z", re.DOTALL)
 _STEP = re.compile(r"\.(\w+)|\[(\d+|\.\.\.)\]")
 
 
 async def arguments(operation: Operation, request: Request) -> dict[str, Any]:
-    """The arguments of the handler after the call. Raises WebError for values that are not as
-    declared."""
+    """The arguments for the handler, without the call. Raises WebError for values that do not match
+    the declaration."""
     found = {
         name: _converted("path", request.path_params[name], kind, name)
         for name, kind in operation.parameters.items()
@@ -39,7 +39,7 @@ async def arguments(operation: Operation, request: Request) -> dict[str, Any]:
 
 
 async def limited(request: Request, most: int) -> bytes:
-    """The body of a request, of at most so many bytes, within `BODY_S`. Raises WebError."""
+    """Reads the body of a request, of at most `most` bytes, within `BODY_S`. Raises WebError."""
     body = bytearray()
     try:
         with fail_after(BODY_S):
@@ -81,7 +81,7 @@ def _converted(where: str, value: Any, kind: Any, name: str) -> Any:
 
 
 def _refused(where: str, text: str, name: str) -> WebError:
-    """The error of msgspec, with its place as a JSON pointer (RFC 6901)."""
+    """The error for a text of msgspec, with the place as a JSON pointer (RFC 6901)."""
     found = _AT.match(text)
     assert found is not None
     steps = _STEP.findall(found["path"] or "")

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Role(IntEnum):
-    """A role. Each role includes the rights of those before it."""
+    """A role. Each role includes the rights of all lower roles."""
 
     PUBLIC = 0  # without a log-in
     VIEWER = 1

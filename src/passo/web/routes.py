@@ -1,4 +1,5 @@
-"""Routes of the table of operations: each checks the caller and the request, then answers."""
+"""The routes of all operations: each checks the caller and the request, calls the handler, and
+answers."""
 
 from __future__ import annotations
 
@@ -65,7 +66,7 @@ class _Endpoint:
         except PassoError as error:
             return refusal(error)
         except ClientDisconnect:
-            return Response(status_code=499)  # the client has left
+            return Response(status_code=499)  # the client has disconnected
         except Exception as error:
             _log.exception("%s %s failed", operation.method, operation.path)
             return refusal(WebError.of("web.program", value=type(error).__name__))
@@ -92,5 +93,5 @@ async def _malformed(_: Request, error: Exception) -> Response:
     return refusal(WebError.of("web.malformed", value=error.detail))
 
 
-# Refusals of the framework, in JSON as all others.
+# Errors of the framework, in JSON like all others.
 EXCEPTION_HANDLERS = {404: _not_found, HTTPException: _malformed}

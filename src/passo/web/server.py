@@ -24,7 +24,7 @@ _BACKLOG = 128
 
 
 def configuration(app: ASGIApp) -> uvicorn.Config:
-    """How uvicorn serves an application."""
+    """The configuration of uvicorn for an application."""
     return uvicorn.Config(
         app,
         http=LimitedProtocol,
@@ -41,7 +41,7 @@ def configuration(app: ASGIApp) -> uvicorn.Config:
 
 
 class _Server(uvicorn.Server):
-    """Leaves signals to the program that runs it."""
+    """A server that leaves signals to the program."""
 
     @contextlib.contextmanager
     def capture_signals(self) -> Generator[None]:
@@ -49,8 +49,8 @@ class _Server(uvicorn.Server):
 
 
 class WebThread:
-    """Runs coroutines in a thread of its own with an event loop in real time, independent of the
-    time of the printer's loop. Made and closed in any other thread."""
+    """Runs coroutines in a separate thread with an event loop in real time, independent of the time
+    of the printer's loop. Create and close it in any other thread."""
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
@@ -69,8 +69,8 @@ class WebThread:
         self._loop.close()
 
     def start(self, main: Coroutine[Any, Any, None], *, endless: bool = False) -> None:
-        """Runs a coroutine until it ends or the thread is closed, which cancels an endless one at
-        once."""
+        """Runs a coroutine until it ends or the thread is closed. `close` waits for it, or cancels
+        it at once if it is `endless`."""
 
         def begin() -> None:
             task = self._loop.create_task(main)
@@ -87,13 +87,13 @@ class WebThread:
             _log.error("The web has failed: %s", error, exc_info=error)
 
     def serve(self, app: ASGIApp, listening: socket.socket) -> None:
-        """Serves an application on a socket that listens."""
+        """Serves an application on a listening socket."""
         server = _Server(configuration(app))
         self._closers.append(lambda: setattr(server, "should_exit", True))
         self.start(server.serve(sockets=[listening]))
 
     def close(self) -> None:
-        """Ends all connections and the thread; returns when it is over."""
+        """Ends all connections and the thread; returns when the thread has ended."""
         for closer in self._closers:
             closer()
         asyncio.run_coroutine_threadsafe(self._wait(), self._loop).result()
@@ -106,7 +106,7 @@ class WebThread:
 
 
 def listening(host: str, port: int) -> socket.socket:
-    """A socket that listens there; port 0 is any free port. Raises InputError."""
+    """A listening socket; port 0 is any free port. Raises InputError."""
     place = f"{host}:{port}"
     try:
         family, kind, proto, _, address = socket.getaddrinfo(

@@ -29,16 +29,16 @@ class Sample(NamedTuple):
 
 
 class TemperatureHistory:
-    """A sample a second of the last 15 minutes, and one each 15 s of the day before: some 6600
-    samples, however long the server runs."""
+    """One sample per second for the last 15 minutes, and one every 15 s for the day before: about
+    6600 samples at most."""
 
     def __init__(self) -> None:
         self._fine: deque[Sample] = deque()
         self._coarse: deque[Sample] = deque(maxlen=_COARSE_FOR_S // _COARSE_S)
 
     def add(self, snapshot: Snapshot, now_s: float) -> None:
-        """Takes the temperatures of a snapshot as those of `now_s`, a host time that does not go
-        back."""
+        """Adds the temperatures of a snapshot as those of `now_s`, a monotonic host time in
+        seconds."""
         self._fine.append(
             Sample(
                 now_s,
@@ -54,7 +54,7 @@ class TemperatureHistory:
                 self._coarse.append(sample)
 
     def since(self, host_s: float) -> list[Sample]:
-        """The samples from then on, oldest first."""
+        """The samples from `host_s` on, oldest first."""
         return [
             sample
             for part in (self._coarse, self._fine)
@@ -63,7 +63,7 @@ class TemperatureHistory:
         ]
 
     async def record(self, bridge: Bridge) -> None:
-        """Takes a sample each second, without end, in the time of the running loop."""
+        """Takes a sample every second, without end, in the time of the running loop."""
         loop = asyncio.get_running_loop()
         while True:
             self.add(bridge.latest(), loop.time())

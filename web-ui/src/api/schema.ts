@@ -1,7 +1,7 @@
 /** The types of the API, made from its table of operations: make reference. Numbers that
  * are not finite, and what a merge patch has removed, are missing. */
 
-/** What changes of an account; what is left out stays. */
+/** The changes of an account; an omitted value stays. */
 export interface AccountChange {
   password?: string | null;
   role?: "admin" | "operator" | "viewer" | null;
@@ -20,14 +20,14 @@ export interface Administrator {
   code?: string;
 }
 
-/** The answer of the printer, a string a line. */
+/** The lines of the printer's answer. */
 export interface Answer {
   lines: string[];
 }
 
-/** The effect of a machine file that was written. `live` are the changed keys that act now;
- * `overridden` those that a stored setting or a command overrides; `restart` those that act after
- * `machine.restart`. `backup` is the path of a copy of the file before. */
+/** The effect of writing the machine file. `live` are the changed keys that have taken effect;
+ * `overridden` those that a stored setting or a command overrides; `restart` those that take
+ * effect after `machine.restart`. `backup` is the path of a copy of the earlier file. */
 export interface Applied {
   live: string[];
   overridden: string[];
@@ -35,14 +35,14 @@ export interface Applied {
   backup: string;
 }
 
-/** Axes to home; without any, all that have an endstop. */
+/** Axes to home; without any, all axes that have an endstop. */
 export interface AxesToHome {
   axes?: string[];
 }
 
-/** An axis. `position_mm` is the plan's current position, in the program's coordinates;
- * `machine_mm` the same in the machine's. `homed`: its position is certain. Targets are kept
- * between `min_mm` and `max_mm`, in machine coordinates. */
+/** An axis. `position_mm` is the plan's current position in program coordinates, `machine_mm` the
+ * same in machine coordinates. If `homed`, the position is certain. Targets must be between
+ * `min_mm` and `max_mm`, in machine coordinates. */
 export interface AxisStatus {
   position_mm: number;
   machine_mm: number;
@@ -52,15 +52,15 @@ export interface AxisStatus {
   babystep_mm: number;
 }
 
-/** The distance by which all moves that are not done yet shift along an axis, in mm, in addition
- * to earlier shifts. */
+/** The distance, in mm, by which all remaining moves shift along an axis, in addition to earlier
+ * shifts. */
 export interface Babystep {
   axis: string;
   distance_mm: number;
 }
 
-/** What is added to Z to follow the bed, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`;
- * empty before the bed is measured. `probe`: the machine has one. `method` is that of the machine
+/** The correction that is added to Z, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`; empty
+ * before the bed is measured. `probe`: the machine has a probe. `method` comes from the machine
  * file; `procedures` are those that the machine allows. `measured` is the kind of correction: a
  * `mesh` has its own points, a `fit` is sampled over the axes. */
 export interface BedMap {
@@ -74,21 +74,22 @@ export interface BedMap {
   heights_mm: number[][];
 }
 
-/** A place of the bed, mm, and its height as it was measured. */
+/** A place of the bed and its measured height, mm. */
 export interface BedPoint {
   x_mm: number;
   y_mm: number;
   height_mm: number;
 }
 
-/** How the bed is measured and corrected. `method` and `probe` are those of the machine file;
- * `on`: the correction is in force; `profile` is the stored mesh in use, or empty, and `meshes`
- * are all that are stored; `mesh` is the one in use. `points` are those that were measured last;
- * `rms_mm` is what they deviate from their mean, `left_rms_mm` from the correction; both are None
- * without any. `surface` is the correction itself, None without one; `fade_mm` the height at
- * which it has faded out. `probe_offset_mm` and `trigger_height_mm` are as M851 has set them.
- * `measured` of `to_measure` points are done in a run; both are 0 without one. `manual` is the
- * paper test under way; `triggered` is what the probe was when it was asked last. */
+/** The measurement and the correction of the bed. `method` and `probe` come from the machine file.
+ * `on`: the correction is active. `profile` is the name of the active stored mesh, or empty;
+ * `meshes` are all stored meshes; `mesh` is the active one. `points` are the last measured
+ * points; `rms_mm` is their RMS deviation from their mean, `left_rms_mm` that from the
+ * correction; both are None without points. `surface` is the correction itself, None without one;
+ * `fade_mm` is the height at which it has faded out. `probe_offset_mm` and `trigger_height_mm`
+ * are the values of M851. During a run, `measured` of `to_measure` points are done; otherwise
+ * both are 0. `manual` is the paper test in progress. `triggered` is the state of the probe at
+ * its last query. */
 export interface BedStatus {
   method: string;
   on: boolean;
@@ -109,16 +110,16 @@ export interface BedStatus {
   triggered: boolean;
 }
 
-/** What the correction adds to Z, in mm, at even places from one corner of the bed to the opposite
- * one: rows along X, the front one first. */
+/** The heights that the correction adds to Z, in mm, on an even grid from one corner of the bed to
+ * the opposite one: rows along X, the front row first. */
 export interface BedSurface {
   from_mm: [number, number];
   to_mm: [number, number];
   rows_mm: number[][];
 }
 
-/** A board: what it is, the program that flashes it (`flash`, null if there is none), and what the
- * user does by hand before and after. `state` is `ready`, or says what is missing. */
+/** A board: its description, the program that flashes it (`flash`, null if there is none), and the
+ * manual steps before and after. `state` is `ready`, or names what is missing. */
 export interface BoardOfList {
   name: string;
   description: string;
@@ -132,9 +133,10 @@ export interface BoardOfList {
 }
 
 /** A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count the
- * traffic of its link since the start; `simulated`: it is software. `awake_s` is how much of the
- * last 5 s its firmware had work; `task_s` and `task_deviation_s` are mean and standard deviation
- * of one pass of its work. None until it reports them, and for a simulated chip. */
+ * traffic of its link since the start; `simulated`: the board is software. `awake_s` is the busy
+ * time of its firmware in the last 5 s; `task_s` and `task_deviation_s` are the mean and the
+ * standard deviation of one pass of its main loop, in seconds. These are None until the board
+ * reports them, and always for a simulated chip. */
 export interface BoardStatus {
   firmware: string;
   mcu: string;
@@ -154,8 +156,8 @@ export interface Boards {
   shipped: BoardOfList[];
 }
 
-/** A build. `of` is the name of the machine or board that it is for; `log` has its lines so far;
- * `seconds` is how long it has taken so far, or took. */
+/** A build. `of` is the name of the machine or board; `log` has its lines so far; `seconds` is its
+ * duration so far. */
 export interface Build {
   number: number;
   of: string;
@@ -165,9 +167,9 @@ export interface Build {
   seconds: number;
 }
 
-/** The images to build: the image of the shipped board `board`; or the images for all boards of
- * the machine file `text`; or those of the printer's own machine file, if both are null. `board`
- * has priority if both are given. */
+/** The images to build: for the shipped board `board`; or for all boards of the machine file
+ * `text`; or for those of the printer's machine file if both are null. `board` has priority over
+ * `text`. */
 export interface BuildOrder {
   board?: string | null;
   text?: string | null;
@@ -178,7 +180,7 @@ export interface ClearBed {
   bed_clear: boolean;
 }
 
-/** A command that the printer knows: its parameters, and what it does. */
+/** A command of the printer: its parameters and its effect. */
 export interface Command {
   code: string;
   parameters: string;
@@ -186,14 +188,15 @@ export interface Command {
 }
 
 /** `changes` are the keys whose values differ from those of the running machine; values from files
- * that the text names are included. `text` is the difference from the machine file, as `diff -u`
- * shows it. */
+ * that the text names are included. `text` is the difference from the machine file, in the format
+ * of `diff -u`. */
 export interface Difference {
   changes: KeyChange[];
   text: string;
 }
 
-/** A print that is over: done, cancelled or failed, why it failed, and its progress. */
+/** A finished print: its result (done, cancelled or failed), the reason of a failure, and its
+ * progress. */
 export interface EndedJob {
   outcome: string;
   reason: string;
@@ -293,8 +296,7 @@ export interface Fault {
   values: Record<string, unknown>;
 }
 
-/** An error of the catalogue: its code, the part that it concerns, the sentence, and the next
- * action. */
+/** An error of the catalogue: its code, the affected part, the sentence, and the next action. */
 export interface FaultStatus {
   code: string;
   part: string;
@@ -312,7 +314,7 @@ export interface FileEntry {
   modified_s: number;
 }
 
-/** The path of a file or folder on the card, from its root; names have `/` between them. */
+/** The path of a file or folder from the root of the card; `/` separates names. */
 export interface FilePath {
   path: string;
 }
@@ -322,15 +324,15 @@ export interface FileToPrint {
   path: string;
 }
 
-/** The card: whether it is mounted, the path of the file that is selected to print, or empty, and
- * the folder that is the card, or empty. */
+/** The card: whether it is mounted, the path of the file that is selected for printing, and the
+ * folder of the card; each path may be empty. */
 export interface FilesStatus {
   mounted: boolean;
   selected: string;
   folder: string;
 }
 
-/** The factor of a tool's extrusion; 1 is that of the file. */
+/** The factor of a tool's extrusion; 1 leaves it as in the file. */
 export interface FlowFactor {
   factor: number;
 }
@@ -348,7 +350,7 @@ export interface HeaterOfMachine {
   max_c: number;
 }
 
-/** A value for each time; null where the sensor had not reported. */
+/** The values of a heater, one for each time; null if the sensor had not reported. */
 export interface HeaterPast {
   celsius: (number | null)[];
   target_c: (number | null)[];
@@ -357,8 +359,7 @@ export interface HeaterPast {
 
 /** A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
  * `power` is a fraction of full power; `fault` is the sentence of a protection, or empty. Below
- * `min_extrude_c` a hotend moves no filament; 0: it does at any temperature (M302), or it is not
- * a hotend. */
+ * `min_extrude_c` a hotend moves no filament; 0 means no limit (M302), or not a hotend. */
 export interface HeaterStatus {
   celsius?: number | null;
   target_c: number;
@@ -372,17 +373,17 @@ export interface HeaterTarget {
   celsius: number;
 }
 
-/** A heater to tune at a temperature in °C: the gains of PID by relay oscillation, or its model
- * from the rise with full power, which needs a cold heater. */
+/** A heater to tune at a temperature in °C. The result is PID gains from a relay oscillation, or
+ * the thermal model from a rise at full power, which needs a cold heater. */
 export interface HeaterTune {
   heater: string;
   celsius: number;
   method?: "model" | "pid";
 }
 
-/** The identity of the caller. `role` is `public` without a log-in; `set_up`: there is an
- * administrator; `code_needed`: creating it takes the one-time code; `fresh`: the password was
- * entered within the last five minutes. */
+/** The identity of the caller. `role` is `public` without a log-in. `set_up`: there is an
+ * administrator. `code_needed`: to create the administrator, the one-time code is needed.
+ * `fresh`: the password was entered within the last five minutes. */
 export interface Identity {
   name: string;
   role: string;
@@ -391,7 +392,7 @@ export interface Identity {
   fresh: boolean;
 }
 
-/** An image that was built: its file in the zip; sizes in bytes, with those of the chip. */
+/** A built image: its file name in the zip, its sizes in bytes, and the memory sizes of the chip. */
 export interface Image {
   file: string;
   board: string;
@@ -403,15 +404,15 @@ export interface Image {
   sha256: string;
 }
 
-/** The file that is printed. `fraction` is the part of its time that is done, or of its bytes
- * while its time is not known yet, 0 to 1; `line` and `layer` are those of the current move (0:
- * none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
- * rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
- * known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
- * is its path on the card; `offset` of its `size` bytes are read and planned; `elapsed_s` is host
- * time since the start, with pauses; `filament_mm` is the filament that all extruders have pushed
- * for it, without pauses; `extruding_s` is the part of `printed_s` since the first extrusion, or
- * all of it on a machine without filament. */
+/** The file that is being printed. `fraction`, 0 to 1, is the part of its print time that is done,
+ * or of its bytes while its print time is unknown; `line` and `layer` are those of the current
+ * move (0: none yet); `printed_s` is the print time so far, without pauses; `left_s` is the
+ * duration of its remaining moves, without heating. `layers` and `left_s` are None while they are
+ * unknown. `current_object` is the number of the object that is being printed, one of `objects`.
+ * `path` is its path on the card; `offset` of its `size` bytes are read and planned; `elapsed_s`
+ * is host time since the start, with pauses; `filament_mm` is the filament of all extruders for
+ * this print, without moves in pauses; `extruding_s` is the part of `printed_s` since the first
+ * extrusion, or `printed_s` on a machine without filament. */
 export interface JobStatus {
   file: string;
   fraction: number;
@@ -437,15 +438,15 @@ export interface Jog {
   speed_mm_s: number;
 }
 
-/** An upload that was interrupted: the bytes from `offset` on may be sent within some minutes. */
+/** An interrupted upload: the client may send the bytes from `offset` on within ten minutes. */
 export interface KeptUpload {
   path: string;
   offset: number;
   total: number;
 }
 
-/** A key whose value differs; a value is null if the key is missing. `acts` says when the change
- * has an effect: at once (`live`), or after a `restart`. */
+/** A key whose value differs; a value is null if the key is missing. `acts` tells when the change
+ * takes effect: at once (`live`) or after a `restart`. */
 export interface KeyChange {
   key: string;
   before: unknown;
@@ -462,9 +463,9 @@ export interface KeyRecord {
 }
 
 /** A key with its value. `source` is `file` (then `line` is its line), `board` (the file of a
- * board or sensor that the machine file names), or `default`. `setting` is the command and the
- * word that also set the value; it is empty for most keys. `setting_value` is the value in force,
- * and `setting_source` is its source: `file`, `stored` (M500), or `command`. */
+ * board or sensor that the machine file names), or `default`. `setting` is the command with the
+ * word that also sets the value; it is empty for most keys. `setting_value` is the active value,
+ * and `setting_source` its source: `file`, `stored` (M500), or `command`. */
 export interface KeyValue {
   key: string;
   value: unknown;
@@ -475,13 +476,13 @@ export interface KeyValue {
   setting_source: string;
 }
 
-/** A procedure that levels by what the probe measures. */
+/** A levelling procedure that uses the probe. */
 export interface Levelling {
   procedure: "delta" | "gantry" | "screws";
 }
 
-/** A line of a console, which counts from 1, or is 0 for all consoles. `received`: from a host to
- * the printer. */
+/** A line of a console. Consoles are numbered from 1; 0 means all consoles. `received`: the line
+ * went from a host to the printer. */
 export interface Line {
   console: number;
   received: boolean;
@@ -494,7 +495,7 @@ export interface LogIn {
   password: string;
 }
 
-/** A log-in of an account, with times in seconds since 1970; `own` is that of the caller. */
+/** A log-in of an account, with times in seconds since 1970. `own`: it is the caller's. */
 export interface LogInRecord {
   id: string;
   account: string;
@@ -503,15 +504,15 @@ export interface LogInRecord {
   own: boolean;
 }
 
-/** A file that can be downloaded, its bytes, and when it was changed, in seconds since 1970. */
+/** A file for download: its size in bytes, and the time of its last change, in seconds since 1970. */
 export interface LogRecord {
   name: string;
   size: number;
   changed_s: number;
 }
 
-/** A machine as its file describes it. `fans` are those that commands set; `tools` are what T0,
- * T1, … select. */
+/** The machine as described by its file. `fans` are those that commands set; `tools` are those
+ * that T0, T1, … select. */
 export interface Machine {
   name: string;
   description: string;
@@ -521,9 +522,9 @@ export interface Machine {
   tools: ToolOfMachine[];
 }
 
-/** The text of the machine file. `path` is null if there is no file that may be changed: for a
- * shipped machine, or one that a program made. `sha256` is the SHA-256 of the text;
- * `machine.apply` needs it. */
+/** The text of the machine file. `path` is null if there is no file to change: for a shipped
+ * machine, or for a machine that a program has made. `machine.apply` needs `sha256`, the SHA-256
+ * of the text. */
 export interface MachineFile {
   path?: string | null;
   text: string;
@@ -540,20 +541,20 @@ export interface MachineProblem {
   action: string;
 }
 
-/** The text of a machine file, in TOML. Relative paths in it, of data dictionaries and tables of
- * sensors, begin at the folder of the printer's own machine file. */
+/** The text of a machine file, in TOML. Relative paths in it, such as those of data dictionaries
+ * and sensor tables, are relative to the folder of the printer's machine file. */
 export interface MachineText {
   text: string;
 }
 
-/** A key that was just made. `key` is shown only this once. */
+/** A new key. `key` is shown only this once. */
 export interface MadeKey {
   record: KeyRecord;
   key: string;
 }
 
-/** A paper test: point `number` of `count`, Z of the nozzle, and the nearest heights that were
- * tried below and above it, mm. */
+/** A paper test: point `number` of `count`, the Z of the nozzle, and the nearest tried heights
+ * below and above it, mm. */
 export interface ManualProbeStatus {
   number: number;
   count: number;
@@ -570,8 +571,9 @@ export interface Mesh {
   heights: number[][];
 }
 
-/** Facts about a file. While `state` is `pending` there is no plan yet; `refused`: the file cannot
- * be printed as it is, and `problems` are the reasons, for example moves out of range. */
+/** Facts about a file. `state` is `pending` until the plan is computed. It is `refused` if the
+ * file cannot be printed as it is; then `problems` has the reasons, for example moves out of
+ * range. */
 export interface Metadata {
   path: string;
   state: "known" | "pending" | "refused";
@@ -582,12 +584,12 @@ export interface Metadata {
   problems: Fault[];
 }
 
-/** The motion of the machine. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
- * filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
+/** The motion of the machine. `speed_mm_s` is the current speed of the nozzle, `filament_mm_s`
+ * that of the filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
  * `max_accel_mm_s2`, `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the
- * path; the first is None if the axes alone limit it. `absolute`, `absolute_e` and
- * `feedrate_mm_s` hold for the next move of the program. It begins at `end_mm` of the machine, X,
- * Y, Z and filament, which is `program_end_mm` of the program. */
+ * path; the first is None if only the axes limit the speed. `absolute`, `absolute_e` and
+ * `feedrate_mm_s` apply to the next move of the program. That move begins at `end_mm` (X, Y, Z
+ * and filament in machine coordinates), which is `program_end_mm` in program coordinates. */
 export interface MotionStatus {
   speed_mm_s: number;
   filament_mm_s: number;
@@ -611,14 +613,14 @@ export interface NewAccount {
   role: "admin" | "operator" | "viewer";
 }
 
-/** An API key to make; `name` says what it is for. */
+/** An API key to make; `name` describes its purpose. */
 export interface NewKey {
   name: string;
   role?: "admin" | "operator" | "viewer";
 }
 
 /** The text to write. `replaces` is the `sha256` that `machine.file` gave for the text before the
- * edit: a file that has changed since then is not overwritten. */
+ * edit. A file that has changed since then is not overwritten. */
 export interface NewMachineFile {
   text: string;
   replaces: string;
@@ -630,20 +632,19 @@ export interface NewName {
   to: string;
 }
 
-/** A value to set: `command` and `word` as `settings.list` names them. */
+/** A value to set; `settings.list` gives `command` and `word`. */
 export interface NewValue {
   command: string;
   word: string;
   value: number;
 }
 
-/** Whether an object is left out. */
+/** Whether an object is cancelled. */
 export interface ObjectState {
   cancelled: boolean;
 }
 
-/** The fault that a part has from now on; `none` ends it. `noise` may have an amount, as in
- * `noise:0.05`. */
+/** The new fault of a part; `none` ends a fault. `noise` may have an amount, as in `noise:0.05`. */
 export interface PartFault {
   fault: string;
 }
@@ -653,15 +654,15 @@ export interface Password {
   password: string;
 }
 
-/** The password of the log-in, and the one that replaces it. */
+/** The present password, and the new one. */
 export interface PasswordChange {
   old: string;
   new: string;
 }
 
-/** A print that is over. `started_s` is the wall clock in seconds since 1970, None if that is not
- * known; `ended` is done, cancelled, failed or interrupted; `print_s` is print time without
- * pauses; `note` is a remark about a problem, or empty. */
+/** A finished print. `started_s` is the wall clock in seconds since 1970, None if unknown; `ended`
+ * is done, cancelled, failed or interrupted; `print_s` is print time without pauses; `note` is a
+ * remark about a problem, or empty. */
 export interface PastPrint {
   file: string;
   size: number;
@@ -672,7 +673,7 @@ export interface PastPrint {
   note: string;
 }
 
-/** A thumbnail, which can be requested by its number, and its size in pixels. */
+/** A thumbnail: the number by which it can be requested, and its size in pixels. */
 export interface Picture {
   number: number;
   width: number;
@@ -681,7 +682,8 @@ export interface Picture {
 }
 
 /** A file as this printer would print it. `total_s` is the sum of `moving_s`, `dwell_s` and
- * `heating_s`; `limits_s` gives for each limit of the machine how long it limits the speed. */
+ * `heating_s`; `limits_s` has, for each limit of the machine, the time for which it limits the
+ * speed. */
 export interface Plan {
   total_s: number;
   moving_s: number;
@@ -694,9 +696,9 @@ export interface Plan {
   warnings: string[];
 }
 
-/** An object that the file labels. `number` is the one of M486, or its index in the file; `name`
- * is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, are those of
- * EXCLUDE_OBJECT_DEFINE, else None and empty. */
+/** An object that the file labels. `number` is the number in M486, or its index in the file;
+ * `name` is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, come from
+ * EXCLUDE_OBJECT_DEFINE; without it they are None and empty. */
 export interface PrintObject {
   number: number;
   name: string;
@@ -708,9 +710,8 @@ export interface PrintObject {
 /** The state of a printer; the values are the letters of M408. */
 export type PrinterState = "A" | "B" | "H" | "I" | "P";
 
-/** The prints that wait, the next one first. With `automatic` the next one starts without
- * confirmation after one that has succeeded; otherwise it waits until a user confirms that the
- * bed is clear. */
+/** The queued prints, the next one first. With `automatic`, the next print starts without
+ * confirmation after a successful print; otherwise a user must confirm that the bed is clear. */
 export interface Queue {
   prints: QueuedPrint[];
   automatic: boolean;
@@ -721,8 +722,8 @@ export interface QueueFile {
   path: string;
 }
 
-/** Whether the next print starts without confirmation after one that has succeeded. Only for a
- * printer that clears its bed itself. */
+/** Whether the next print starts without confirmation after a successful print. Only for a printer
+ * that clears its bed itself. */
 export interface QueueMode {
   automatic: boolean;
 }
@@ -733,7 +734,7 @@ export interface QueuedPrint {
   path: string;
 }
 
-/** A temperature that the printer shows, and the true one that a thermometer shows, in °C. */
+/** A temperature that the printer shows, and the true temperature by a thermometer, in °C. */
 export interface Reading {
   shown_c: number;
   true_c: number;
@@ -745,14 +746,14 @@ export interface Readings {
   readings: Reading[];
 }
 
-/** Why a request was not carried out. `others` are further problems that were found. */
+/** The reason why a request was refused. `others` are further problems of the request. */
 export interface Refusal {
   error: Fault;
   others: Fault[];
 }
 
-/** A screw of the bed as it was measured last: the height of the bed there, mm, and what to turn:
- * `adjust` are turns and minutes of a clock, `CW` or `CCW` before them. `base`: it stays. */
+/** The last measurement of a bed screw: the height of the bed there, mm, and the adjustment
+ * `adjust`: `CW` or `CCW` with full turns and minutes of a clock. `base`: this screw stays. */
 export interface ScrewStatus {
   name: string;
   height_mm: number;
@@ -765,9 +766,10 @@ export interface Script {
   script: string;
 }
 
-/** A value that commands set: `command` with `word` and a value sets it. `value` is in force,
- * `file` is that of the machine file (None: it has none), `stored` the one that M500 has stored
- * (None: none is). `source` says which of them is in force: `file`, `stored` or `command`. */
+/** A value that a command can set: `command` with `word` and the value. `value` is the active
+ * value, `file` that of the machine file, and `stored` the value that M500 has stored; each of
+ * the last two may be None. `source` is the source of the active value: `file`, `stored` or
+ * `command`. */
 export interface SettingValue {
   group: string;
   command: string;
@@ -778,7 +780,7 @@ export interface SettingValue {
   source: string;
 }
 
-/** The machine file of a shipped machine; copy it to begin your own. */
+/** The machine file of a shipped machine. Copy it as a start for your own. */
 export interface ShippedFile {
   name: string;
   text: string;
@@ -794,34 +796,33 @@ export interface ShippedMachine {
   board: string;
 }
 
-/** A part of the simulated printer: the faults that it can have, `none` first, and the one that it
- * has now. */
+/** A part of the simulated printer: its possible faults, `none` first, and its current fault. */
 export interface SimulatedPart {
   part: string;
   faults: string[];
   active: string;
 }
 
-/** The factor of all feedrates; 1 is that of the file. */
+/** The factor of all feedrates; 1 leaves them as in the file. */
 export interface SpeedFactor {
   factor: number;
 }
 
-/** A printer at one moment. Positions are the program's coordinates of where the machine is, in
- * mm, by axis and `e`; `homed` are the axes whose position is certain; fans are fractions of full
- * speed; `time_s` is print time since the start; `halted` says why nothing moves or heats, or is
- * empty, and `faults` the same as errors of the catalogue; `link` is a name of `LinkState` in
- * lower case; `message` is the text of M117; `progress` is the fraction of a print that is done,
- * also of a host's that reports it (M73, M532); `job` is None while no file is printed; `ended`
- * is the last print, until another file is selected; `started`: the boards have started at least
- * once; `macros` are the variables of the macros, by name. Below `min_extrude_c` the hotend of
- * `tool` moves no filament; 0: it does at any temperature (M302). `unsaved` are the settings that
- * M500 would change on its medium, as commands with their values, by headings; `saved_variables`
- * are those of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is the print
- * time for which the machine has printed or moved without a rest. `gantry_level`: the motors of Z
- * have levelled the gantry, and were on since then; None where they cannot. `screws` are those of
- * the bed as they were measured last, `screws_limit_mm` what they may differ by, if they differ
- * by more. */
+/** The status of a printer at one moment. Positions are the current position in program
+ * coordinates, in mm, by axis and `e`; `homed` are the axes with a certain position; fans are
+ * fractions of full speed; `time_s` is print time since the start; `halted` is the reason why the
+ * printer is halted, or empty, and `faults` has the same as errors of the catalogue; `link` is a
+ * name of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of
+ * the print that is done; for a print by a host, the host reports it (M73, M532). `job` is None
+ * while no file is printed; `ended` is the last print, until another file is selected; `started`:
+ * the boards have started at least once; `macros` are the variables of the macros, by name. Below
+ * `min_extrude_c` the hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are
+ * the settings that M500 would change, as commands with their values, by headings;
+ * `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine without a
+ * probe. `moving_s` is the print time for which the machine has printed or moved without a break.
+ * `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
+ * machine that cannot do this. `screws` are the last measurements of the bed screws;
+ * `screws_limit_mm` is their allowed difference, if it is exceeded. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -862,7 +863,7 @@ export interface StatusNow {
   status: Status;
 }
 
-/** The number of bytes of a file that have come, and whether it is on the card now. */
+/** The number of received bytes of a file, and whether the file is on the card. */
 export interface StoredFile {
   path: string;
   size: number;
@@ -896,8 +897,8 @@ export interface Thermistor {
   c_per_k?: number;
 }
 
-/** A thermistor by a method. `residuals_c` is what it would show above each true temperature, in
- * °C; `rms_c` is their root mean square. */
+/** A thermistor that a method has found. `residuals_c` are its errors at the readings, in °C;
+ * `rms_c` is their root mean square. */
 export interface ThermistorFit {
   method: "beta" | "now" | "steinhart-hart";
   r25_ohm: number;
@@ -913,16 +914,16 @@ export interface ToolOfMachine {
   heater?: string | null;
 }
 
-/** One line of G-code, and lines that are carried out before and after it, such as `M204` and
- * moves that it joins. */
+/** One line of G-code, with lines to execute before and after it, such as `M204` and adjacent
+ * moves. */
 export interface TypedLine {
   line: string;
   before?: string;
   after?: string;
 }
 
-/** Whether a text is a valid machine file. `questions` are values that are allowed but are
- * probably wrong; `notes` are facts about the machine that its owner should know. */
+/** The result of a check of a machine file. `questions` are allowed values that are probably
+ * wrong; `notes` are facts about the machine that its owner should know. */
 export interface Validation {
   ok: boolean;
   problems: MachineProblem[];

@@ -18,11 +18,11 @@ from passo.web.roles import Role
 if TYPE_CHECKING:
     from passo.web.accounts.store import Store
 
-IDLE_S = 14 * 86400.0  # a log-in ends if it is not used for so long
-MAX_AGE_S = 90 * 86400.0  # every log-in ends after so long
-FRESH_S = 300.0  # for so long after entering the password it is not asked for again
+IDLE_S = 14 * 86400.0  # a log-in ends after this time without use
+MAX_AGE_S = 90 * 86400.0  # every log-in ends after this time
+FRESH_S = 300.0  # time after entering the password in which it is not asked for again
 _USED_EVERY_S = 3600.0  # interval at which the use of a log-in is stored
-_MAX_SESSIONS = 50  # of one account; the oldest ends
+_MAX_SESSIONS = 50  # for each account; beyond that, the oldest ends
 _CODE = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # without letters and digits that look alike
 KEY_PREFIX = "passo_"
 
@@ -38,8 +38,8 @@ class Account:
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """A log-in; its times are those of the wall clock. `confirmed_s` is the time at which its
-    password was last entered, 0 before the start of this program."""
+    """A log-in; its times are in seconds of the wall clock. `confirmed_s` is the last time at which
+    the password was entered; 0 if that was before the start of this program."""
 
     hash: str
     account: str
@@ -60,19 +60,19 @@ class Key:
 
 
 def digest(token: str) -> str:
-    """The stored hash of a token. Tokens are random: a fast hash is enough."""
+    """The stored hash of a token. A fast hash is enough, because tokens are random."""
     return hashlib.sha256(token.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 class Accounts:
-    """All accounts are in memory; each change is stored before it takes effect. Used in the web's
-    event loop alone."""
+    """All accounts are in memory; each change is stored before it takes effect. Use it only in the
+    web's event loop."""
 
     def __init__(self, store: Store, *, wall_s: Callable[[], float], now_s: Callable[[], float]):
         """`wall_s` is the wall clock, in seconds since 1970; `now_s` a monotonic one."""
         self._store, self._wall_s = store, wall_s
         self._passwords = Passwords()
-        self._changing = asyncio.Lock()  # accounts: one change after the other
+        self._changing = asyncio.Lock()  # serialises the changes of accounts
         self.limiter = Limiter(now_s)
         self._accounts = {
             name: Account(name, Role(role), password)
@@ -108,7 +108,7 @@ class Accounts:
 
     @property
     def cookie(self) -> str:
-        """The name of the cookie: other printers of this host have other names."""
+        """The name of the cookie; it differs for each printer of this host."""
         return f"passo-{self.instance}"
 
     def close(self) -> None:
@@ -131,15 +131,15 @@ class Accounts:
             self.limiter.succeeded(address)
         account = Account(name.lower(), Role.ADMIN, await self._passwords.hashed(password))
         async with self._changing:
-            if self._accounts:  # another request was faster
+            if self._accounts:  # another request has created it in the meantime
                 raise WebError.of("web.set-up")
             await self._store.write(_insert(account))
             self._accounts[account.name] = account
         return await self._begin(account)
 
     async def log_in(self, name: str, password: str, address: str) -> str:
-        """Begins a session; returns its token. Raises WebError: the same one, after the same time,
-        whether the account or the password is wrong."""
+        """Starts a session; returns its token. Raises WebError, with the same text and after the
+        same time for a wrong account and for a wrong password."""
         account = await self._checked(name, password, address)
         return await self._begin(account)
 
@@ -204,7 +204,7 @@ class Accounts:
         )
 
     def fresh(self, hash_: str) -> bool:
-        """Whether the password of a session was entered just now."""
+        """Whether the password of a session was entered within `FRESH_S`."""
         found = self._sessions.get(hash_)
         return found is not None and self._wall_s() < found.confirmed_s + FRESH_S
 
@@ -214,7 +214,7 @@ class Accounts:
         return [session for session, _ in found if account in (None, session.account)]
 
     async def end(self, *hashes: str) -> None:
-        """Ends sessions, at once."""
+        """Ends these sessions at once."""
         for hash_ in hashes:
             self._sessions.pop(hash_, None)
         await self._store.write(*[("delete from sessions where hash = ?", (h,)) for h in hashes])
@@ -227,7 +227,7 @@ class Accounts:
         return sorted(self._accounts.values(), key=lambda account: account.name)
 
     async def add(self, name: str, password: str, role: Role) -> Account:
-        """Makes an account. Raises WebError if there is one of that name."""
+        """Makes an account. Raises WebError if the name is taken."""
         account = Account(name.lower(), role, await self._passwords.hashed(password))
         async with self._changing:
             if account.name in self._accounts:
@@ -239,8 +239,8 @@ class Accounts:
     async def change(
         self, name: str, *, password: str | None = None, role: Role | None = None, but: str = ""
     ) -> Account:
-        """Gives an account another password or role, and ends its sessions except `but`. Raises
-        WebError."""
+        """Changes the password or the role of an account, and ends its sessions except `but`.
+        Raises WebError."""
         stored = None if password is None else await self._passwords.hashed(password)
         async with self._changing:
             old = self._found(name)
@@ -256,7 +256,8 @@ class Accounts:
         return account
 
     async def change_own_password(self, session: str, old: str, new: str, address: str) -> None:
-        """Changes the password of a session's account, which must be given. Raises WebError."""
+        """Changes the password of a session's account; `old` must be its present password. Raises
+        WebError."""
         found = self._sessions[session]
         await self._checked(found.account, old, address)
         await self.change(found.account, password=new, but=session)
@@ -293,7 +294,7 @@ class Accounts:
         return sorted(self._keys.values(), key=lambda key: key.made_s)
 
     def key(self, token: str) -> Key | None:
-        """The key that belongs to a token. Never waits."""
+        """The API key with this token; None for an unknown one. Never waits."""
         return self._keys.get(digest(token))
 
     async def add_key(self, name: str, role: Role) -> tuple[Key, str]:

@@ -13,15 +13,15 @@ _MAX_KEYS = 4096
 
 
 class Limiter:
-    """Counts attempts by key; an address and an account are keys."""
+    """Counts attempts by key; a key is an address or an account."""
 
     def __init__(self, now_s: Callable[[], float]) -> None:
         self._now_s = now_s
         self._attempts: dict[str, list[float]] = {}
 
     def attempt(self, *keys: str) -> None:
-        """Counts an attempt for each key. Raises WebError `web.too-many` if one has had too many;
-        then it counts for none."""
+        """Counts an attempt for each key. Raises WebError `web.too-many` if a key has too many
+        attempts; then the attempt is not counted."""
         now = self._now_s()
         wait_s = max(self._wait_s(key, now) for key in keys)
         if wait_s > 0:
@@ -31,7 +31,7 @@ class Limiter:
         self._forget(now)
 
     def succeeded(self, *keys: str) -> None:
-        """The last attempt succeeded: it does not count."""
+        """Removes the last attempt of each key, because it succeeded."""
         for key in keys:
             if attempts := self._attempts.get(key):
                 attempts.pop()
@@ -51,7 +51,7 @@ class Limiter:
 
 
 def address_key(host: str) -> str:
-    """The key of an address: for IPv6 its network of 64 bits, which belongs to one computer."""
+    """The key of an address; for IPv6, the 64-bit network, which is usually one computer's."""
     try:
         address = ip_address(host)
     except ValueError:

@@ -49,7 +49,8 @@ class Passwords:
             return await asyncio.to_thread(hashed, password)
 
     async def matches(self, password: str, stored: str | None) -> bool:
-        """Whether a password has this hash; for None it returns False after the same time."""
+        """Whether a password has this hash. For None it returns False after the same time as for a
+        hash."""
         async with self._turns:
             same = await asyncio.to_thread(matches, password, stored or self._dummy)
         return same and stored is not None

@@ -1,4 +1,4 @@
-"""Accounts, log-ins and keys in SQLite, in a thread of its own; or only in memory."""
+"""Accounts, log-ins and keys in SQLite, in a separate thread; or only in memory."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ create table if not exists keys (
 
 
 class Store:
-    """The file `accounts.sqlite` of a folder, which only its user may read; None: nothing is
-    stored. The changes of `write` survive a power cut."""
+    """The file `accounts.sqlite` in a folder, readable only by its owner. Without a folder,
+    accounts exist only in memory. The changes of `write` survive a power cut."""
 
     def __init__(self, folder: Path | None) -> None:
         """Raises WebError if the file cannot be used."""
@@ -51,7 +51,7 @@ class Store:
         return self._base is not None
 
     def rows(self, query: str) -> list[tuple[Any, ...]]:
-        """All rows of a query, at the start."""
+        """All rows of a query. Call it only at the start."""
         base = self._base
         if base is None:
             return []
@@ -62,7 +62,8 @@ class Store:
         return self._thread.submit(run).result()
 
     async def write(self, *statements: tuple[str, tuple[object, ...]]) -> None:
-        """Carries out statements as one transaction. Raises WebError; then none was carried out."""
+        """Executes statements as one transaction. Raises WebError; then none of them has an
+        effect."""
         base = self._base
         if base is None:
             return

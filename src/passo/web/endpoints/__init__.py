@@ -1,1 +1,2 @@
-"""The operations for clients, one subject a module: each handler with its row of the table."""
+"""The operations for clients, one module for each subject. Each handler declares its row of the
+table."""

@@ -24,7 +24,7 @@ class NewAccount(Struct, forbid_unknown_fields=True):
 
 
 class AccountChange(Struct, forbid_unknown_fields=True):
-    """What changes of an account; what is left out stays."""
+    """The changes of an account; an omitted value stays."""
 
     password: NewPassword | None = None
     role: RoleName | None = None
@@ -38,7 +38,7 @@ class AccountRecord(Struct):
 
 
 class NewKey(Struct, forbid_unknown_fields=True):
-    """An API key to make; `name` says what it is for."""
+    """An API key to make; `name` describes its purpose."""
 
     name: Annotated[str, Meta(min_length=1, max_length=64)]
     role: RoleName = "operator"
@@ -54,7 +54,7 @@ class KeyRecord(Struct):
 
 
 class MadeKey(Struct):
-    """A key that was just made. `key` is shown only this once."""
+    """A new key. `key` is shown only this once."""
 
     record: KeyRecord
     key: str
@@ -127,7 +127,7 @@ async def keys(call: Call) -> list[KeyRecord]:
     fresh=True,
 )
 async def add_key(call: Call, body: NewKey) -> MadeKey:
-    """Makes an API key for a slicer or a script: it goes into the header `X-Api-Key`."""
+    """Makes an API key for a slicer or a script, which sends it in the header `X-Api-Key`."""
     key, token = await call.site.accounts.add_key(body.name, Role[body.role.upper()])
     return MadeKey(_key(key), token)
 

@@ -1,4 +1,4 @@
-"""What is measured on the machine, and set by what was measured."""
+"""Calibrations: measure values on the machine, and set them."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ Procedure = Literal["gantry", "screws", "delta"]
 _PROCEDURES: dict[str, str] = {"gantry": "G34", "screws": "G35", "delta": "G33"}
 _RULES = {"pid": "C8 R0", "model": "R5"}
 _ERRORS = ("web.not-found", "command.value", "command.halted", "command.failed")
-_MAP = range(11)  # points of a fit along each axis
+_MAP = range(11)  # indices of the points of a sampled fit along each axis
 
 
 class HeaterTune(Struct, forbid_unknown_fields=True):
-    """A heater to tune at a temperature in °C: the gains of PID by relay oscillation, or its model
-    from the rise with full power, which needs a cold heater."""
+    """A heater to tune at a temperature in °C. The result is PID gains from a relay oscillation, or
+    the thermal model from a rise at full power, which needs a cold heater."""
 
     heater: str
     celsius: Celsius
@@ -48,7 +48,7 @@ class HeaterTune(Struct, forbid_unknown_fields=True):
 
 
 class Reading(Struct, forbid_unknown_fields=True):
-    """A temperature that the printer shows, and the true one that a thermometer shows, in °C."""
+    """A temperature that the printer shows, and the true temperature by a thermometer, in °C."""
 
     shown_c: Celsius
     true_c: Celsius
@@ -62,8 +62,8 @@ class Readings(Struct, forbid_unknown_fields=True):
 
 
 class ThermistorFit(Struct):
-    """A thermistor by a method. `residuals_c` is what it would show above each true temperature,
-    in °C; `rms_c` is their root mean square."""
+    """A thermistor that a method has found. `residuals_c` are its errors at the readings, in °C;
+    `rms_c` is their root mean square."""
 
     method: Literal["now", "beta", "steinhart-hart"]
     r25_ohm: float
@@ -84,14 +84,14 @@ class Thermistor(Struct, forbid_unknown_fields=True):
 
 
 class Levelling(Struct, forbid_unknown_fields=True):
-    """A procedure that levels by what the probe measures."""
+    """A levelling procedure that uses the probe."""
 
     procedure: Procedure
 
 
 class BedMap(Struct):
-    """What is added to Z to follow the bed, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`;
-    empty before the bed is measured. `probe`: the machine has one. `method` is that of the machine
+    """The correction that is added to Z, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`; empty
+    before the bed is measured. `probe`: the machine has a probe. `method` comes from the machine
     file; `procedures` are those that the machine allows. `measured` is the kind of correction: a
     `mesh` has its own points, a `fit` is sampled over the axes."""
 
@@ -107,8 +107,9 @@ class BedMap(Struct):
 
 @operation("calibration.tune_heater", "POST", "/calibration/heater", Role.OPERATOR, errors=_ERRORS)
 async def tune_heater(call: Call, body: HeaterTune) -> Answer:
-    """Tunes a heater, takes the result, and stores it where there is a place for settings (M303
-    with U1). The heater is off before it answers. Minutes pass; `console.end_wait` ends it."""
+    """Tunes a heater, applies the result, and stores it if the printer can store settings (M303
+    with U1). This takes minutes; `console.end_wait` ends it. The heater is switched off before the
+    answer."""
     number = _heater_number(call, body.heater)
     rule = _RULES[body.method]
     return Answer(list(await call.run(f"M303 H{number} S{numeral(body.celsius)} {rule} U1")))
@@ -122,8 +123,8 @@ async def tune_heater(call: Call, body: HeaterTune) -> Answer:
     errors=("web.not-found", "input.point-far"),
 )
 async def fit_thermistor(call: Call, body: Readings) -> list[ThermistorFit]:
-    """What a heater's thermistor should be for readings, by each method that these allow; the
-    thermistor as it is now comes first. Nothing is set."""
+    """Fits the coefficients of a heater's thermistor to readings, by each method for which there
+    are enough readings. The first entry is the current thermistor. Nothing is set."""
     ntc = await _thermistor(call, body.heater)
     points = [Point(reading.shown_c, reading.true_c) for reading in body.readings]
     for point in points:
@@ -163,8 +164,8 @@ async def set_thermistor(call: Call, body: Thermistor) -> None:
     errors=("levelling.no-area", "levelling.no-points", "input.not-homed", *_ERRORS),
 )
 async def measure_bed(call: Call) -> Answer:
-    """Homes all axes, measures the bed by the method of the machine file, and corrects by it (G28,
-    G29)."""
+    """Homes all axes, measures the bed by the method of the machine file, and switches the
+    correction on (G28, G29)."""
     return Answer(list(await call.run("G28\nG29")))
 
 
@@ -188,9 +189,9 @@ async def repeat_probe(call: Call) -> Answer:
     errors=("input.not-homed", *_ERRORS),
 )
 async def level(call: Call, body: Levelling) -> Answer:
-    """Homes all axes, then levels the gantry by its motors (G34), reports the turns of the screws
-    of the bed (G35), or calibrates the geometry of a delta (G33). `calibration.bed` lists what the
-    machine allows."""
+    """Homes all axes, and then levels the gantry by its motors (G34), reports how far to turn the
+    bed screws (G35), or calibrates the geometry of a delta (G33). `calibration.bed` lists the
+    procedures that the machine allows."""
     if body.procedure not in _procedures(call.bridge.machine):
         raise WebError.of("web.not-found", value=f"procedure {body.procedure} of this machine")
     return Answer(list(await call.run(f"G28\n{_PROCEDURES[body.procedure]}")))
@@ -198,7 +199,7 @@ async def level(call: Call, body: Levelling) -> Answer:
 
 @operation("calibration.bed", "GET", "/calibration/bed", Role.VIEWER)
 async def bed(call: Call) -> BedMap:
-    """The map of the bed that is in force, or was measured last."""
+    """The active map of the bed, or the last one that was measured."""
     machine = call.bridge.machine
     state = await call.bridge.bed()
     correction = state.correction
@@ -239,7 +240,7 @@ def _procedures(machine: MachineConfig) -> Iterator[Procedure]:
 
 
 def _heater_number(call: Call, name: str) -> int:
-    """H of a heater in commands."""
+    """The H number of a heater in commands."""
     machine = call.bridge.machine
     number = number_of(machine, name) if name in machine.heaters else None
     if number is None:
@@ -248,7 +249,7 @@ def _heater_number(call: Call, name: str) -> int:
 
 
 async def _thermistor(call: Call, name: str) -> Ntc:
-    """The thermistor of a heater as it is in force: M305 may have changed that of the file."""
+    """The active thermistor of a heater, which M305 may have changed."""
     command = f"M305 H{_heater_number(call, name)}"
     values = {s.word: float(s.value) for s in await call.bridge.settings() if s.command == command}
     if not values:

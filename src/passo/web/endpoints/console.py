@@ -18,14 +18,14 @@ class Script(Struct, forbid_unknown_fields=True):
 
 
 class Answer(Struct):
-    """The answer of the printer, a string a line."""
+    """The lines of the printer's answer."""
 
     lines: list[str]
 
 
 class Line(Struct):
-    """A line of a console, which counts from 1, or is 0 for all consoles. `received`: from a host
-    to the printer."""
+    """A line of a console. Consoles are numbered from 1; 0 means all consoles. `received`: the line
+    went from a host to the printer."""
 
     console: int
     received: bool
@@ -33,7 +33,7 @@ class Line(Struct):
 
 
 class Command(Struct):
-    """A command that the printer knows: its parameters, and what it does."""
+    """A command of the printer: its parameters and its effect."""
 
     code: str
     parameters: str
@@ -48,14 +48,15 @@ class Command(Struct):
     errors=("command.halted", "command.failed", "input.not-homed", "input.cold"),
 )
 async def run(call: Call, body: Script) -> Answer:
-    """Carries out lines of G-code, one after the other, and answers when the last one is done or
+    """Executes lines of G-code, one after the other, and answers when the last line is done or
     planned. The first line that fails ends the script."""
     return Answer(list(await call.run(body.script)))
 
 
 @operation("console.end_wait", "POST", "/console/end-wait", Role.OPERATOR)
 async def end_wait(call: Call) -> None:
-    """Ends what the printer waits for (M108): heating, a calibration, a measurement of the bed."""
+    """Ends the current wait (M108): for a temperature, a calibration, or a measurement of the
+    bed."""
     await call.run("M108")
 
 
@@ -67,5 +68,5 @@ async def history(call: Call) -> list[Line]:
 
 @operation("console.commands", "GET", "/console/commands", Role.VIEWER)
 async def commands(call: Call) -> list[Command]:
-    """Each command that the printer knows."""
+    """All commands of the printer."""
     return [Command(row.code, row.parameters, row.text) for row in call.bridge.commands]

@@ -1,4 +1,4 @@
-"""What one line becomes: words, planned moves, steps, bytes on the wire."""
+"""Explains one line of G-code: words, planned moves, steps, bytes on the link."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class LineOfFile(Struct, forbid_unknown_fields=True):
 
 
 class TypedLine(Struct, forbid_unknown_fields=True):
-    """One line of G-code, and lines that are carried out before and after it, such as `M204` and
-    moves that it joins."""
+    """One line of G-code, with lines to execute before and after it, such as `M204` and adjacent
+    moves."""
 
     line: Annotated[str, Meta(min_length=1, max_length=1000, pattern=r"^[^\r\n]*[^\s][^\r\n]*$")]
     before: Annotated[str, Meta(max_length=4000)] = ""
@@ -46,6 +46,5 @@ async def explain_file(call: Call, query: LineOfFile) -> Explanation:
 
 @operation("explain.line", "POST", "/explain", Role.VIEWER, errors=_ERRORS)
 async def explain_line(call: Call, body: TypedLine) -> Explanation:
-    """What one line becomes if all axes are at 0 before it, and before the lines of `before`.
-    Nothing moves."""
+    """Explains one line. All axes start at 0, before the lines of `before`. Nothing moves."""
     return await call.bridge.explain_line(body.line, before=body.before, after=body.after)

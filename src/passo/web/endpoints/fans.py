@@ -21,7 +21,7 @@ class FanSpeed(Struct, forbid_unknown_fields=True):
 
 @operation("fans.list", "GET", "/fans", Role.VIEWER)
 async def fans(call: Call) -> dict[str, float]:
-    """The speed of each fan as last set, a fraction of full speed."""
+    """The last commanded speed of each fan, a fraction of full speed."""
     return call.bridge.latest().status.fans
 
 

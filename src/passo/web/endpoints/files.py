@@ -29,7 +29,7 @@ _Path = Annotated[str, Meta(min_length=1, max_length=1024)]
 
 
 class FilePath(Struct, forbid_unknown_fields=True):
-    """The path of a file or folder on the card, from its root; names have `/` between them."""
+    """The path of a file or folder from the root of the card; `/` separates names."""
 
     path: _Path
 
@@ -74,7 +74,7 @@ class Folder(Struct):
 
 
 class StoredFile(Struct):
-    """The number of bytes of a file that have come, and whether it is on the card now."""
+    """The number of received bytes of a file, and whether the file is on the card."""
 
     path: str
     size: int
@@ -82,8 +82,7 @@ class StoredFile(Struct):
 
 
 class KeptUpload(Struct):
-    """An upload that was interrupted: the bytes from `offset` on may be sent within some
-    minutes."""
+    """An interrupted upload: the client may send the bytes from `offset` on within ten minutes."""
 
     path: str
     offset: int
@@ -108,9 +107,8 @@ async def files(call: Call, query: FolderQuery) -> Folder:
     "files.metadata", "GET", "/files/metadata", Role.VIEWER, errors=(*_CARD, "card.directory")
 )
 async def metadata(call: Call, query: FilePath) -> Metadata:
-    """Facts about a file: slicer, objects, thumbnails, and how this printer would print it, as
-    `passo estimate` computes. That takes some seconds for a long file; until then `state` is
-    `pending`."""
+    """Facts about a file: slicer, objects, thumbnails, and the plan of this printer, as by `passo
+    estimate`. Planning takes some seconds for a long file; until then `state` is `pending`."""
     return await call.site.metadata.get(confined(query.path))
 
 
@@ -177,10 +175,10 @@ async def content(call: Call, query: FilePath) -> Response:
     status=201,
 )
 async def upload(call: Call, query: FilePath) -> StoredFile:
-    """Puts a file onto the card, in place of one of that path, once it is complete. If the
-    connection is lost, the bytes so far are kept for some minutes: `files.kept` reports how many,
-    and the rest is sent with `Content-Range: bytes FIRST-LAST/TOTAL`. Any file may be sent in such
-    parts."""
+    """Uploads a file to the card. Once it is complete, it replaces a file of the same path. If the
+    connection is lost, the received bytes are kept for ten minutes: `files.kept` reports their
+    number, and the client sends the rest with `Content-Range: bytes FIRST-LAST/TOTAL`. A client may
+    send any file in such parts."""
     body = Body(call.request)
     try:
         path = program(query.path)
@@ -216,7 +214,7 @@ async def forget(call: Call, query: FilePath) -> None:
 
 @operation("files.remove", "DELETE", "/files", Role.OPERATOR, errors=(*_CHANGE, "card.directory"))
 async def remove(call: Call, query: FilePath) -> None:
-    """Deletes a file, unless it is printed now."""
+    """Deletes a file, unless it is being printed."""
     await call.bridge.remove_file(confined(query.path))
 
 
@@ -228,7 +226,8 @@ async def remove(call: Call, query: FilePath) -> None:
     errors=(*_CHANGE, "card.exists", "card.into-itself", "card.no-slots", "card.full"),
 )
 async def rename(call: Call, body: NewName) -> None:
-    """Renames or moves a file or folder, unless it is, or holds, what is printed now."""
+    """Renames or moves a file or folder, unless it is, or contains, the file that is being
+    printed."""
     await call.bridge.rename(confined(body.path), confined(body.to))
 
 
@@ -255,7 +254,7 @@ async def remove_folder(call: Call, query: FilePath) -> None:
 
 
 def _part(content_range: str | None, length: int | None) -> tuple[int, int | None]:
-    """The offset of what is sent, and the size of the whole file."""
+    """The offset of the sent bytes, and the size of the whole file."""
     if content_range is None:
         return 0, length
     found = _RANGE.fullmatch(content_range.strip())

@@ -24,8 +24,8 @@ _CONFIG_ERRORS = codes_of("config")
 
 
 class BoardOfList(Struct):
-    """A board: what it is, the program that flashes it (`flash`, null if there is none), and what
-    the user does by hand before and after. `state` is `ready`, or says what is missing."""
+    """A board: its description, the program that flashes it (`flash`, null if there is none), and
+    the manual steps before and after. `state` is `ready`, or names what is missing."""
 
     name: str
     description: str
@@ -47,9 +47,9 @@ class Boards(Struct):
 
 
 class BuildOrder(Struct, forbid_unknown_fields=True):
-    """The images to build: the image of the shipped board `board`; or the images for all boards of
-    the machine file `text`; or those of the printer's own machine file, if both are null. `board`
-    has priority if both are given."""
+    """The images to build: for the shipped board `board`; or for all boards of the machine file
+    `text`; or for those of the printer's machine file if both are null. `board` has priority over
+    `text`."""
 
     board: Annotated[str, Meta(max_length=100)] | None = None
     text: Annotated[str, Meta(max_length=500_000)] | None = None
@@ -57,7 +57,8 @@ class BuildOrder(Struct, forbid_unknown_fields=True):
 
 @operation("firmware.boards", "GET", "/firmware/boards", Role.VIEWER)
 async def boards(call: Call) -> Boards:
-    """The boards of the machine and all that come with Passo, and what each needs."""
+    """The boards of the machine, and all boards that come with Passo, with the steps that each
+    needs."""
     machine = call.bridge.machine
 
     def found() -> Boards:
@@ -77,8 +78,8 @@ async def boards(call: Call) -> Boards:
     status=202,
 )
 async def build(call: Call, body: BuildOrder) -> Build:
-    """Starts to build images, in a process of its own, one build at a time. The feed sends each
-    line of the log; `firmware.last` has the whole log."""
+    """Starts a build of images in a separate process, one build at a time. The feed sends each line
+    of the log; `firmware.last` has the whole log."""
     if body.board is not None:
         if body.board not in config.shipped_boards():
             raise FirmwareError.of("firmware.board", value=body.board)
@@ -96,7 +97,7 @@ async def build(call: Call, body: BuildOrder) -> Build:
 
 @operation("firmware.last", "GET", "/firmware/build", Role.VIEWER, errors=("web.not-found",))
 async def last(call: Call) -> Build:
-    """The build that is running, or the last one, with its log and the sizes of its images."""
+    """The current or the last build, with its log and the sizes of its images."""
     return _last(call)
 
 

@@ -1,4 +1,4 @@
-"""The past of the printer, as the server has recorded it."""
+"""The history of the printer, as recorded by the server."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from passo.web.roles import Role
 
 
 class Span(Struct):
-    """The length of the past, in seconds."""
+    """The length of the requested history, in seconds."""
 
     span_s: Annotated[float, Meta(gt=0, le=86400)] = 3600.0
 
 
 class HeaterPast(Struct):
-    """A value for each time; null where the sensor had not reported."""
+    """The values of a heater, one for each time; null if the sensor had not reported."""
 
     celsius: list[float | None]
     target_c: list[float | None]
@@ -35,8 +35,8 @@ class Temperatures(Struct):
 
 @operation("history.temperatures", "GET", "/history/temperatures", Role.VIEWER)
 async def temperatures(call: Call, query: Span) -> Temperatures:
-    """Temperatures, targets and power of all heaters: one sample a second of the last 15 minutes,
-    one each 15 s of the day before."""
+    """Temperatures, targets and power of all heaters: one sample per second for the last 15
+    minutes, and one every 15 s for the day before."""
     now_s = time.monotonic()
     samples = call.site.temperatures.since(now_s - query.span_s)
     return Temperatures(

@@ -19,7 +19,7 @@ class FileToPrint(Struct, forbid_unknown_fields=True):
 
 
 class ObjectState(Struct, forbid_unknown_fields=True):
-    """Whether an object is left out."""
+    """Whether an object is cancelled."""
 
     cancelled: bool
 
@@ -68,8 +68,7 @@ async def cancel(call: Call) -> None:
     errors=("job.no-objects", "job.no-object", "job.objects-and-laser"),
 )
 async def cancel_object(call: Call, number: int, body: ObjectState) -> None:
-    """Leaves an object out of the print from now on, or prints it again. `number` is that of the
-    status."""
+    """Cancels an object of the print, or prints it again. `number` is its number in the status."""
     await call.bridge.cancel_object(number, cancelled=body.cancelled)
 
 
@@ -77,5 +76,5 @@ async def cancel_object(call: Call, number: int, body: ObjectState) -> None:
     "job.past", "GET", "/job/past", Role.VIEWER, errors=("settings.nowhere", "history.unusable")
 )
 async def past(call: Call, query: HowMany) -> list[PastPrint]:
-    """The newest prints that are over, newest first."""
+    """The last finished prints, newest first."""
     return await call.bridge.past_prints(query.limit)

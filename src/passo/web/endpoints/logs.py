@@ -15,7 +15,8 @@ _TEXT = "text/plain"
 
 
 class LogRecord(Struct):
-    """A file that can be downloaded, its bytes, and when it was changed, in seconds since 1970."""
+    """A file for download: its size in bytes, and the time of its last change, in seconds since
+    1970."""
 
     name: str
     size: int

@@ -27,8 +27,8 @@ class ToolOfMachine(Struct):
 
 
 class Machine(Struct):
-    """A machine as its file describes it. `fans` are those that commands set; `tools` are what T0,
-    T1, … select."""
+    """The machine as described by its file. `fans` are those that commands set; `tools` are those
+    that T0, T1, … select."""
 
     name: str
     description: str
@@ -40,7 +40,7 @@ class Machine(Struct):
 
 @operation("machine.get", "GET", "/machine", Role.VIEWER)
 async def machine(call: Call) -> Machine:
-    """The parts of the machine, which stay the same while it is served."""
+    """The parts of the machine. They do not change while the machine is served."""
     config = call.bridge.machine
     return Machine(
         name=config.name,

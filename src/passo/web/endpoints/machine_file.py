@@ -1,4 +1,5 @@
-"""The machine file: read, checked, compared, written; the machines that come with Passo."""
+"""Reads, checks, compares and writes the machine file, and lists the machines that come with
+Passo."""
 
 from __future__ import annotations
 
@@ -29,9 +30,9 @@ _CONFIG_ERRORS = codes_of("config")
 
 
 class MachineFile(Struct):
-    """The text of the machine file. `path` is null if there is no file that may be changed: for a
-    shipped machine, or one that a program made. `sha256` is the SHA-256 of the text;
-    `machine.apply` needs it."""
+    """The text of the machine file. `path` is null if there is no file to change: for a shipped
+    machine, or for a machine that a program has made. `machine.apply` needs `sha256`, the SHA-256
+    of the text."""
 
     path: str | None
     text: str
@@ -39,15 +40,15 @@ class MachineFile(Struct):
 
 
 class MachineText(Struct, forbid_unknown_fields=True):
-    """The text of a machine file, in TOML. Relative paths in it, of data dictionaries and tables of
-    sensors, begin at the folder of the printer's own machine file."""
+    """The text of a machine file, in TOML. Relative paths in it, such as those of data dictionaries
+    and sensor tables, are relative to the folder of the printer's machine file."""
 
     text: Annotated[str, Meta(max_length=500_000)]
 
 
 class NewMachineFile(MachineText, forbid_unknown_fields=True):
     """The text to write. `replaces` is the `sha256` that `machine.file` gave for the text before
-    the edit: a file that has changed since then is not overwritten."""
+    the edit. A file that has changed since then is not overwritten."""
 
     replaces: str
 
@@ -64,8 +65,8 @@ class MachineProblem(Struct):
 
 
 class Validation(Struct):
-    """Whether a text is a valid machine file. `questions` are values that are allowed but are
-    probably wrong; `notes` are facts about the machine that its owner should know."""
+    """The result of a check of a machine file. `questions` are allowed values that are probably
+    wrong; `notes` are facts about the machine that its owner should know."""
 
     ok: bool
     problems: list[MachineProblem]
@@ -75,17 +76,17 @@ class Validation(Struct):
 
 class Difference(Struct):
     """`changes` are the keys whose values differ from those of the running machine; values from
-    files that the text names are included. `text` is the difference from the machine file, as
-    `diff -u` shows it."""
+    files that the text names are included. `text` is the difference from the machine file, in the
+    format of `diff -u`."""
 
     changes: list[KeyChange]
     text: str
 
 
 class Applied(Struct):
-    """The effect of a machine file that was written. `live` are the changed keys that act now;
-    `overridden` those that a stored setting or a command overrides; `restart` those that act after
-    `machine.restart`. `backup` is the path of a copy of the file before."""
+    """The effect of writing the machine file. `live` are the changed keys that have taken effect;
+    `overridden` those that a stored setting or a command overrides; `restart` those that take
+    effect after `machine.restart`. `backup` is the path of a copy of the earlier file."""
 
     live: list[str]
     overridden: list[str]
@@ -105,7 +106,7 @@ class ShippedMachine(Struct):
 
 
 class ShippedFile(Struct):
-    """The machine file of a shipped machine; copy it to begin your own."""
+    """The machine file of a shipped machine. Copy it as a start for your own."""
 
     name: str
     text: str
@@ -113,7 +114,7 @@ class ShippedFile(Struct):
 
 @operation("machine.file", "GET", "/machine/file", Role.OPERATOR, errors=_CONFIG_ERRORS)
 async def read(call: Call) -> MachineFile:
-    """The machine file as it is now, which may differ from the machine that runs."""
+    """The current machine file, which may differ from the running machine."""
     source, machine = call.bridge.machine_source, call.bridge.machine
     text = await asyncio.to_thread(file.read, source, machine)
     path = file.path_of(source)
@@ -143,13 +144,13 @@ async def keys(call: Call) -> list[KeyValue]:
 @operation("machine.schema", "GET", "/machine/schema", Role.VIEWER)
 async def described(_: Call) -> dict[str, Any]:
     """The JSON schema of the machine file: type, range, default and help of each key, its unit as
-    `x-unit`, and as `x-acts` whether a change acts `live` or after a `restart`."""
+    `x-unit`, and, as `x-acts`, whether a change takes effect `live` or after a `restart`."""
     return await asyncio.to_thread(schema)
 
 
 @operation("machine.validate", "POST", "/machine/validate", Role.ADMIN)
 async def validate(call: Call, body: MachineText) -> Validation:
-    """Checks a text as `passo check` does, and reports all problems at once."""
+    """Checks a text like `passo check`, and reports all problems at once."""
     try:
         loaded = await _loaded(call, body.text)
     except ConfigError as error:
@@ -176,9 +177,9 @@ async def diff(call: Call, body: MachineText) -> Difference:
     errors=("machine.no-file", "machine.file-changed", "output.unwritable", *_CONFIG_ERRORS),
 )
 async def apply(call: Call, body: NewMachineFile) -> Applied:
-    """Writes the machine file, whole or not at all, if the text has no errors. A copy of the file
-    before is kept as FILE.toml.bak. Changes that commands can make act at once; the answer names
-    those that need a restart."""
+    """Writes the machine file, completely or not at all, if the text has no errors. A copy of the
+    earlier file is kept as FILE.toml.bak. Changes that commands can make take effect at once; the
+    answer names those that need a restart."""
     source, machine = call.bridge.machine_source, call.bridge.machine
     path = file.path_of(source)
     if path is None:
@@ -204,10 +205,10 @@ async def apply(call: Call, body: NewMachineFile) -> Applied:
     errors=("job.printing", "machine.no-restart", *_CONFIG_ERRORS),
 )
 async def restart(call: Call) -> None:
-    """Ends the printer, and starts it again with the machine file as it is now: heaters go off, and
-    axes are not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do not read the
-    machine file. Consoles and this connection are closed; connect again after some seconds. Log-ins
-    stay valid if the printer has a folder for them (`--state`)."""
+    """Ends the printer, and restarts it with the current machine file, with heaters off and axes
+    not homed. The command RESTART does the same; FIRMWARE_RESTART and M999 do not read the machine
+    file. Consoles and this connection are closed; connect again after some seconds. Log-ins stay
+    valid if the printer has a folder for them (`--state`)."""
     await call.bridge.restart_program()
 
 
@@ -245,7 +246,7 @@ def _shipped() -> list[ShippedMachine]:
 
 
 async def _loaded(call: Call, text: str) -> Loaded:
-    """Raises ConfigError."""
+    """The machine that the text describes. Raises ConfigError."""
     return await asyncio.to_thread(file.loaded, call.bridge.machine_source, text)
 
 
@@ -256,8 +257,8 @@ def _problem(problem: Problem) -> MachineProblem:
 
 
 async def _act(call: Call, change: KeyChange, held: object, applied: Applied) -> list[str]:
-    """Makes a change if a command can; returns the list of `applied` that it belongs to. `held` is
-    the value in the file before, None if the file has not changed it."""
+    """Applies a change if a command can do it. Returns the list of `applied` to which the change
+    belongs. `held` is the earlier value in the file, None if the file has not changed it."""
     at = setting_of(change.key)
     setting = await _setting(call, at) if at and change.acts == "live" else None
     if at is None or setting is None:

@@ -24,12 +24,12 @@ class Jog(Struct, forbid_unknown_fields=True):
 
 
 class AxesToHome(Struct, forbid_unknown_fields=True):
-    """Axes to home; without any, all that have an endstop."""
+    """Axes to home; without any, all axes that have an endstop."""
 
     axes: list[str] = []
 
 
-_STATE = "_ui_jog"  # in which SAVE_GCODE_STATE keeps the modes
+_STATE = "_ui_jog"  # name under which SAVE_GCODE_STATE saves the modes
 _ERRORS = ("web.not-found", "command.halted", "command.failed", "input.not-homed", "input.cold")
 
 
@@ -41,9 +41,8 @@ _ERRORS = ("web.not-found", "command.halted", "command.failed", "input.not-homed
     errors=(*_ERRORS, "input.out-of-range", "command.aside"),
 )
 async def jog(call: Call, body: Jog) -> None:
-    """Moves axes by a distance, at once or after the moves that are planned. Modes such as G91 and
-    G20 stay as they were, and do not change the meaning of the distances. The answer comes when
-    the move is planned."""
+    """Moves axes by a distance, after the planned moves. Modes such as G91 and G20 stay as they
+    are, and do not affect the distances. The answer comes when the move is planned."""
     for name in body.distances_mm:
         _require_axis(call, name, extruder=True)
     words = [f"{name.upper()}{numeral(mm)}" for name, mm in body.distances_mm.items()]

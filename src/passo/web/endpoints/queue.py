@@ -1,4 +1,4 @@
-"""The files that will be printed next."""
+"""The queue of the next prints."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class QueueFile(Struct, forbid_unknown_fields=True):
 
 
 class QueueMode(Struct, forbid_unknown_fields=True):
-    """Whether the next print starts without confirmation after one that has succeeded. Only for a
+    """Whether the next print starts without confirmation after a successful print. Only for a
     printer that clears its bed itself."""
 
     automatic: bool
@@ -40,7 +40,7 @@ _CARD = ("card.absent", "card.not-found", "card.directory", "card.name")
 
 @operation("queue.get", "GET", "/queue", Role.VIEWER)
 async def get(call: Call) -> Queue:
-    """The prints that wait, the next one first. The queue survives a restart if the printer has a
+    """The queued prints, the next one first. The queue survives a restart if the printer has a
     folder for it (`--state`)."""
     return await call.bridge.queue()
 

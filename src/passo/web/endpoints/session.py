@@ -1,4 +1,4 @@
-"""Log-ins: the first administrator, in and out, one's own sessions."""
+"""Log-ins: the first administrator, log in, log out, and the caller's sessions."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ class Password(Struct, forbid_unknown_fields=True):
 
 
 class PasswordChange(Struct, forbid_unknown_fields=True):
-    """The password of the log-in, and the one that replaces it."""
+    """The present password, and the new one."""
 
     old: GivenPassword
     new: NewPassword
 
 
 class Identity(Struct):
-    """The identity of the caller. `role` is `public` without a log-in; `set_up`: there is an
-    administrator; `code_needed`: creating it takes the one-time code; `fresh`: the password was
-    entered within the last five minutes."""
+    """The identity of the caller. `role` is `public` without a log-in. `set_up`: there is an
+    administrator. `code_needed`: to create the administrator, the one-time code is needed. `fresh`:
+    the password was entered within the last five minutes."""
 
     name: str
     role: str
@@ -59,7 +59,7 @@ class Identity(Struct):
 
 
 class LogInRecord(Struct):
-    """A log-in of an account, with times in seconds since 1970; `own` is that of the caller."""
+    """A log-in of an account, with times in seconds since 1970. `own`: it is the caller's."""
 
     id: str
     account: str
@@ -70,7 +70,7 @@ class LogInRecord(Struct):
 
 @operation("session.get", "GET", "/session", Role.PUBLIC)
 async def identity(call: Call) -> Identity:
-    """The identity of the caller, and whether there is an administrator yet."""
+    """The identity of the caller, and whether there is an administrator."""
     caller, accounts = call.caller, call.site.accounts
     needed = not accounts.exist and call.site.access.needs_code(call.request)
     fresh = accounts.fresh(caller.session)
@@ -85,8 +85,8 @@ async def identity(call: Call) -> Identity:
     errors=("web.set-up", "web.code", "web.too-many", "web.accounts"),
 )
 async def set_up(call: Call, body: Administrator) -> Answer[Identity]:
-    """Creates the administrator, once, and logs in. From this computer; from elsewhere with the
-    one-time code that `passo serve` prints."""
+    """Creates the administrator, once, and logs in. From another computer, this needs the one-time
+    code that `passo serve` prints."""
     code = body.code if call.site.access.needs_code(call.request) else None
     accounts = call.site.accounts
     token = await accounts.create_administrator(body.name, body.password, call.caller.address, code)
@@ -121,7 +121,7 @@ async def log_out(call: Call) -> None:
     errors=("web.credentials", "web.too-many", "web.not-found"),
 )
 async def confirm(call: Call, body: Password) -> None:
-    """Enters the password again, for operations that need it: for the next five minutes."""
+    """Confirms the password, which allows operations that need it for the next five minutes."""
     accounts = call.site.accounts
     await accounts.confirm(_own(call), body.password, call.caller.address)
 
@@ -134,14 +134,14 @@ async def confirm(call: Call, body: Password) -> None:
     errors=("web.credentials", "web.too-many", "web.not-found", "web.accounts"),
 )
 async def change_password(call: Call, body: PasswordChange) -> None:
-    """Changes the password of one's own account, and ends its other log-ins."""
+    """Changes the password of the caller's account, and ends its other log-ins."""
     accounts, caller = call.site.accounts, call.caller
     await accounts.change_own_password(_own(call), body.old, body.new, caller.address)
 
 
 @operation("session.list", "GET", "/sessions", Role.VIEWER)
 async def sessions(call: Call) -> list[LogInRecord]:
-    """One's own log-ins; for an administrator those of all accounts."""
+    """The caller's log-ins; for an administrator, those of all accounts."""
     return [
         LogInRecord(s.hash[:16], s.account, s.started_s, s.used_s, s.hash == call.caller.session)
         for s in call.site.accounts.sessions(_whose(call))
@@ -156,7 +156,7 @@ async def sessions(call: Call) -> list[LogInRecord]:
     errors=("web.not-found", "web.accounts"),
 )
 async def revoke(call: Call, id: str) -> None:
-    """Ends a log-in at once, one's own or, for an administrator, any."""
+    """Ends a log-in of the caller at once; an administrator can end any log-in."""
     accounts = call.site.accounts
     found = [s.hash for s in accounts.sessions(_whose(call)) if s.hash[:16] == id]
     if not found:
@@ -175,7 +175,7 @@ def _whose(call: Call) -> str | None:
 
 
 def _with_cookie(call: Call, token: str) -> Answer[Identity]:
-    """The identity of the caller now, with the cookie."""
+    """The new identity of the caller, as an answer that sets the cookie."""
     accounts, request = call.site.accounts, call.request
     found = accounts.session(digest(token))
     assert found is not None

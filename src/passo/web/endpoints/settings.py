@@ -15,7 +15,7 @@ from passo.web.roles import Role
 
 
 class NewValue(Struct, forbid_unknown_fields=True):
-    """A value to set: `command` and `word` as `settings.list` names them."""
+    """A value to set; `settings.list` gives `command` and `word`."""
 
     command: Annotated[str, Meta(max_length=100)]
     word: Annotated[str, Meta(max_length=40)]
@@ -27,7 +27,7 @@ _ERRORS = ("command.value", "command.halted", "command.failed")
 
 @operation("settings.list", "GET", "/settings", Role.VIEWER)
 async def settings(call: Call) -> list[SettingValue]:
-    """All settings. `source` is the source of the value in force: `file` (the machine file or its
+    """All settings. `source` is the source of the active value: `file` (the machine file or its
     defaults), `stored` (M500), or `command` (changed since)."""
     return await call.bridge.settings()
 

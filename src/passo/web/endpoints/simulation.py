@@ -13,7 +13,7 @@ from passo.web.roles import Role
 
 
 class PartFault(Struct, forbid_unknown_fields=True):
-    """The fault that a part has from now on; `none` ends it. `noise` may have an amount, as in
+    """The new fault of a part; `none` ends a fault. `noise` may have an amount, as in
     `noise:0.05`."""
 
     fault: Annotated[str, Meta(max_length=40, pattern=r"^[a-z]+(:[0-9.]+)?$")]
@@ -24,7 +24,7 @@ PartName = Annotated[str, Meta(max_length=100, pattern=r"^[A-Za-z0-9_-]+$")]
 
 @operation("simulation.parts", "GET", "/simulation/parts", Role.VIEWER)
 async def parts(call: Call) -> list[SimulatedPart]:
-    """The parts of the simulated printer that can be given a fault; empty where a board is real."""
+    """The parts of the simulated printer that can have faults; empty if the boards are real."""
     return await call.bridge.simulated_parts()
 
 
@@ -36,6 +36,6 @@ async def parts(call: Call) -> list[SimulatedPart]:
     errors=("command.real-board", "command.no-fault"),
 )
 async def set_fault(call: Call, part: PartName, body: PartFault) -> None:
-    """Gives a part of the simulated printer a fault, or ends it, also while the printer is halted
+    """Gives a part of the simulated printer a fault, or ends it, even while the printer is halted
     (SIMULATE_FAULT)."""
     await call.run(f"SIMULATE_FAULT NAME={part} VALUE={body.fault}")

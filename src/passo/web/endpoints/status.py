@@ -27,19 +27,19 @@ class Version(Struct):
 
 @operation("status.get", "GET", "/status", Role.VIEWER)
 async def status(call: Call) -> StatusNow:
-    """The printer now: state, positions, heaters, fans, the print, faults. The WebSocket
-    `/api/v1/feed` reports the same as it changes. Numbers that are not finite are null."""
+    """The current status: state, positions, heaters, fans, the print, faults. The WebSocket
+    `/api/v1/feed` reports its changes. Numbers that are not finite are null."""
     snapshot = call.bridge.latest()
     return StatusNow(snapshot.version, snapshot.status)
 
 
 @operation("status.version", "GET", "/version", Role.VIEWER)
 async def version(call: Call) -> Version:
-    """The version of Passo, and the machine that it serves."""
+    """The version of Passo, and the name of its machine."""
     return Version(__version__, call.bridge.machine.name)
 
 
 @operation("status.places", "GET", "/places", Role.OPERATOR)
 async def places(call: Call) -> list[str]:
-    """Where hosts, browsers and Moonraker connect, each with its kind."""
+    """The addresses for hosts, browsers and Moonraker, each with its kind."""
     return list(call.bridge.places)

@@ -16,20 +16,20 @@ ToolNumber: TypeAlias = Annotated[int, Meta(ge=0, le=99)]
 
 
 class SpeedFactor(Struct, forbid_unknown_fields=True):
-    """The factor of all feedrates; 1 is that of the file."""
+    """The factor of all feedrates; 1 leaves them as in the file."""
 
     factor: Annotated[float, Meta(ge=0.01, le=10)]
 
 
 class FlowFactor(Struct, forbid_unknown_fields=True):
-    """The factor of a tool's extrusion; 1 is that of the file."""
+    """The factor of a tool's extrusion; 1 leaves it as in the file."""
 
     factor: Annotated[float, Meta(ge=0.01, le=10)]
 
 
 class Babystep(Struct, forbid_unknown_fields=True):
-    """The distance by which all moves that are not done yet shift along an axis, in mm, in addition
-    to earlier shifts."""
+    """The distance, in mm, by which all remaining moves shift along an axis, in addition to earlier
+    shifts."""
 
     axis: str
     distance_mm: Annotated[float, Meta(ge=-2, le=2)]
@@ -40,13 +40,13 @@ _ERRORS = ("command.value", "command.halted", "command.failed")
 
 @operation("tuning.set_speed", "PUT", "/tuning/speed", Role.OPERATOR, errors=_ERRORS)
 async def set_speed(call: Call, body: SpeedFactor) -> None:
-    """Scales the speed; during a print also that of queued moves (M220)."""
+    """Scales the speed; during a print, also that of planned moves (M220)."""
     await call.run(f"M220 S{numeral(body.factor * 100)}")
 
 
 @operation("tuning.set_flow", "PUT", "/tuning/flow/{tool}", Role.OPERATOR, errors=_ERRORS)
 async def set_flow(call: Call, tool: ToolNumber, body: FlowFactor) -> None:
-    """Scales the extrusion of a tool; during a print also that of queued moves (M221)."""
+    """Scales the extrusion of a tool; during a print, also that of planned moves (M221)."""
     await call.run(f"M221 T{tool} S{numeral(body.factor * 100)}")
 
 
@@ -58,7 +58,7 @@ async def set_flow(call: Call, tool: ToolNumber, body: FlowFactor) -> None:
     errors=("web.not-found", *_ERRORS),
 )
 async def babystep(call: Call, body: Babystep) -> None:
-    """Shifts all moves that are not done yet along an axis, at once (M290)."""
+    """Shifts all remaining moves along an axis, at once (M290)."""
     if body.axis not in call.bridge.machine.axes:
         raise WebError.of("web.not-found", value=f"axis {body.axis}")
     await call.run(f"M290 {body.axis.upper()}{numeral(body.distance_mm)}")

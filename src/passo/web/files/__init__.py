@@ -1,1 +1,1 @@
-"""Files of a printer's card, as clients of the web read and write them."""
+"""Reading and writing files of the card for clients of the web."""

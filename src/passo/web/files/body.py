@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from starlette.requests import Request
 
 SPAN_S = 30.0
-MIN_BYTES = 3000  # within each span: 100 bytes/s, less than any network that works
+MIN_BYTES = 3000  # in each span: 100 bytes/s, less than any working network
 
 
 class Pace:
-    """Whether a sender is fast enough; times are those of any clock, in seconds."""
+    """Checks whether a sender is fast enough. Times are in seconds of any steady clock."""
 
     def __init__(self, now_s: float) -> None:
         self._since_s, self._bytes = now_s, 0
 
     def received(self, now_s: float, count: int) -> None:
-        """Bytes have come. Raises InputError `upload.slow`."""
+        """Call this when bytes have arrived. Raises InputError `upload.slow`."""
         self._bytes += count
         if now_s - self._since_s < SPAN_S:
             return
@@ -39,7 +39,7 @@ class Pace:
 
 
 class Body:
-    """The body of one request, to be read once."""
+    """The body of one request. It can be read once."""
 
     def __init__(self, request: Request) -> None:
         self._receive = request.receive
@@ -47,7 +47,7 @@ class Body:
         self.type = request.headers.get("content-type", "")
         length = request.headers.get("content-length", "")
         self.length = int(length) if length.isascii() and length.isdecimal() else None
-        """Its bytes, if the client declares them before."""
+        """The size in bytes, if the client has declared it."""
 
     async def pieces(self) -> AsyncGenerator[bytes]:
         """The next bytes, as they arrive. Raises InputError `upload.slow`, and ClientDisconnect."""
@@ -63,14 +63,14 @@ class Body:
                 self._more = False
                 raise ClientDisconnect
             data, more = message.get("body", b""), message.get("more_body", False)
-            self._more = False  # of a sender that is too slow, no more is read
+            self._more = False  # do not read more from a sender that is too slow
             pace.received(current_time(), len(data))
             self._more = more
             if data:
                 yield data
 
     async def drain(self) -> None:
-        """Reads the rest and discards it: a client that is still sending does not read the
+        """Reads and discards the rest, because a client that is still sending does not read the
         answer."""
         with suppress(InputError, ClientDisconnect):
             async for _ in self.pieces():

@@ -1,4 +1,4 @@
-"""The comments of a slicer in a file: its name, thumbnails, objects."""
+"""Reads the comments of a slicer in a file: the slicer's name, thumbnails, objects."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _END = re.compile(r";\s*thumbnail(?:_\w+)? end")
 _OBJECT = re.compile(
     r"EXCLUDE_OBJECT_DEFINE\s.*?NAME=(?:'([^']*)'|\"([^\"]*)\"|(\S+))|M486\b.*?\sA(.+)"
 )
-_KINDS = {  # by the first bytes of the picture
+_KINDS = {  # media types by the first bytes of the picture
     "image/png": b"\x89PNG\r\n\x1a\n",
     "image/jpeg": b"\xff\xd8\xff",
     "image/qoi": b"qoif",
@@ -47,7 +47,7 @@ class Comments:
 
 
 def read_comments(lines: Iterable[str]) -> Comments:
-    """Reads the lines of the beginning of a file. Malformed comments are left out."""
+    """Reads the comments in the first lines of a file. Malformed comments are ignored."""
     slicer = ""
     thumbnails: list[Thumbnail] = []
     objects: dict[str, None] = {}

@@ -1,4 +1,4 @@
-"""A file of the card as an answer, whole or a part of it (RFC 9110, section 14)."""
+"""A file of the card as an answer, complete or in part (RFC 9110, section 14)."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ _RANGE = re.compile(r"bytes=(\d{0,19})-(\d{0,19})")
 
 
 async def download(request: Request, card: Card, path: str) -> Response:
-    """The file at a confined path. It is not locked while a slow client reads it: if it is
-    replaced, the answer breaks off. Raises CardError."""
+    """The file at a confined path. The file is not locked while a slow client reads it; if it is
+    replaced, the answer ends early. Raises CardError."""
     entry = await beside(lambda: card.find(path))
     if entry.is_directory:
         raise CardError.of("card.directory", path)
@@ -49,7 +49,7 @@ async def download(request: Request, card: Card, path: str) -> Response:
 
 
 def _part(first: str, last: str, size: int) -> tuple[int, int]:
-    """The bytes of a range: from, and up to but excluding."""
+    """The first byte of a range, and the byte after its last one."""
     if not first:
         return max(size - int(last), 0), size
     return int(first), min(int(last) + 1, size) if last else size

@@ -28,7 +28,7 @@ _CODED_NAME = re.compile(rb";\s*filename\*=([\w-]+)'[^']*'([^;\s]+)", re.IGNOREC
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field, whole."""
+    """A complete field."""
 
     name: str
     value: str
@@ -36,7 +36,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class FileBegins:
-    """A file follows; the name is as the client wrote it, decoded."""
+    """A file begins. The name is the client's, decoded."""
 
     field: str
     name: str
@@ -58,8 +58,8 @@ Part: TypeAlias = Field | FileBegins | FileData | FileEnds
 
 
 class Form:
-    """Takes a body in pieces of any size, and returns its parts in order. Raises InputError
-    `upload.malformed`, then and later."""
+    """Takes a body in pieces of any size, and returns its parts in order. For a malformed body,
+    this call and all later ones raise InputError `upload.malformed`."""
 
     def __init__(self, content_type: str) -> None:
         found = _BOUNDARY.search(content_type)
@@ -99,7 +99,7 @@ class Form:
         return found
 
     def finish(self) -> None:
-        """The body ends here. Raises InputError if the form is not complete."""
+        """Call this at the end of the body. Raises InputError if the form is not complete."""
         if not self._over:
             raise _malformed("it ends before its last boundary")
 
@@ -164,13 +164,14 @@ def _file_name(disposition: bytes) -> str | None:
 
 
 def decoded_name(raw: bytes) -> str:
-    """A name in a header: UTF-8 or else Latin-1, with words of RFC 2047 in it decoded."""
+    """A name in a header, decoded from UTF-8 or else Latin-1; encoded words of RFC 2047 are decoded
+    too."""
     try:
         text = raw.decode("utf-8")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     if "=?" in text and "?=" in text:
-        with suppress(ValueError, LookupError):  # otherwise it stays as it is
+        with suppress(ValueError, LookupError):  # an invalid encoded word stays as it is
             text = "".join(
                 part if isinstance(part, str) else part.decode(charset or "latin-1")
                 for part, charset in decode_header(text)

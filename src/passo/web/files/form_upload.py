@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class FormUpload:
-    """A form that was received: its fields, in any order, and the path of its file now; empty
-    without one."""
+    """A received form: its fields, and the path of its file on the card; empty without a file."""
 
     fields: Mapping[str, str]
     path: str
@@ -29,8 +28,8 @@ class FormUpload:
 async def receive_form(
     body: Body, uploads: Uploads, target: Callable[[Mapping[str, str], str], str]
 ) -> FormUpload:
-    """Takes a form with at most one file. `target` returns the confined path of the file from the
-    fields before it and its name. Raises the errors of `Uploads.file` and `Form`."""
+    """Receives a form with at most one file. `target` returns the confined path of the file from
+    the fields before it and its name. Raises the errors of `Uploads.file` and `Form`."""
     fields: dict[str, str] = {}
     path, size = "", 0
     async with aclosing(_parts(body)) as parts:

@@ -1,5 +1,5 @@
-"""A file that is being uploaded to the card: checked, written in worker threads, and visible when
-it is complete."""
+"""A file that is being uploaded to the card. It is checked, written in worker threads, and visible
+when it is complete."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ _T = TypeVar("_T")
 _PIECE = 1 << 18  # bytes written at once
 _FREE_CHECK = 1 << 22  # bytes between two checks of the free space
 RESERVE = 1 << 24
-"""Bytes that an upload leaves free: the journal and the settings may share the medium."""
+"""Bytes that an upload leaves free, because the journal and the settings may be on the same
+medium."""
 
 _HEAD = 1024  # bytes that show the type of a file
 _BINARY, _ZIP = b"GCDE", b"PK\x03\x04"
@@ -32,7 +33,7 @@ async def beside(action: Callable[[], _T]) -> _T:
 
 class Incoming:
     """One file that is being uploaded. `offset` counts the received bytes; `total` is the expected
-    number, or None. After an error it is over: the card holds what it held before."""
+    number, or None. After an error the upload has ended, and the card has its earlier content."""
 
     def __init__(self, card: Card, writer: Writer, path: str, total: int | None) -> None:
         self._card, self._writer = card, writer
@@ -47,33 +48,35 @@ class Incoming:
         return self.path.rpartition("/")[2]
 
     async def check_space(self, room: int = 0) -> None:
-        """Raises CardError `card.full` if the rest will not fit, or less than `room` is left."""
+        """Raises CardError `card.full` if the rest does not fit, or if less than `room` bytes would
+        remain."""
         left = room if self.total is None else self.total - self._written
         free = await beside(lambda: self._card.free_bytes)
         if left + RESERVE > free:
             raise CardError.of("card.full", self.path, value=left + RESERVE, limit=free)
 
     async def write(self, data: bytes) -> None:
-        """Takes the next bytes. Raises CardError, and InputError for what is not G-code."""
+        """Writes the next bytes. Raises CardError, and InputError for a content that is not
+        G-code."""
         self.offset += len(data)
         self._waiting += data
         if len(self._waiting) >= _PIECE:
             await self._flush()
 
     async def finish(self) -> None:
-        """Completes the file: it is durable, and on the card under its name when this returns.
-        Raises as `write`, and InputError `input.empty`."""
+        """Completes the file. When this returns, the file is durable and on the card under its
+        name. Raises as `write`, and InputError `input.empty`."""
         if not self.offset:
             raise InputError.of("input.empty", self.name)
         await self._flush()
         await beside(self._writer.close)
 
     async def abort(self) -> None:
-        """Discards it."""
+        """Discards the upload."""
         await beside(self._writer.abort)
 
     def abort_now(self) -> None:
-        """As `abort`, in a worker thread."""
+        """As `abort`, but blocks: call it in a worker thread."""
         self._writer.abort()
 
     async def _flush(self) -> None:

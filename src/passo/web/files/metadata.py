@@ -1,4 +1,5 @@
-"""Facts about the files of a card: the slicer's comments at once, the plan when it is made."""
+"""Facts about the files of a card: the slicer's comments at once, the plan as soon as it is
+computed."""
 
 from __future__ import annotations
 
@@ -34,7 +35,8 @@ _HEAD = 1 << 21  # characters that are searched for comments
 
 class Plan(Struct):
     """A file as this printer would print it. `total_s` is the sum of `moving_s`, `dwell_s` and
-    `heating_s`; `limits_s` gives for each limit of the machine how long it limits the speed."""
+    `heating_s`; `limits_s` has, for each limit of the machine, the time for which it limits the
+    speed."""
 
     total_s: float
     moving_s: float
@@ -48,7 +50,7 @@ class Plan(Struct):
 
 
 class Picture(Struct):
-    """A thumbnail, which can be requested by its number, and its size in pixels."""
+    """A thumbnail: the number by which it can be requested, and its size in pixels."""
 
     number: int
     width: int
@@ -57,8 +59,9 @@ class Picture(Struct):
 
 
 class Metadata(Struct):
-    """Facts about a file. While `state` is `pending` there is no plan yet; `refused`: the file
-    cannot be printed as it is, and `problems` are the reasons, for example moves out of range."""
+    """Facts about a file. `state` is `pending` until the plan is computed. It is `refused` if the
+    file cannot be printed as it is; then `problems` has the reasons, for example moves out of
+    range."""
 
     path: str
     state: Literal["pending", "known", "refused"]
@@ -70,8 +73,8 @@ class Metadata(Struct):
 
 
 class MetadataReader:
-    """The files of one printer; used in the web's event loop. Plans are made one after the other,
-    in a thread of low priority."""
+    """Reads the facts about the files of one printer. Use it in the web's event loop. Plans are
+    computed one after the other, in a thread of low priority."""
 
     def __init__(self, bridge: Bridge, folder: Path | None) -> None:
         self._bridge = bridge
@@ -83,8 +86,8 @@ class MetadataReader:
         self._task: asyncio.Task[None] | None = None
 
     async def get(self, path: str) -> Metadata:
-        """The facts about the file at a confined path so far; starts to find out the rest. Raises
-        CardError."""
+        """The facts that are known about the file at a confined path; starts to compute the rest.
+        Raises CardError."""
         card = await self._bridge.card()
         entry = await beside(lambda: card.find(path))
         if entry.is_directory:
@@ -118,7 +121,7 @@ class MetadataReader:
             try:
                 await self._learn(path)
             except CardError:
-                pass  # it was replaced or removed meanwhile
+                pass  # the file was replaced or removed in the meantime
             except Exception:
                 _log.exception("%s: cannot be looked through", path)
             finally:

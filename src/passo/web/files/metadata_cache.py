@@ -1,4 +1,4 @@
-"""The cache of facts about files, kept with the state of the printer."""
+"""The cache of facts about files, in the state folder of the printer."""
 
 from __future__ import annotations
 
@@ -21,11 +21,12 @@ CREATE TABLE IF NOT EXISTS known (
 
 
 class MetadataCache:
-    """Bytes for each file, as long as the file and the machine stay the same. Any thread may use
-    it; a cache that cannot be used is empty."""
+    """Stores bytes for each file, which are valid while the file and the machine stay the same. Any
+    thread may use it. A cache that cannot be read behaves as an empty one."""
 
     def __init__(self, folder: Path | None, made_for: str) -> None:
-        """`made_for` is the machine and version; without a folder all is in memory."""
+        """`made_for` identifies the machine and the version. Without a folder, the cache is in
+        memory."""
         self._made_for = made_for
         self._lock = threading.Lock()
         try:

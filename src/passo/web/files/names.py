@@ -1,5 +1,4 @@
-"""Names of files that clients send: none leads out of the card, and each is valid on any
-computer."""
+"""Checks file names from clients: none leads out of the card, and each is valid on any computer."""
 
 from __future__ import annotations
 
@@ -14,12 +13,14 @@ _BINARY = ".bgcode"
 _DEVICES = frozenset(
     ("CON", "PRN", "AUX", "NUL", *(f"{port}{i}" for port in ("COM", "LPT") for i in "123456789¹²³"))
 )
-"""Microsoft, "Naming Files, Paths, and Namespaces": devices on Windows, whatever their ending."""
+"""Microsoft, "Naming Files, Paths, and Namespaces": names of devices on Windows, with any
+ending."""
 
 
 def confined(path: str) -> str:
-    """The absolute path on the card that a client means, letters composed with their accents (NFC);
-    `/` is the card itself. Raises CardError `card.name` for a forbidden name, also `.` and `..`."""
+    """The absolute path on the card for a path from a client, with composed accents (NFC); `/` is
+    the root of the card. Raises CardError `card.name` for a forbidden name, including `.` and
+    `..`."""
     parts = [part for part in unicodedata.normalize("NFC", path).split("/") if part]
     if len(path) > _LONGEST_PATH:
         limit = f"a path of at most {_LONGEST_PATH} characters"

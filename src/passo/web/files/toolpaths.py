@@ -1,4 +1,4 @@
-"""The paths of planned files, kept on disk with the facts about them."""
+"""The toolpaths of planned files, stored on disk."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ _ENDING = ".toolpath"
 
 
 class Toolpaths:
-    """A file for each path, as long as its G-code file and the machine stay the same. When they are
-    too large together, the oldest are deleted. Any thread may use it."""
+    """Stores one file for each toolpath, valid while the G-code file and the machine stay the same.
+    If all of them are too large together, the oldest are deleted. Any thread may use it."""
 
     def __init__(self, folder: Path | None, made_for: str) -> None:
-        """`made_for` is the machine and version; without a folder all ends with the process."""
+        """`made_for` identifies the machine and the version. Without a folder, the toolpaths are
+        deleted at the end of the process."""
         self._made_for = made_for
         if folder is None:
             self._folder = Path(mkdtemp(prefix="passo-"))
@@ -33,12 +34,12 @@ class Toolpaths:
             self._folder = folder / "toolpaths"
 
     def find(self, path: str, entry: Entry) -> Path | None:
-        """The path of this content of a file."""
+        """The toolpath of this content of a file; None if it is not stored."""
         found = self._place(path, entry)
         return found if found.exists() else None
 
     def put(self, path: str, entry: Entry, data: bytes) -> None:
-        """Stores the path of this content of a file; without space it is not kept."""
+        """Stores the toolpath of this content of a file, if there is space."""
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             with replaced(self._place(path, entry)) as temporary:

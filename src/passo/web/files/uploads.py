@@ -1,5 +1,4 @@
-"""All files that are being uploaded to the card; an interrupted upload can be resumed for a
-while."""
+"""The uploads to the card; an interrupted upload can be resumed for `KEPT_S`."""
 
 from __future__ import annotations
 
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
 MAX_UPLOADS = 8  # at once, including interrupted ones
-KEPT_S = 600.0  # how long an interrupted one can be resumed
+KEPT_S = 600.0  # time in which an interrupted upload can be resumed
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,16 +28,17 @@ class _Kept:
 
 
 class Uploads:
-    """The uploads of one printer; used in the web's event loop alone."""
+    """The uploads of one printer. Use it only in the web's event loop."""
 
     def __init__(self, bridge: Bridge, arrived: Callable[[str], object]) -> None:
-        """`arrived` is called with the path of each file that is whole."""
+        """`arrived` is called with the path of each complete file."""
         self._bridge, self._arrived = bridge, arrived
         self._active = 0
         self._kept: dict[str, _Kept] = {}
 
     def kept(self, path: str) -> Incoming | None:
-        """The interrupted upload of a confined path, which can continue at its offset."""
+        """The interrupted upload of a confined path, which can continue at its offset; None without
+        one."""
         found = self._kept.get(fold(path))
         return found and found.incoming
 
@@ -52,13 +52,12 @@ class Uploads:
         resumable: bool = False,
         room: int = 0,
     ) -> AsyncGenerator[Incoming]:
-        """A file at a confined path, or the bytes after the offset of an interrupted upload. It is
-        on the card at the end of the block if `total` bytes came, or that is None. A resumable one
-        that is incomplete, also because the connection was lost, is kept for `KEPT_S`. `room` is
-        the free space that the card must have in addition, in bytes.
-
-        Raises CardError, CommandError for a file that is printed now, InputError `upload.too-many`,
-        `upload.offset`, and the errors of `Incoming`: then the card holds what it held before.
+        """Uploads a file to a confined path within the block, from `offset` on. At the end of the
+        block, the file is put on the card if `total` bytes have arrived, or if `total` is None. An
+        incomplete `resumable` upload is kept for `KEPT_S`, even if the connection was lost. `room`
+        is the free space, in bytes, that the card must have in addition. Raises CardError,
+        CommandError for a file that is being printed, InputError `upload.too-many`,
+        `upload.offset`, and the errors of `Incoming`; then the card keeps its earlier content.
         """
         self._active += 1
         try:

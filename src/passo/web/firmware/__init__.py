@@ -1,1 +1,1 @@
-"""Images of firmware that clients order."""
+"""Builds of firmware images for clients."""

@@ -1,4 +1,4 @@
-"""Builds of firmware, one at a time, each in a process of its own."""
+"""Builds of firmware, one at a time, each in a separate process."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ _COMMAND = (sys.executable, "-m", "passo.toolchain.build_job")
 
 
 class Image(Struct):
-    """An image that was built: its file in the zip; sizes in bytes, with those of the chip."""
+    """A built image: its file name in the zip, its sizes in bytes, and the memory sizes of the
+    chip."""
 
     file: str
     board: str
@@ -43,8 +44,8 @@ class Image(Struct):
 
 
 class Build(Struct):
-    """A build. `of` is the name of the machine or board that it is for; `log` has its lines so far;
-    `seconds` is how long it has taken so far, or took."""
+    """A build. `of` is the name of the machine or board; `log` has its lines so far; `seconds` is
+    its duration so far."""
 
     number: int
     of: str
@@ -55,8 +56,8 @@ class Build(Struct):
 
 
 class Builds:
-    """The builds of one printer; used in the web's event loop alone. Each line calls `listeners`
-    at once, with the number of the build and its state; the end of a build calls them too."""
+    """The builds of one printer. Use it only in the web's event loop. `listeners` are called with
+    each line of the log, and at the end of a build."""
 
     def __init__(self) -> None:
         self._folder: Path | None = None
@@ -67,14 +68,14 @@ class Builds:
 
     @property
     def last(self) -> Build | None:
-        """The build that is running, or the last one; None before the first."""
+        """The current or the last build; None before the first."""
         if self._last is not None and self._last.state == "running":
             self._last.seconds = time.monotonic() - self._started_s
         return self._last
 
     def start(self, of: str, order: Mapping[str, str]) -> Build:
-        """Starts a build of `order`: that of `passo.toolchain.build_job`, without the folder.
-        Raises FirmwareError `firmware.busy`."""
+        """Starts a build. `order` is the JSON object for `passo.toolchain.build_job`, without the
+        folder. Raises FirmwareError `firmware.busy`."""
         if self._task is not None and not self._task.done():
             raise FirmwareError.of("firmware.busy")
         if self._folder is not None:
@@ -89,14 +90,14 @@ class Builds:
         return build
 
     async def cancel(self) -> None:
-        """Ends a build that is running."""
+        """Ends the current build, if there is one."""
         if self._task is not None:
             self._task.cancel()
             await asyncio.wait([self._task])
 
     def zipped(self) -> bytes:
         """The images of the last build with their descriptions, and its log; a build that has
-        failed has only the log. Blocks for as long as the disk takes."""
+        failed has only the log. Blocks during access to the disk."""
         packed = io.BytesIO()
         with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
             if self._folder is not None and self._last and self._last.images:
@@ -126,7 +127,7 @@ class Builds:
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT,
-            start_new_session=True,  # its compilers end with it
+            start_new_session=True,  # so that its compilers can be ended with it
             limit=_MAX_LINE,
         )
         assert process.stdin is not None

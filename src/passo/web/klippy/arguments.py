@@ -9,7 +9,7 @@ from passo.web.klippy.subscriptions import Wishes
 
 
 class RequestError(Exception):
-    """A request that is not carried out; the client shows the text."""
+    """A request has failed; the client shows the text."""
 
 
 class Arguments:
@@ -19,18 +19,18 @@ class Arguments:
         self._params = params
 
     def text(self, name: str) -> str:
-        """A text."""
+        """The value of a text parameter."""
         value = self._of(name)
         if not isinstance(value, str):
             raise _wrong_type(name)
         return value
 
     def template(self) -> dict[str, Any]:
-        """The begin of each message of a subscription; empty if none is given."""
+        """The template of the messages of a subscription; empty if none is given."""
         return self._mapping("response_template", {})
 
     def wishes(self) -> Wishes:
-        """Fields of objects by the object's name, or None for all."""
+        """The requested fields by the name of the object; None means all fields."""
         objects = self._mapping("objects")
         for fields in objects.values():
             if fields is not None and not _is_texts(fields):

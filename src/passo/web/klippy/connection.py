@@ -14,11 +14,11 @@ from passo.web.klippy.wire import Frames, Request, frame_of, request_of
 
 _log = logging.getLogger(__name__)
 
-_MAX_PENDING = 1000  # requests of a client
+_MAX_PENDING = 1000  # maximum of open requests of a client
 
 
 class TooManyRequestsError(Exception):
-    """A client does not wait for its answers."""
+    """A client has too many open requests."""
 
 
 class Methods(Protocol):
@@ -32,20 +32,21 @@ class Methods(Protocol):
 
 
 class Connection:
-    """A client. Requests begin in the order of arrival; answers may overtake. `send` takes a frame,
-    and never blocks. Use it in one event loop."""
+    """A client. Requests start in the order of arrival; their answers may come in another order.
+    `send` sends a frame, and never blocks. Use it in one event loop."""
 
     def __init__(self, methods: Methods, send: Callable[[bytes], None]) -> None:
         self._methods, self._send = methods, send
         self._frames = Frames()
         self._tasks: set[asyncio.Task[None]] = set()
         self.objects: Subscription | None = None
-        self.output: dict[str, Any] | None = None  # the template of lines of consoles
-        self.remote_methods: dict[str, dict[str, Any]] = {}  # of the client, and their templates
+        self.output: dict[str, Any] | None = None  # the template of messages with console lines
+        # methods that the client has registered, with their templates
+        self.remote_methods: dict[str, dict[str, Any]] = {}
 
     def receive(self, data: bytes) -> None:
-        """Takes the bytes that the client has sent. Raises FrameTooLongError, TooManyRequestsError:
-        then the client must be dropped."""
+        """Handles bytes that the client has sent. Raises FrameTooLongError and
+        TooManyRequestsError, after which the caller must close the connection."""
         for frame in self._frames.feed(data):
             try:
                 request = request_of(frame)
@@ -59,11 +60,11 @@ class Connection:
             task.add_done_callback(self._tasks.discard)
 
     def tell(self, template: Mapping[str, Any], params: Mapping[str, Any]) -> None:
-        """Calls a method of the client."""
+        """Sends the client a message made from a template."""
         self._send(frame_of({**template, "params": dict(params)}))
 
     def tell_output(self, text: str) -> None:
-        """A line of the consoles, if the client wants them."""
+        """Sends the client a console line, if it has asked for them."""
         if self.output is not None:
             self.tell(self.output, {"response": text})
 
@@ -81,8 +82,8 @@ class Connection:
 
 
 async def _answered(result: Awaitable[Mapping[str, Any]], method: str) -> dict[str, Any]:
-    """A result, or the error in its place: also for a fault of the program, which the printer
-    survives."""
+    """A result, or an error instead of it. A fault of the program becomes an error too, so that the
+    printer continues."""
     try:
         return {"result": dict(await result)}
     except (RequestError, PassoError) as error:

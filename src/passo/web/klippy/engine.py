@@ -1,4 +1,4 @@
-"""Klipper's methods and objects of a printer for clients of the socket. Sans-IO except for its
+"""Klipper's methods and objects of a printer, for clients of the socket. Sans-IO except for its
 bridge."""
 
 from __future__ import annotations
@@ -29,14 +29,15 @@ if TYPE_CHECKING:
 
 _Result = Mapping[str, Any]
 _Method = Callable[[Connection, Arguments], Awaitable[_Result]]
-_PUBLISHED = Path(__file__).parent / "published"  # Moonraker shows its config and docs
+# Moonraker serves the folders config and docs of this one
+_PUBLISHED = Path(__file__).parent / "published"
 _FAILED = ("shutdown", "error")
 
 
 class Engine:
     """Klipper's methods, objects and messages for all clients of one printer. `on_restart` is
-    called when the connections have to end because the printer restarts: with True if it still has
-    to be restarted."""
+    called when the connections must end because the printer restarts, with True if the caller must
+    restart it."""
 
     def __init__(
         self,
@@ -52,7 +53,8 @@ class Engine:
         self._scripts = Scripts(bridge, self._broadcast)
         self._state: str = webhooks(bridge.latest().status)["state"]
         self._has_failed = self._state in _FAILED
-        self._does: tuple[PrinterState, bool] | None = None  # and without a print
+        # the state that was sent last, and whether there was no print
+        self._does: tuple[PrinterState, bool] | None = None
         self.connections: list[Connection] = []
         self._methods: dict[str, _Method] = {
             "info": self._info,
@@ -73,11 +75,11 @@ class Engine:
             "query_endstops/status": self._query_endstops,
         }
 
-    # -- what happens -----------------------------------------------------------------------------
+    # -- events -----------------------------------------------------------------------------
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """As `Listener.on_snapshot`. A state that lasts for less than the time between two messages
-        is sent all the same, because clients count prints by it."""
+        """As `Listener.on_snapshot`. Even a state that is shorter than the interval of messages is
+        sent, because clients count prints by it."""
         status = snapshot.status
         does, self._does = self._does, (status.state, status.job is None)
         if self._does != does:
@@ -88,7 +90,7 @@ class Engine:
         self._state = state
         self._broadcast(f"// Klipper state: {state.capitalize()}")
         if self._has_failed and state == "ready":
-            self._on_restart(False)  # clients cannot continue on the same connection
+            self._on_restart(False)  # clients expect a new connection after a restart
         self._has_failed = self._has_failed or state in _FAILED
 
     def on_event(self, event: Event) -> None:
@@ -99,14 +101,13 @@ class Engine:
             self._call_remote(event)
 
     def tell_changes(self, snapshot: Snapshot | None = None) -> None:
-        """Sends each client the changes of the objects that it has subscribed to, in this snapshot
-        or by now."""
+        """Sends each client the changes of its subscribed objects, in this snapshot or by now."""
         lookup, event_s = self._objects.lookup(snapshot), self._now_s()
         for client in list(self.connections):
             client.tell_changes(lookup, event_s)
 
     def _call_remote(self, call: RemoteCall) -> None:
-        """Calls the method of each client that has registered it."""
+        """Calls the method on each client that has registered it."""
         having = [c for c in self.connections if call.method in c.remote_methods]
         for client in having:
             client.tell(client.remote_methods[call.method], call.arguments)
@@ -137,7 +138,7 @@ class Engine:
             "process_id": os.getpid(),
             "user_id": os.getuid(),
             "group_id": os.getgid(),
-            # Not a plain version: clients would compare it with those of Klipper.
+            # Not a plain version number, which clients would compare with Klipper's.
             "software_version": f"passo-{__version__}",
             "cpu_info": f"{os.cpu_count()} cores",
             **log_file,
@@ -183,9 +184,9 @@ class Engine:
         return {}
 
     async def _restart(self, _: Connection, __: Arguments) -> _Result:
-        """Reads the machine file again; where nothing would start the program, the boards alone
-        are restarted. Raises PassoError during a print, and for a file with errors: then all goes
-        on."""
+        """RESTART: restarts the program with the current machine file, or only the boards if the
+        program cannot restart. Raises PassoError during a print, and for a file with errors; then
+        the printer continues."""
         try:
             await self._bridge.restart_program()
         except ConfigError as error:

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from passo.web.bridge import Bridge, Snapshot
     from passo.web.klippy.subscriptions import Lookup
 
-_HALTED = (When.IMMEDIATE, When.AHEAD)  # what a halted printer still answers
+_HALTED = (When.IMMEDIATE, When.AHEAD)  # commands that a halted printer still executes
 _MEMORY = Path("/proc/meminfo")
 
 
 class PrinterObjects:
-    """The objects of one printer. `endstops` are the states of the last query."""
+    """The objects of one printer. `endstops` has the states of the last query."""
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
@@ -27,13 +27,13 @@ class PrinterObjects:
 
     @property
     def names(self) -> list[str]:
-        """All objects, each of which has values."""
+        """The names of all objects that have values."""
         status = self._bridge.latest().status
         return [*objects(self._bridge.machine, status, status.macros), *self._of_socket()]
 
     def lookup(self, snapshot: Snapshot | None = None) -> Lookup:
-        """Finds an object of the printer as it was then, or is now; empty if it has none of that
-        name."""
+        """A function that returns the object of a name, from this snapshot or as it is now; empty
+        for an unknown name."""
         status = (snapshot or self._bridge.latest()).status
         found = objects(self._bridge.machine, status, status.macros) | self._of_socket()
         made: dict[str, Object] = {}

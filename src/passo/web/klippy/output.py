@@ -1,4 +1,5 @@
-"""Lines of consoles in the form of Klipper's clients: `// ` and information, `!! ` and an error."""
+"""Console lines in the form for Klipper's clients: `// ` before information, `!! ` before an
+error."""
 
 from __future__ import annotations
 
@@ -7,7 +8,7 @@ def shown(text: str) -> str:
     """A line for a console. Answers such as those of M105 and M114 stay as they are, as do lines
     that have a prefix."""
     if text.startswith("echo: "):
-        return text  # as Klipper's own
+        return text  # has Klipper's prefix already
     for ours, prefix in (("echo:", "// "), ("Error:", "!! ")):
         if text.startswith(ours):
             return prefix + text.removeprefix(ours).strip()
@@ -15,7 +16,7 @@ def shown(text: str) -> str:
 
 
 def failed(text: str) -> str:
-    """An error: its first line after `!! `; if it has more lines, before that all of it as
+    """An error: its first line after `!! `. If it has more lines, all of them come before that as
     information."""
     lines = text.strip().splitlines() or [""]
     before = [f"// {line}" for line in lines] if len(lines) > 1 else []

@@ -12,20 +12,20 @@ from passo.web.klippy.output import failed, shown
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
-_RESTARTS = ("RESTART", "FIRMWARE_RESTART")  # clients expect that these end the connection
+_RESTARTS = ("RESTART", "FIRMWARE_RESTART")  # clients expect that these commands end the connection
 
 
 class Scripts:
-    """Carries out the scripts of all clients of one printer. `broadcast` sends a line to each
-    client that listens."""
+    """Executes the scripts of all clients of one printer. `broadcast` sends a line to each client
+    that listens."""
 
     def __init__(self, bridge: Bridge, broadcast: Callable[[str], None]) -> None:
         self._bridge, self._broadcast = bridge, broadcast
 
     async def run(self, script: str) -> str:
-        """Carries out lines of G-code, and returns when they are done: the command by which the
-        printer is to be restarted then, or an empty text. The first line that fails ends the
-        script: raises RequestError."""
+        """Executes lines of G-code. When they are done, returns the command with which the caller
+        must restart the printer, or an empty text. The first line that fails ends the script with
+        RequestError."""
         before, restart = _up_to_restart(script.splitlines())
         if before.strip():
             try:
@@ -36,7 +36,7 @@ class Scripts:
         return restart
 
     def hear(self, line: str) -> None:
-        """A line that the printer answers, or sends to all."""
+        """Called with each answer of the printer, and with each line to all consoles."""
         self._broadcast(shown(line))
 
 

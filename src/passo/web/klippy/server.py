@@ -21,22 +21,22 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 PUSH_S = 0.25  # between two messages about objects
-_TIMEOUT_S = 5.0  # with a client that does not read
-_MAX_WAITING = 32 << 20  # bytes for such a client
+_TIMEOUT_S = 5.0  # for a client that does not read
+_MAX_WAITING = 32 << 20  # bytes that may wait for such a client
 _BACKLOG = 16
 
 
 class KlippySocket:
-    """Serves one printer on a Unix socket that only this user may open. When the printer restarts,
-    all connections end and the socket is created again, as clients expect."""
+    """Serves one printer on a Unix socket, which only this user may open. When the printer
+    restarts, all connections end and the socket is created again, as clients expect."""
 
     def __init__(self, bridge: Bridge, path: str, *, log_file: str | None = None) -> None:
-        """Raises InputError where the socket cannot be made."""
+        """Raises InputError if the socket cannot be made."""
         self._bridge, self._path, self._log_file = bridge, Path(path), log_file
         self._listening = _listening(self._path)
 
     async def run(self) -> None:
-        """Serves until cancelled; the socket is removed then."""
+        """Serves until cancelled, and then removes the socket."""
         try:
             while True:
                 if await self._serve():
@@ -46,13 +46,13 @@ class KlippySocket:
             self._path.unlink(missing_ok=True)
 
     async def _serve(self) -> bool:
-        """Serves until the printer restarts; True if it still has to be restarted."""
+        """Serves until the printer restarts. Returns True if the caller must restart it."""
         loop = asyncio.get_running_loop()
         ended: asyncio.Future[bool] = loop.create_future()
 
         def end(restart: bool) -> None:
             if not ended.done():
-                # Answers that are ready now reach the client.
+                # Let answers that are ready reach the clients.
                 loop.call_soon(lambda: ended.done() or ended.set_result(restart))
 
         engine = Engine(self._bridge, end, now_s=loop.time, log_file=self._log_file)
@@ -89,7 +89,7 @@ class _Client(asyncio.Protocol):
         self._engine, self._clients = engine, clients
         self._connection = Connection(engine, self._send)
         self._transport: asyncio.Transport | None = None
-        self._waits_since_s: float | None = None  # for the client to read
+        self._waits_since_s: float | None = None  # since then, data waits for the client to read
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """As `asyncio.Protocol.connection_made`."""
@@ -142,7 +142,7 @@ class _Client(asyncio.Protocol):
 
 def _listening(path: Path) -> socket.socket:
     """A socket at the path, in place of an older one. Raises InputError."""
-    made = path.with_name(f"{path.name}~")  # not reachable before it has its permissions
+    made = path.with_name(f"{path.name}~")  # the socket gets its name only after its permissions
     listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         if path.exists() and not stat.S_ISSOCK(path.lstat().st_mode):

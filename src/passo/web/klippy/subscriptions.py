@@ -11,8 +11,7 @@ Lookup: TypeAlias = Callable[[str], Object]  # an object by its name; empty if i
 
 
 def picked(wishes: Wishes, lookup: Lookup) -> dict[str, Object]:
-    """The requested fields. A field that does not exist is None, as is the value of an unknown
-    one."""
+    """The requested fields. A field that does not exist is None, like an unknown value."""
     found: dict[str, Object] = {}
     for name, fields in wishes.items():
         values = lookup(name)
@@ -21,8 +20,8 @@ def picked(wishes: Wishes, lookup: Lookup) -> dict[str, Object]:
 
 
 class Subscription:
-    """The subscription of one client. If all fields of an object are requested, they are those of
-    the first answer: a later field is never sent."""
+    """The subscription of one client. If it requests all fields of an object, these are the fields
+    of the first answer; fields that appear later are never sent."""
 
     def __init__(self, wishes: Wishes, template: Mapping[str, Any]) -> None:
         self._wishes: dict[str, Sequence[str] | None] = dict(wishes)
@@ -31,11 +30,11 @@ class Subscription:
 
     @property
     def names(self) -> Sequence[str]:
-        """The objects that it is about."""
+        """The names of the subscribed objects."""
         return tuple(self._wishes)
 
     def first(self, lookup: Lookup) -> dict[str, Object]:
-        """All requested fields. Call once, before `changed`."""
+        """All requested fields. Call it once, before `changed`."""
         self._sent = picked(self._wishes, lookup)
         self._wishes = {name: tuple(values) for name, values in self._sent.items()}
         return self._sent

@@ -33,7 +33,7 @@ class Frames:
         self._begun = bytearray()
 
     def feed(self, data: bytes) -> list[bytes]:
-        """The frames that end in `data`, in order. Raises FrameTooLongError."""
+        """Returns the frames that `data` completes, in order. Raises FrameTooLongError."""
         *ended, rest = data.split(_END)
         frames: list[bytes] = []
         for part in ended:
@@ -67,5 +67,5 @@ def request_of(frame: bytes) -> Request:
 
 
 def frame_of(message: dict[str, Any]) -> bytes:
-    """A message to a client. Numbers that are not finite become null."""
+    """The frame of a message to a client. Numbers that are not finite become null."""
     return msgspec.json.encode(tree(message)) + _END

@@ -1,1 +1,1 @@
-"""The machine file for clients: read and change."""
+"""Reads and changes the machine file for clients."""

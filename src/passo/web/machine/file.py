@@ -1,4 +1,4 @@
-"""The machine file on disk. Its functions block for as long as the disk takes."""
+"""The machine file on disk. The functions block during access to the disk."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from passo.config.machine_text import machine_text
 from passo.errors import ConfigError, InputError
 from passo.job.durable_files import replaced
 
-_NAME = "machine.toml"  # of a text that a client sends, in messages
+_NAME = "machine.toml"  # name in messages for a text from a client
 _replacing = threading.Lock()  # no other request changes the file between check and replacement
 
 
 def path_of(source: str) -> Path | None:
-    """The file of a machine source, as `Bridge.machine_source`; None if it may not be changed."""
+    """The path of a machine source (see `Bridge.machine_source`); None if there is no file to
+    change."""
     return config.machine_path(source)
 
 
 def read(source: str, machine: config.MachineConfig) -> str:
-    """The text of the machine file: that of a shipped machine, or made from `machine` if there is
+    """The text of the machine file, or of a shipped machine; it is made from `machine` if there is
     no file. Raises ConfigError."""
     path = path_of(source)
     if path is not None:
@@ -33,14 +34,14 @@ def read(source: str, machine: config.MachineConfig) -> str:
 
 
 def name_of_text(source: str) -> str:
-    """The name of a text that a client sends, for messages. Its folder is that of the machine file:
-    relative paths in the text begin there."""
+    """The name of a text from a client, for messages. Its folder is the folder of the machine file,
+    to which paths in the text are relative."""
     path = path_of(source)
     return _NAME if path is None else str(path.with_name(_NAME))
 
 
 def loaded(source: str, text: str) -> Loaded:
-    """The machine that a text of a client describes. Raises ConfigError."""
+    """The machine that a text from a client describes. Raises ConfigError."""
     return config.load_text_and_question(text, name_of_text(source))
 
 
@@ -56,9 +57,9 @@ def difference(before: str, after: str) -> str:
 
 
 def replace(path: Path, text: str, replaces: str) -> tuple[str, Path]:
-    """Puts a text in the place of the machine file, whole and durable, if `replaces` is the digest
-    of the text there. Returns that text, and the path of its backup, FILE.toml.bak. Raises
-    ConfigError and InputError; then the file holds what it held before."""
+    """Replaces the machine file, completely and durably, if `replaces` is the digest of its present
+    text. Returns the earlier text, and the path of its backup, FILE.toml.bak. Raises ConfigError
+    and InputError; then the file is unchanged."""
     backup = path.with_name(f"{path.name}.bak")
     with _replacing:
         before = config.machine_file_text(path)

@@ -20,9 +20,9 @@ _ABSENT = object()
 
 class KeyValue(Struct):
     """A key with its value. `source` is `file` (then `line` is its line), `board` (the file of a
-    board or sensor that the machine file names), or `default`. `setting` is the command and the
-    word that also set the value; it is empty for most keys. `setting_value` is the value in force,
-    and `setting_source` is its source: `file`, `stored` (M500), or `command`."""
+    board or sensor that the machine file names), or `default`. `setting` is the command with the
+    word that also sets the value; it is empty for most keys. `setting_value` is the active value,
+    and `setting_source` its source: `file`, `stored` (M500), or `command`."""
 
     key: str
     value: Any
@@ -34,8 +34,8 @@ class KeyValue(Struct):
 
 
 class KeyChange(Struct):
-    """A key whose value differs; a value is null if the key is missing. `acts` says when the change
-    has an effect: at once (`live`), or after a `restart`."""
+    """A key whose value differs; a value is null if the key is missing. `acts` tells when the
+    change takes effect: at once (`live`) or after a `restart`."""
 
     key: str
     before: Any

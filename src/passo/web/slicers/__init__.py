@@ -1,1 +1,1 @@
-"""Interfaces of other printers' servers, to which slicers can upload."""
+"""Interfaces of other print servers, to which slicers can upload."""

@@ -32,7 +32,7 @@ _DONE = 204
 
 @operation("octoprint.version", "GET", "/api/version", Role.VIEWER, root="")
 async def version(_: Call) -> Response:
-    """The version that a slicer tests: `text` begins with OctoPrint for slicers that require it."""
+    """The version. `text` begins with OctoPrint, because some slicers check this."""
     return json(
         {
             "api": "0.1",
@@ -53,14 +53,14 @@ async def login(call: Call) -> Response:
 
 @operation("octoprint.settings", "GET", "/api/settings", Role.VIEWER, root="")
 async def settings(_: Call) -> Response:
-    """No camera, no plug-ins."""
+    """The settings: no camera, no plug-ins."""
     feature = {"sdSupport": False, "temperatureGraph": False}
     return json({"plugins": {}, "feature": feature, "webcam": {"webcamEnabled": False}})
 
 
 @operation("octoprint.profiles", "GET", "/api/printerprofiles", Role.VIEWER, root="")
 async def profiles(call: Call) -> Response:
-    """The one machine."""
+    """The profile of the machine."""
     return json({"profiles": {"_default": printer_profile(call.bridge.machine)}})
 
 
@@ -101,7 +101,7 @@ async def order(call: Call) -> Response:
 
 @operation("octoprint.connection", "GET", "/api/connection", Role.VIEWER, root="")
 async def connection(call: Call) -> Response:
-    """The printer is always connected to what serves it."""
+    """The state of the connection; the printer is always connected to this server."""
     text = state_text(call.bridge.latest().status)
     port = {"port": "passo", "baudrate": 250000, "printerProfile": "_default"}
     profile = {"id": "_default", "name": call.bridge.machine.name}
@@ -120,7 +120,7 @@ async def connect(call: Call) -> Response:
 
 @operation("octoprint.command", "POST", "/api/printer/command", Role.OPERATOR, root="")
 async def command(call: Call) -> Response:
-    """Carries out lines of G-code, in order."""
+    """Executes lines of G-code, in order."""
     wanted = await posted(call)
     lines: object = wanted.get("commands", [wanted.get("command")])
     if not isinstance(lines, list):
@@ -142,7 +142,7 @@ async def all_files(call: Call) -> Response:
 
 @operation("octoprint.local", "GET", "/api/files/local", Role.VIEWER, root="")
 async def local_files(call: Call) -> Response:
-    """As `all_files`: there is no other storage for files."""
+    """As `all_files`, because there is no other storage."""
     return await _listing(call)
 
 
@@ -155,9 +155,9 @@ async def local_files(call: Call) -> Response:
     root="",
 )
 async def upload(call: Call) -> Response:
-    """Takes a file, then selects or prints it if the form says so. A printer that cannot print it
-    now keeps it: `effectivePrint` is false then, as in OctoPrint. A form with a `foldername` makes
-    a folder."""
+    """Stores a file, and selects or prints it if the form asks for it. If the printer cannot print
+    it now, the file stays and `effectivePrint` is false, as in OctoPrint. A form with a
+    `foldername` makes a folder."""
     request, body = call.request, Body(call.request)
     try:
         form = await receive_form(body, call.site.uploads, _target)

@@ -1,4 +1,4 @@
-"""The status of the printer in OctoPrint's words."""
+"""The status of the printer in OctoPrint's format."""
 
 from __future__ import annotations
 

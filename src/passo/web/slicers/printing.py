@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from passo.web.call import Call
 
 _MAX_JSON = 1 << 16
-_ANSWER_S = 2.0  # a command may take so long until its client is told that it is running
+_ANSWER_S = 2.0  # after this time, the client of a running command gets an answer
 
-_going_on = set[asyncio.Task[tuple[str, ...]]]()  # the event loop keeps only weak references
+_going_on = set[asyncio.Task[tuple[str, ...]]]()  # the event loop has only weak references
 
 
 async def started(bridge: Bridge, path: str) -> bool:
-    """Prints a file; False if the printer cannot now."""
+    """Starts the print of a file. Returns False if the printer cannot print now."""
     try:
         await bridge.start_print(path)
     except PassoError:
@@ -32,8 +32,8 @@ async def started(bridge: Bridge, path: str) -> bool:
 
 
 async def run_soon(call: Call, script: str) -> tuple[str, ...]:
-    """Carries out lines of G-code, and returns their answers within some seconds; lines that take
-    longer continue. Raises PassoError for a failure within that time."""
+    """Executes lines of G-code, and returns their answers within `_ANSWER_S`; lines that take
+    longer continue afterwards. Raises PassoError for a failure within that time."""
     task = asyncio.ensure_future(call.run(script))
     _going_on.add(task)
     task.add_done_callback(_ended)
@@ -44,7 +44,7 @@ async def run_soon(call: Call, script: str) -> tuple[str, ...]:
 def _ended(task: asyncio.Task[tuple[str, ...]]) -> None:
     _going_on.discard(task)
     if not task.cancelled():
-        task.exception()  # consoles have shown it
+        task.exception()  # consoles have shown the error
 
 
 async def posted(call: Call) -> dict[str, Any]:
@@ -67,10 +67,10 @@ def heaters(bridge: Bridge, status: Status, kind: str) -> list[HeaterStatus]:
 
 
 def is_printing(status: Status) -> bool:
-    """Whether a file is being printed, or its print is paused."""
+    """Whether a print from a file is running or paused."""
     return status.state in (PrinterState.PRINTING, PrinterState.PAUSED)
 
 
 def sentence(error: PassoError) -> str:
-    """The error, and the next action."""
+    """The error as one sentence, and the next action."""
     return str(error.problems[0])

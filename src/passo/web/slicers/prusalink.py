@@ -18,7 +18,7 @@ from passo.web.slicers.printing import started
 
 @operation("prusalink.storage", "GET", "/api/v1/storage", Role.VIEWER, root="")
 async def storage(call: Call) -> Response:
-    """The card is the one storage."""
+    """The storages: only the card."""
     card = await call.bridge.card()
     free = await beside(lambda: card.free_bytes)
     listed = {"name": "SD card", "path": "/local", "type": "LOCAL", "free_space": free}
@@ -34,7 +34,7 @@ async def storage(call: Call) -> Response:
     root="",
 )
 async def upload(call: Call, path: str) -> Response:
-    """The body becomes a file, which is printed if the header `Print-After-Upload` says so."""
+    """Stores the body as a file, and prints it if the header `Print-After-Upload` asks for it."""
     headers, body = call.request.headers, Body(call.request)
     try:
         path = program(path)
@@ -51,5 +51,6 @@ async def upload(call: Call, path: str) -> Response:
 
 
 def _yes(value: str) -> bool:
-    """A Boolean of structured headers (RFC 8941), as PrusaSlicer writes it, or as others do."""
+    """Whether a header is true: a Boolean of structured headers (RFC 8941), as from PrusaSlicer, or
+    another common spelling."""
     return value.strip().lower() in ("?1", "1", "true")

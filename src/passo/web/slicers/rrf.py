@@ -1,5 +1,5 @@
-"""RepRapFirmware's `rr_*` requests, for slicers and scripts, and those of APrinter, which has the
-same names. Source: RepRapFirmware's description of its HTTP requests."""
+"""RepRapFirmware's `rr_*` requests, for slicers and scripts, and the requests of APrinter, which
+have the same names. Source: RepRapFirmware's description of its HTTP requests."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from passo.web.roles import Role
 from passo.web.slicers.printing import run_soon, sentence
 from passo.web.slicers.rrf_status import aprinter_status, rrf_status
 
-_MAX_GCODE = 1 << 16  # bytes of lines in one request
+_MAX_GCODE = 1 << 16  # maximum bytes of lines in one request
 _PREFIX = re.compile(r"^(?:\d:)?/?(?:(?:gcodes|sdcard)(?:/|$))?", re.IGNORECASE)
 _FILE_COMMAND = re.compile(r"\s*(M23|M32)\s+\"?([^\"]+?)\"?\s*", re.IGNORECASE)
-_BUFFER = 255  # bytes of commands that may wait, as RepRapFirmware reports it
+_BUFFER = 255  # reported size of the command buffer in bytes, as in RepRapFirmware
 
 
 def on_card(path: str) -> str:
-    """The path on the card that `0:/gcodes/…` or `/sdcard/…` means. Raises CardError."""
+    """The path on the card for `0:/gcodes/…` or `/sdcard/…`. Raises CardError."""
     return confined(_PREFIX.sub("", path, count=1))
 
 
 @operation("rrf.connect", "GET", "/rr_connect", Role.PUBLIC, root="")
 async def connect(call: Call) -> Response:
-    """Begins a session: the password is an API key, if there are accounts."""
+    """Starts a session. The password is an API key, if there are accounts."""
     password = call.request.query_params.get("password", "")
     if call.caller.role is Role.PUBLIC and not call.site.access.connect(call.request, password):
         return json({"err": 1})
@@ -45,14 +45,14 @@ async def connect(call: Call) -> Response:
 
 @operation("rrf.disconnect", "GET", "/rr_disconnect", Role.VIEWER, root="")
 async def disconnect(call: Call) -> Response:
-    """Ends it."""
+    """Ends the session."""
     call.site.access.connected.end(_address(call))
     return json({"err": 0})
 
 
 @operation("rrf.status", "GET", "/rr_status", Role.VIEWER, root="")
 async def status(call: Call) -> Response:
-    """With `type` (1 to 3) as RepRapFirmware reports, without as APrinter does."""
+    """The status: with `type` (1 to 3) in RepRapFirmware's format, without it in APrinter's."""
     kind = call.request.query_params.get("type")
     if kind is None:
         return json(aprinter_status(call.bridge))
@@ -61,13 +61,13 @@ async def status(call: Call) -> Response:
 
 @operation("rrf.config", "GET", "/rr_config", Role.VIEWER, root="")
 async def config(_: Call) -> Response:
-    """APrinter's stored options: there are none here."""
+    """APrinter's stored options; always empty."""
     return json({"options": []})
 
 
 @operation("rrf.gcode", "GET", "/rr_gcode", Role.OPERATOR, root="")
 async def gcode(call: Call) -> Response:
-    """Carries out a line; `rr_reply` returns its answer."""
+    """Executes a line; `rr_reply` returns its answer."""
     line = call.request.query_params.get("gcode", "")
     try:
         if file := _FILE_COMMAND.fullmatch(line):
@@ -83,7 +83,7 @@ async def gcode(call: Call) -> Response:
 
 @operation("rrf.reply", "GET", "/rr_reply", Role.VIEWER, root="")
 async def reply(call: Call) -> Response:
-    """The answers of lines since the last call."""
+    """The answers to lines since the last call."""
     text = "".join(f"{line}\n" for line in call.site.rrf_replies)
     call.site.rrf_replies.clear()
     return Response(text, media_type="text/plain")
@@ -91,7 +91,7 @@ async def reply(call: Call) -> Response:
 
 @operation("rrf.console", "POST", "/rr_gcode", Role.OPERATOR, consumes="text/plain", root="")
 async def console(call: Call) -> Response:
-    """APrinter's console: carries out the lines of the body one after the other, and returns their
+    """APrinter's console: executes the lines of the body one after the other, and returns their
     answers, each with `ok`."""
     lines = (await limited(call.request, _MAX_GCODE)).decode("utf-8", "replace").splitlines()
 
@@ -119,7 +119,7 @@ async def console(call: Call) -> Response:
     root="",
 )
 async def upload(call: Call) -> Response:
-    """The body becomes a file, if its CRC is the one that is given."""
+    """Stores the body as a file, if its CRC matches the given one."""
     body, query = Body(call.request), call.request.query_params
     try:
         path = program(on_card(query.get("name", "")))
@@ -141,7 +141,7 @@ async def upload(call: Call) -> Response:
 
 @operation("rrf.files", "GET", "/rr_filelist", Role.VIEWER, root="")
 async def filelist(call: Call) -> Response:
-    """A folder, with sizes and dates."""
+    """The content of a folder, with sizes and dates."""
     folder = call.request.query_params.get("dir", "")
     try:
         card, path = await call.bridge.card(), on_card(folder)
@@ -180,7 +180,7 @@ async def names(call: Call) -> Response:
 
 @operation("rrf.info", "GET", "/rr_fileinfo", Role.VIEWER, root="")
 async def fileinfo(call: Call) -> Response:
-    """The facts about a file, or about the one that is printed."""
+    """The facts about a file, or about the file that is being printed."""
     name, job = call.request.query_params.get("name"), call.bridge.latest().status.job
     if name is None and job is None:
         return json({"err": 1})
@@ -268,7 +268,7 @@ async def _remove(call: Call, path: str, *, missing: bool = False) -> None:
 
 
 def _failed(error: PassoError) -> Response:
-    """The matching status, for clients that check it, and `err` for the others."""
+    """The answer for an error: the HTTP status for clients that check it, and `err` for others."""
     return json({"err": 1, "error": sentence(error)}, refusal(error).status_code)
 
 

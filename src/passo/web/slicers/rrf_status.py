@@ -1,4 +1,4 @@
-"""The status of the printer as RepRapFirmware reports it, and as APrinter does."""
+"""The status of the printer in the formats of RepRapFirmware and of APrinter."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from passo.web.slicers.printing import heaters
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
 
-_OFF = msgspec.Raw(b"-1e1024")  # how APrinter writes that there is no target
+_OFF = msgspec.Raw(b"-1e1024")  # APrinter's value for no target
 
 
 def rrf_status(bridge: Bridge, kind: int) -> dict[str, Any]:
-    """`kind` 1 is the usual report, 2 has more of the machine, 3 more of the print."""
+    """The status in RepRapFirmware's format. `kind` 1 is the usual report, 2 adds data of the
+    machine, 3 data of the print."""
     status = bridge.latest().status
     axes = list(bridge.machine.axes)
     hotends, beds = (heaters(bridge, status, kind) for kind in ("hotend", "bed"))
@@ -77,7 +78,7 @@ def rrf_status(bridge: Bridge, kind: int) -> dict[str, Any]:
 
 
 def aprinter_status(bridge: Bridge) -> dict[str, Any]:
-    """The status in the form of APrinter's own page."""
+    """The status in the format for APrinter's web page."""
     status = bridge.latest().status
     found_heaters: dict[str, Any] = {}
     for letter, kind in (("T", "hotend"), ("B", "bed"), ("C", "chamber")):
@@ -104,7 +105,7 @@ def aprinter_status(bridge: Bridge) -> dict[str, Any]:
 
 
 def _celsius(heater: HeaterStatus) -> float:
-    """2000 °C, which is what RepRapFirmware reports, for a sensor that has not reported."""
+    """The temperature, °C; as in RepRapFirmware, 2000 for a sensor that has not reported."""
     return 2000.0 if heater.celsius is None else heater.celsius
 
 
