@@ -14,7 +14,6 @@ from passo.errors import FirmwareError
 from passo.toolchain.avr import PULSE_TICKS
 from passo.toolchain.targets import Target, target
 
-
 _ANY_ARM = "one image a board"
 
 

@@ -82,6 +82,31 @@ test("the firmware of a RAMPS is built, with its sizes, and downloaded", async (
   }
 });
 
+test("a board is flashed, with its step by hand and the log", async ({ page }) => {
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByText("Firmware", { exact: true }).click();
+  await page.getByRole("combobox", { name: "Board" }).selectOption("teensy3-mk20dx256");
+  await page.getByRole("button", { name: "Build the image" }).click();
+  await page.getByRole("heading", { name: "Build of teensy3-mk20dx256" }).waitFor();
+  const flash = page.getByRole("button", { name: "Flash the board" });
+  await flash.click({ timeout: 35_000 }); // once the image is built
+  const dialog = page.getByRole("dialog", { name: "Flash teensy3-mk20dx256.hex?" });
+  await dialog.waitFor();
+  await expectAccessible(page);
+  await picture(page, "flash-dialog-1280-light");
+  await dialog.getByRole("button", { name: "Flash the board" }).click();
+  await page.getByText("Waits for you").waitFor();
+  await page.getByRole("alert").getByText("Press the button on the Teensy.").waitFor();
+  await expectAccessible(page);
+  await picture(page, "flash-by-hand-1280-light");
+  await page.getByRole("button", { name: "Done, continue" }).click();
+  await page.getByText("Written", { exact: true }).waitFor();
+  await page.getByRole("region", { name: "Log of the flashing" }).getByText("Programming").waitFor();
+  await page.setViewportSize({ width: 360, height: 800 });
+  await expectFits(page);
+  await picture(page, "flash-360-light");
+});
+
 test("settings show the appearance, the values of commands and the logs", async ({ page }) => {
   await page.getByRole("link", { name: "Settings" }).click();
   await page.getByText("Dark", { exact: true }).click();

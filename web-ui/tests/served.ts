@@ -1,7 +1,7 @@
 /** `passo serve` with a machine file of a simulated printer and the example on its card, in scaled time. */
 
 import { spawn, type ChildProcess } from "node:child_process";
-import { chmodSync, cpSync, mkdtempSync, rmSync } from "node:fs";
+import { chmodSync, cpSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
@@ -22,12 +22,16 @@ export class Served {
   #process: ChildProcess | undefined;
   #folder = mkdtempSync(join(tmpdir(), "passo-page-"));
   #machine = join(this.#folder, "my.toml");
-
+  #card = join(this.#folder, "card");
+  #programs = join(this.#folder, "bin");
   #clock: number;
 
   constructor({ machine = "i3", clock = 20 }: ServedOptions = {}) {
     this.#clock = clock;
-    cpSync(EXAMPLE, join(this.#folder, "demo.gcode"));
+    cpSync(EXAMPLE, join(this.#card, "demo.gcode"));
+    mkdirSync(this.#programs);
+    // In place of the program that flashes a Teensy.
+    writeFileSync(join(this.#programs, "teensy_loader_cli"), "#!/bin/sh\necho Programming\n", { mode: 0o755 });
     cpSync(join(MACHINES, `${machine}.toml`), this.#machine);
     chmodSync(this.#machine, 0o644);
   }
@@ -35,9 +39,10 @@ export class Served {
   /** Starts it, at the address that it had before, if it was started before. */
   async start(): Promise<void> {
     const place = this.url ? new URL(this.url).host : "127.0.0.1:0";
-    const options = ["--machine", this.#machine, "--clock", `${this.#clock}`, "--sd", this.#folder, "--tcp", "127.0.0.1:0"];
+    const options = ["--machine", this.#machine, "--clock", `${this.#clock}`, "--sd", this.#card, "--tcp", "127.0.0.1:0"];
     const child = spawn(PYTHON, ["-m", "passo", "serve", ...options, "--http", place], {
       stdio: ["ignore", "ignore", "pipe"],
+      env: { ...process.env, PATH: `${this.#programs}:${process.env["PATH"]}` },
     });
     this.#process = child;
     const said: string[] = [];

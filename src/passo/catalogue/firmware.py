@@ -20,7 +20,15 @@ FIRMWARE: Mapping[str, Entry] = {
         "there is no firmware of Passo for {axis}: {value}", "See `passo firmware list`"
     ),
     "firmware.busy": _firmware(
-        "firmware is being built already", "Wait until it is done, or cancel it"
+        "firmware is being built or flashed already", "Wait until it is done, or cancel it"
+    ),
+    "firmware.not-now": _firmware(
+        "no board is flashed now: {value}",
+        "Wait until the print is done, switch all heaters off, and try again",
+    ),
+    "firmware.port-used": _firmware(
+        "{value} is in use: this printer is connected through it",
+        "Stop `passo serve`, then flash the board with `passo firmware flash` on that computer",
     ),
     "firmware.image": _firmware(
         "{value} is not an image for {axis}: expected {limit}",

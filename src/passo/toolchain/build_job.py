@@ -28,7 +28,7 @@ def main() -> int:
     order: dict[str, Any] = json.load(sys.stdin)
     made = 0
     try:
-        for aim in _targets(order):
+        for aim in targets(order):
             _tell(f"{aim.name}: compiling for {aim.board.mcu} ({aim.board.name})")
             image, about = build(aim, Path(order["output"]))
             _tell(
@@ -45,7 +45,8 @@ def main() -> int:
     return 0
 
 
-def _targets(order: dict[str, Any]) -> Iterator[Target]:
+def targets(order: dict[str, Any]) -> Iterator[Target]:
+    """The boards of an order, with a line for each that is left out. Raises PassoError."""
     if order.get("board"):
         yield board_target(order["board"])
         return

@@ -121,8 +121,7 @@ class Access:
             return
         if not self._accounts.exist:
             raise WebError.of("web.no-administrator")
-        if not self._accounts.fresh(caller.session):
-            raise WebError.of("web.password", limit=f"{FRESH_S / 60:g}")
+        self.require_password(caller)
 
     def require(self, caller: Caller, role: Role) -> None:
         """Raises WebError unless the caller has at least this role."""
@@ -131,6 +130,12 @@ class Access:
         if caller.role is Role.PUBLIC:
             raise WebError.of("web.log-in")
         raise WebError.of("web.role", value=caller.name, limit=role)
+
+    def require_password(self, caller: Caller) -> None:
+        """Raises WebError unless the password was entered within the last minutes, or there is no
+        account."""
+        if self._accounts.exist and not self._accounts.fresh(caller.session):
+            raise WebError.of("web.password", limit=f"{FRESH_S / 60:g}")
 
     async def used(self, caller: Caller) -> None:
         """Records that a session is used, which extends it."""

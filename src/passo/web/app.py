@@ -16,6 +16,7 @@ from passo.web.feeds import Feeds
 from passo.web.files.metadata import MetadataReader
 from passo.web.files.uploads import Uploads
 from passo.web.firmware.builds import Builds
+from passo.web.firmware.flashes import Flashes
 from passo.web.guard import Guard
 from passo.web.messages import Messages
 from passo.web.operations import OPERATIONS
@@ -49,7 +50,8 @@ def web_app(
     cache of its files is in the folder `state`."""
     access, metadata = Access(accounts, binding), MetadataReader(bridge, state)
     uploads = Uploads(bridge, metadata.want)
-    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, Builds())
+    firmware = Builds(), Flashes()
+    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, *firmware)
     feeds, messages = Feeds(bridge), Messages()
     described = openapi.encoded(OPERATIONS)
 

@@ -19,6 +19,8 @@ import passo.web.endpoints.session
 import passo.web.endpoints.status
 import passo.web.files.metadata
 import passo.web.firmware.builds
+import passo.web.firmware.flashes
+import passo.web.firmware.ports
 import passo.web.machine.keys
 import typing
 
@@ -132,8 +134,9 @@ class Firmware:
         board: str | None = ...,
         text: str | None = ...,
     ) -> passo.web.firmware.builds.Build:
-        """Starts a build of images in a separate process, one build at a time. The feed
-        sends each line of the log; `firmware.last` has the whole log."""
+        """Starts a build of images in a separate process, one build at a time, while no
+        board is being flashed. The feed sends each line of the log; `firmware.last` has the
+        whole log."""
         ...
     def last(
         self,
@@ -150,6 +153,35 @@ class Firmware:
     ) -> bytes:
         """The images of the last build with their descriptions (JSON) and its log, as one
         zip."""
+        ...
+    def ports(
+        self,
+    ) -> builtins.list[passo.web.firmware.ports.Port]:
+        """The ports of the computer of the printer through which a board may be flashed."""
+        ...
+    def flash(
+        self,
+        image: str,
+        port: str | None = ...,
+    ) -> passo.web.firmware.flashes.Flash:
+        """Starts to flash an image of the last build onto its board, in a process of its
+        own, one board at a time. `firmware.flashing` has the log, and the steps by hand. If
+        there are accounts, the password must have been entered within the last minutes."""
+        ...
+    def flashing(
+        self,
+    ) -> passo.web.firmware.flashes.Flash:
+        """The board that is being flashed, or the last one, with the log."""
+        ...
+    def confirm(
+        self,
+    ) -> None:
+        """The step by hand that `firmware.flashing` asks for is done."""
+        ...
+    def cancel_flash(
+        self,
+    ) -> None:
+        """Ends flashing at a step by hand. While the image is written, nothing happens."""
         ...
 
 class Emergency:
@@ -788,8 +820,9 @@ class AsyncFirmware:
         board: str | None = ...,
         text: str | None = ...,
     ) -> passo.web.firmware.builds.Build:
-        """Starts a build of images in a separate process, one build at a time. The feed
-        sends each line of the log; `firmware.last` has the whole log."""
+        """Starts a build of images in a separate process, one build at a time, while no
+        board is being flashed. The feed sends each line of the log; `firmware.last` has the
+        whole log."""
         ...
     async def last(
         self,
@@ -806,6 +839,35 @@ class AsyncFirmware:
     ) -> bytes:
         """The images of the last build with their descriptions (JSON) and its log, as one
         zip."""
+        ...
+    async def ports(
+        self,
+    ) -> builtins.list[passo.web.firmware.ports.Port]:
+        """The ports of the computer of the printer through which a board may be flashed."""
+        ...
+    async def flash(
+        self,
+        image: str,
+        port: str | None = ...,
+    ) -> passo.web.firmware.flashes.Flash:
+        """Starts to flash an image of the last build onto its board, in a process of its
+        own, one board at a time. `firmware.flashing` has the log, and the steps by hand. If
+        there are accounts, the password must have been entered within the last minutes."""
+        ...
+    async def flashing(
+        self,
+    ) -> passo.web.firmware.flashes.Flash:
+        """The board that is being flashed, or the last one, with the log."""
+        ...
+    async def confirm(
+        self,
+    ) -> None:
+        """The step by hand that `firmware.flashing` asks for is done."""
+        ...
+    async def cancel_flash(
+        self,
+    ) -> None:
+        """Ends flashing at a step by hand. While the image is written, nothing happens."""
         ...
 
 class AsyncEmergency:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from passo.web.files.metadata import MetadataReader
     from passo.web.files.uploads import Uploads
     from passo.web.firmware.builds import Builds
+    from passo.web.firmware.flashes import Flashes
     from passo.web.logs import Logs
     from passo.web.temperature_history import TemperatureHistory
 
@@ -22,7 +23,7 @@ _MAX_REPLIES = 100
 @dataclass(frozen=True, slots=True)
 class Site:
     """One printer with its accounts, the uploads to its card, the facts about its files, the
-    history of its temperatures, its logs, and its builds of firmware."""
+    history of its temperatures, its logs, its builds of firmware, and the boards that are flashed."""
 
     bridge: Bridge
     accounts: Accounts
@@ -32,5 +33,6 @@ class Site:
     temperatures: TemperatureHistory
     logs: Logs
     builds: Builds
+    flashes: Flashes
     rrf_replies: deque[str] = field(default_factory=lambda: deque(maxlen=_MAX_REPLIES))
     """Answers to lines of `rr_gcode`, until `rr_reply` takes them."""

@@ -332,6 +332,24 @@ export interface FilesStatus {
   folder: string;
 }
 
+/** An image on its way onto a board, or the last one; `idle` before the first. It is `waiting`
+ * while a step by hand is to do, which `asks` describes; `log` has the lines so far, those of the
+ * program that writes included. */
+export interface Flash {
+  image: string;
+  port: string;
+  state: "cancelled" | "done" | "failed" | "idle" | "running" | "waiting";
+  asks: string;
+  log: string[];
+}
+
+/** An image of the last build by its file, and the port of the board, one of `firmware.ports`.
+ * Boards that are flashed through a programmer need none. */
+export interface FlashOrder {
+  image: string;
+  port?: string | null;
+}
+
 /** The factor of a tool's extrusion; 1 leaves it as in the file. */
 export interface FlowFactor {
   factor: number;
@@ -694,6 +712,14 @@ export interface Plan {
   filament_mm: Record<string, number>;
   limits_s: Record<string, number>;
   warnings: string[];
+}
+
+/** A serial port, or the folder of the drive of a chip that waits for its image. `name` is what
+ * the computer calls the device behind it, or empty; `used`: this printer uses it. */
+export interface Port {
+  path: string;
+  name: string;
+  used: boolean;
 }
 
 /** An object that the file labels. `number` is the number in M486, or its index in the file;

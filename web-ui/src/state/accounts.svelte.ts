@@ -54,16 +54,21 @@ class Administration {
     await action?.();
   }
 
-  /** False if the server has refused it; an action that waits for the password counts as done. */
-  async #do(action: () => Promise<unknown>): Promise<boolean> {
-    try {
+  #do = (action: () => Promise<unknown>) =>
+    this.guard(async () => {
       await action();
       await this.load();
+    });
+
+  /** False if the server has refused it; an action that waits for the password counts as done. */
+  async guard(action: () => Promise<unknown>): Promise<boolean> {
+    try {
+      await action();
       return true;
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       if (error.fault.code === "web.password") {
-        this.waiting = () => this.#do(action);
+        this.waiting = () => this.guard(action);
         return true;
       }
       notices.add(error.fault);

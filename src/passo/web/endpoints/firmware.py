@@ -13,8 +13,11 @@ from passo.catalogue import codes_of
 from passo.config.board import Board
 from passo.errors import ConfigError, FirmwareError, WebError
 from passo.toolchain.targets import state
+from passo.printer.status import Status
 from passo.web.call import Call
 from passo.web.firmware.builds import Build
+from passo.web.firmware.flashes import Flash
+from passo.web.firmware.ports import Port, ports
 from passo.web.machine import file
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -55,6 +58,14 @@ class BuildOrder(Struct, forbid_unknown_fields=True):
     text: Annotated[str, Meta(max_length=500_000)] | None = None
 
 
+class FlashOrder(Struct, forbid_unknown_fields=True):
+    """An image of the last build by its file, and the port of the board, one of `firmware.ports`.
+    Boards that are flashed through a programmer need none."""
+
+    image: Annotated[str, Meta(max_length=200)]
+    port: Annotated[str, Meta(max_length=200)] | None = None
+
+
 @operation("firmware.boards", "GET", "/firmware/boards", Role.VIEWER)
 async def boards(call: Call) -> Boards:
     """The boards of the machine, and all boards that come with Passo, with the steps that each
@@ -78,8 +89,10 @@ async def boards(call: Call) -> Boards:
     status=202,
 )
 async def build(call: Call, body: BuildOrder) -> Build:
-    """Starts a build of images in a separate process, one build at a time. The feed sends each line
-    of the log; `firmware.last` has the whole log."""
+    """Starts a build of images in a separate process, one build at a time, while no board is being
+    flashed. The feed sends each line of the log; `firmware.last` has the whole log."""
+    if call.site.flashes.busy:
+        raise FirmwareError.of("firmware.busy")
     if body.board is not None:
         if body.board not in config.shipped_boards():
             raise FirmwareError.of("firmware.board", value=body.board)
@@ -121,6 +134,72 @@ async def download(call: Call) -> Response:
     content = await asyncio.to_thread(call.site.builds.zipped)
     headers = {"Content-Disposition": f'attachment; filename="firmware-{of}.zip"'}
     return Response(content, headers=headers, media_type=_ZIP)
+
+
+@operation("firmware.ports", "GET", "/firmware/ports", Role.ADMIN)
+async def list_ports(call: Call) -> list[Port]:
+    """The ports of the computer of the printer through which a board may be flashed."""
+    return await _ports(call)
+
+
+@operation(
+    "firmware.flash",
+    "POST",
+    "/firmware/flash",
+    Role.ADMIN,
+    errors=(
+        *("web.not-found", "web.password", "firmware.busy", "firmware.not-now"),
+        *("firmware.no-port", "firmware.port-used", *_CONFIG_ERRORS),
+    ),
+    status=202,
+)
+async def flash(call: Call, body: FlashOrder) -> Flash:
+    """Starts to flash an image of the last build onto its board, in a process of its own, one board
+    at a time. `firmware.flashing` has the log, and the steps by hand. If there are accounts, the
+    password must have been entered within the last minutes."""
+    call.site.access.require_password(call.caller)
+    found = call.site.builds.image(body.image)
+    if found is None:
+        raise WebError.of("web.not-found", value=f"image {body.image} of the last build")
+    if (why := _why_not_now(call.bridge.latest().status)) is not None:
+        raise FirmwareError.of("firmware.not-now", value=why)
+    if body.port is not None:
+        port = next((port for port in await _ports(call) if port.path == body.port), None)
+        if port is None:
+            raise WebError.of("web.not-found", value=f"port {body.port}")
+        if port.used:
+            raise FirmwareError.of("firmware.port-used", value=body.port)
+    order, image = found
+    return call.site.flashes.start(order, image, body.port)
+
+
+@operation("firmware.flashing", "GET", "/firmware/flash", Role.VIEWER)
+async def flashing(call: Call) -> Flash:
+    """The board that is being flashed, or the last one, with the log."""
+    return call.site.flashes.last
+
+
+@operation("firmware.confirm", "POST", "/firmware/flash/confirm", Role.ADMIN)
+async def confirm(call: Call) -> None:
+    """The step by hand that `firmware.flashing` asks for is done."""
+    call.site.flashes.confirm()
+
+
+@operation("firmware.cancel_flash", "DELETE", "/firmware/flash", Role.ADMIN)
+async def cancel_flash(call: Call) -> None:
+    """Ends flashing at a step by hand. While the image is written, nothing happens."""
+    await call.site.flashes.cancel()
+
+
+async def _ports(call: Call) -> list[Port]:
+    return await asyncio.to_thread(ports, call.bridge.machine, call.bridge.places)
+
+
+def _why_not_now(status: Status) -> str | None:
+    if status.job is not None:
+        return f"{status.job.file} is being printed"
+    hot = [name for name, heater in status.heaters.items() if heater.target_c > 0]
+    return f"{', '.join(hot)} is on" if hot else None
 
 
 def _last(call: Call) -> Build:

@@ -61,6 +61,7 @@ class Builds:
 
     def __init__(self) -> None:
         self._folder: Path | None = None
+        self._order: Mapping[str, str] = {}
         self._task: asyncio.Task[None] | None = None
         self._started_s = 0.0
         self._last: Build | None = None
@@ -82,6 +83,7 @@ class Builds:
             shutil.rmtree(self._folder, ignore_errors=True)
         self._folder = folder = Path(mkdtemp(prefix="passo-firmware-"))
         weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        self._order = order
         number = self._last.number + 1 if self._last else 1
         self._last = build = Build(number, of, "running", [], [], 0.0)
         self._started_s = time.monotonic()
@@ -94,6 +96,11 @@ class Builds:
         if self._task is not None:
             self._task.cancel()
             await asyncio.wait([self._task])
+
+    def image(self, file: str) -> tuple[Mapping[str, str], Path] | None:
+        """The order of the last build, and the path of its image of that name, if it has one."""
+        known = self._last is not None and any(image.file == file for image in self._last.images)
+        return (self._order, self._folder / file) if known and self._folder else None
 
     def zipped(self) -> bytes:
         """The images of the last build with their descriptions, and its log; a build that has
