@@ -8,7 +8,8 @@ import pytest
 from passo import config
 from passo.config.board import Board, joined_marks
 
-BOARDS = [name for name in config.shipped_boards() if name != "klipper"]
+BOARDS = [name for name in config.shipped_boards() if config.load_board(name).chip]
+KLIPPERS = [name for name in config.shipped_boards() if name not in {*BOARDS, "klipper"}]
 MEGA = ("ramps", "mks-gen", "mks-gen-l")
 
 # board: socket: step, direction, enable; all enable low
@@ -355,6 +356,55 @@ def test_microsteps_and_currents_of_a_4pi() -> None:
 def test_a_board_of_klippers_has_no_pins_of_its_own() -> None:
     board = config.load_board("klipper")
     assert (board.pins, board.chip, board.incomplete) == ({}, None, "")
+
+
+# The first motor, the first hotend with its sensor, the bed and a fan, as in Klipper's examples.
+KLIPPERS_PINS = {
+    "creality-4.2.2": ("X", "PC2", "PB9", "!PC3", "PA1", "PC5", "PA2", "PA0"),
+    "creality-4.2.7": ("X", "PB9", "PC2", "!PC3", "PA1", "PC5", "PA2", "PA0"),
+    "ebb-v1.1": ("E", "PD0", "PD1", "!PD2", "PA2", "PA3", None, "PA0"),
+    "ebb-v1.2": ("E", "PD0", "PD1", "!PD2", "PB13", "PA3", None, "PA0"),
+    "einsy-rambo": ("X", "PC0", "PL0", "!PA7", "PE5", "PF0", "PG5", "PH3"),
+    "manta-m8p": ("M1", "PE2", "PB4", "!PC11", "PE3", "PA1", "PB7", "PE6"),
+    "octopus": ("MOTOR0", "PF13", "PF12", "!PF14", "PA2", "PF4", "PA1", "PA8"),
+    "skr-1.3": ("X", "P2.2", "P2.6", "!P2.1", "P2.7", "P0.24", "P2.5", "P2.3"),
+    "skr-1.4": ("X", "P2.2", "P2.6", "!P2.1", "P2.7", "P0.24", "P2.5", "P2.3"),
+    "skr-1.4-turbo": ("X", "P2.2", "P2.6", "!P2.1", "P2.7", "P0.24", "P2.5", "P2.3"),
+    "skr-2": ("X", "PE2", "PE1", "!PE3", "PB3", "PA2", "PD7", "PB7"),
+    "skr-mini-e3-v2": ("X", "PB13", "PB12", "!PB14", "PC8", "PA0", "PC9", "PC6"),
+    "skr-mini-e3-v3": ("X", "PB13", "PB12", "!PB14", "PC8", "PA0", "PC9", "PC6"),
+    "skr-pico": ("X", "gpio11", "gpio10", "!gpio12", "gpio23", "gpio27", "gpio21", "gpio17"),
+    "spider": ("X", "PE11", "PE10", "!PE9", "PB15", "PC0", "PB4", "PB0"),
+}
+
+
+@pytest.mark.parametrize("name", KLIPPERS)
+def test_boards_with_the_firmware_of_klipper(name: str) -> None:
+    board = config.load_board(name)
+    assert board.is_klippers and board.firmware == "klipper" and board.budget
+    pins = pins_of(board)
+    assert len(pins) == len(set(pins))
+    hotend, bed, fan = (board.functions.get(key) for key in ("hotend0", "bed", "fan0"))
+    assert hotend and hotend.sensor and fan
+    first = next(iter(board.sockets))
+    motor = board.sockets[first]
+    assert KLIPPERS_PINS[name] == (
+        first,
+        motor.step,
+        motor.direction,
+        motor.enable,
+        board.pin(hotend.output),
+        board.pin(hotend.sensor),
+        board.pin(bed.output) if bed else None,
+        board.pin(fan.output),
+    )
+
+
+def test_several_drivers_on_one_uart_have_addresses_of_their_own() -> None:
+    for name in ("skr-mini-e3-v2", "skr-mini-e3-v3", "skr-pico"):
+        sockets = config.load_board(name).sockets.values()
+        assert [socket.address for socket in sockets] == [0, 2, 1, 3]
+        assert len({(socket.uart, socket.uart_send) for socket in sockets}) == 1
 
 
 def test_unknown_board() -> None:

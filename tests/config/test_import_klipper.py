@@ -511,3 +511,14 @@ def test_command_names_what_the_machine_file_still_lacks(
     out = capsys.readouterr().out
     assert "To correct in the machine file:" in out
     assert "axes.x.max_mm is -1.0: expected more than min_mm" in out
+
+
+def test_board_is_known_by_its_pins(load) -> None:
+    """BASE without its second motor of Z is wired as a board of Creality."""
+    second = BASE[BASE.index("[stepper_z1]") : BASE.index("[extruder]")]
+    own = (second, ""), ("stepper_x, stepper_z1", "stepper_x"), ("STM32F103", "chip of 2020")
+    draft, machine = load(*own)
+    assert (machine.board.base, machine.board.clock_hz) == ("creality-4.2.2", 72_000_000)
+    assert any("creality-4.2.2" in text for text in remarks(draft, "changed"))
+    for more in (("heater_pin: PA2", "heater_pin: PA3"), ("chip of 2020", "STM32F446")):
+        assert load(*own, more)[1].board.base == "klipper"

@@ -353,6 +353,35 @@ def test_drivers_with_registers(load) -> None:
     assert any("L6470" in text for text in remarks(draft, "changed"))
 
 
+@pytest.mark.parametrize(
+    ("board", "base", "sockets", "wire"),
+    [
+        ("BTT_SKR_MINI_E3_V2_0", "skr-mini-e3-v2", ["X", "Y", "Z", "E0"], ("PC11", "PC10", 2)),
+        (
+            "BTT_OCTOPUS_V1_1",
+            "octopus",
+            ["MOTOR0", "MOTOR1", "MOTOR2", "MOTOR4"],
+            ("PD11", None, 0),
+        ),
+    ],
+)
+def test_boards_with_the_firmware_of_klipper(load, board, base, sockets, wire) -> None:
+    _, machine = load(
+        ("BOARD_RAMPS_14_EFB", f"BOARD_{board}"),
+        (
+            "#define Z2_DRIVER_TYPE A4988\n",
+            "#define Y_DRIVER_TYPE TMC2209\n#define Y_CURRENT 600\n",
+        ),
+        ("Y_HOME_DIR 1", "Y_HOME_DIR -1"),
+        advanced="",
+    )
+    assert machine.board.base == base
+    assert [machine.steppers[name].socket for name in ("x", "y", "z", "e")] == sockets
+    tmc = machine.steppers["y"].tmc
+    send = machine.pin(tmc.tx_pin) if tmc.tx_pin else None
+    assert (machine.pin(tmc.uart_pin), send, tmc.address) == wire
+
+
 def test_shaping(load) -> None:
     more = "#define INPUT_SHAPING_X\n#define SHAPING_FREQ_X 41.5\n#define SHAPING_ZETA_X 0.15f\n"
     more += "#define FT_MOTION\n#define FTM_IS_DEFAULT_MOTION\n"

@@ -55,7 +55,11 @@ STATES = {
     "stm32f407-discovery": "incomplete: usb",
     "stm32f429-discovery": "incomplete: usb",
     "pico": "incomplete: usb",
-    "klipper": "runs Klipper's",
+    **{
+        name: "runs Klipper's"
+        for name in config.shipped_boards()
+        if not config.load_board(name).chip
+    },
 }
 
 

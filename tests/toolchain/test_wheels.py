@@ -17,7 +17,7 @@ from passo.toolchain.targets import board_target
 
 # A board of each chip: test_build.py builds all, whose pins differ.
 BOARDS = {
-    config.load_board(name).mcu: name for name in config.shipped_boards() if name != "klipper"
+    board.mcu: name for name in config.shipped_boards() if (board := config.load_board(name)).chip
 }
 AVR = [name for mcu, name in BOARDS.items() if mcu.startswith("atmega")]
 

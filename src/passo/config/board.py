@@ -40,6 +40,12 @@ class Socket(Model):
     """The compare unit of the chip that times the steps."""
     select: Pin | None = None
     """The chip select of drivers with SPI."""
+    uart: Pin | None = None
+    """The pin of the UART of drivers that have one."""
+    uart_send: Pin | None = None
+    """The pin that sends to the UART, if that is another one."""
+    address: Annotated[int, Field(ge=0, le=3)] = 0
+    """The address of a TMC2209 in this socket, on boards with one UART for several."""
     microstep: list[Pin] = []
     """The pins MS1 and MS2 of the driver."""
     current: int | None = None

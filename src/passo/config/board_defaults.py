@@ -12,6 +12,7 @@ from passo.config.findings import Finding, table, tables
 from passo.config.motor_roles import Drive, Driven, axis_order
 from passo.config.pin_names import MAIN, bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
+from passo.config.trinamic import CHIPS, chip_of
 from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
@@ -81,6 +82,26 @@ def put_pullups(data: dict[str, Any]) -> None:
             continue
         if sensor.get("kind") in _RESISTORS:
             heater["sensor"] = {"pullup_ohm": board["pullup_ohm"], **sensor}
+
+
+def put_driver_wires(data: dict[str, Any]) -> None:
+    """Gives drivers with a UART in a raw machine file that name no pin for it those of their
+    socket, if the board's file has them."""
+    for _, stepper in tables(data, "steppers"):
+        written, tmc = stepper.get("socket"), table(stepper, "tmc")
+        chip = chip_of(stepper.get("driver"))
+        if not isinstance(written, str) or not isinstance(stepper, dict) or not tmc:
+            continue
+        board, word = placed(written)
+        socket = table(data, *section(board), "sockets", word)
+        if chip is None or CHIPS[chip].wire != "uart" or "uart_pin" in tmc or "uart" not in socket:
+            continue
+        wires: dict[str, Any] = {"uart_pin": f"{written}_UART"}
+        if "uart_send" in socket:
+            wires["tx_pin"] = f"{written}_UART_SEND"
+        if chip == "TMC2209" and "address" in socket:
+            wires["address"] = socket["address"]
+        stepper["tmc"] = {**wires, **tmc}
 
 
 def put_probe_home(data: dict[str, Any]) -> None:

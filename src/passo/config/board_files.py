@@ -29,7 +29,14 @@ _BOARDS = FilePath(__file__).parent / "boards"
 _NAMED = ("outputs", "thermistors", "endstops", "pins")
 _ANY_CLOCK_HZ = 16_000_000  # in place of an unknown clock, so that it is reported once
 _RESERVES = "RESERVE_PINS_"
-_SOCKET_PINS = {"step": "STEP", "direction": "DIR", "enable": "ENABLE", "select": "SELECT"}
+_SOCKET_PINS = {
+    "step": "STEP",
+    "direction": "DIR",
+    "enable": "ENABLE",
+    "select": "SELECT",
+    "uart": "UART",
+    "uart_send": "UART_SEND",
+}
 
 
 @dataclass(frozen=True, slots=True)

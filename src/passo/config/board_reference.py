@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from passo.config.board import Board
+from passo.config.board import Board, Socket
 from passo.config.board_files import load_board, shipped_boards
 from passo.config.chips import Chip
 
@@ -37,9 +37,10 @@ def _board(name: str) -> Iterator[str]:
     yield f"{_capital(board.description)}.\n"
     for note in board.notes:
         yield f"**Note**: {note}\n"
-    if board.chip is None:
-        return
-    yield from _facts(board, board.chip)
+    if board.chip is not None:
+        yield from _facts(board, board.chip)
+    elif board.sockets:
+        yield f"- clock {board.clock_hz / 1e6:g} MHz\n"
     yield from _motors(board)
     yield from _named(board)
     yield from _functions(board)
@@ -98,12 +99,19 @@ def _motors(board: Board) -> Iterator[str]:
             *(_printed(board, pin) for pin in (s.step, s.direction, s.enable)),
             s.compare or "",
             _printed(board, s.select) if s.select else "",
+            _uart(s),
             ", ".join(_printed(board, pin) for pin in s.microstep),
         )
         for name, s in board.sockets.items()
     ]
-    heads = ("motor", "step", "direction", "enable", "compare unit", "select", "MS1, MS2")
+    heads = ("motor", "step", "direction", "enable", "compare unit", "select", "UART", "MS1, MS2")
     yield from _table(heads, rows)
+
+
+def _uart(socket: Socket) -> str:
+    if socket.uart is None or socket.uart_send is None:
+        return socket.uart or ""
+    return f"{socket.uart}, sends on {socket.uart_send}, address {socket.address}"
 
 
 def _named(board: Board) -> Iterator[str]:

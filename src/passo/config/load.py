@@ -12,7 +12,12 @@ from typing import NamedTuple, cast
 
 from pydantic import ValidationError
 
-from passo.config.board_defaults import put_originals, put_probe_home, put_pullups
+from passo.config.board_defaults import (
+    put_driver_wires,
+    put_originals,
+    put_probe_home,
+    put_pullups,
+)
 from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
 from passo.config.findings import Finding, as_written, did_you_mean, key_text, table
@@ -145,6 +150,7 @@ def _machine(text: str, file: str) -> Loaded:
     findings += with_sensor_files(data, folder)
     findings += put_originals(data)
     put_pullups(data)
+    put_driver_wires(data)
     put_probe_home(data)
     machine = None
     try:

@@ -74,11 +74,12 @@ class Tmc(Model):
     interpolate: bool = True
     """Whether the driver makes 256 steps of each full step."""
     uart_pin: Pin | None = None
-    """The pin of the UART of a TMC2208 or TMC2209."""
+    """The pin of the UART of a TMC2208 or TMC2209. If not given, that of the socket."""
     tx_pin: Pin | None = None
     """The pin that sends, on boards with a pin for each direction. If not given, `uart_pin`."""
     address: Annotated[int, Field(ge=0, le=3)] = 0
-    """The address of a TMC2209, set by its pins MS1 and MS2."""
+    """The address of a TMC2209, set by its pins MS1 and MS2. With the UART of the socket, that of
+    the socket if not given."""
     cs_pin: Pin | None = None
     """The chip select of a TMC2130 or TMC5160. If not given, that of the socket."""
     clock_pin: Pin | None = None

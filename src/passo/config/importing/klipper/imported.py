@@ -6,6 +6,7 @@ from pathlib import Path
 
 from passo.config.importing.draft import Draft
 from passo.config.importing.klipper.bed import put_mesh, put_probe
+from passo.config.importing.klipper.boards import board_of_pins
 from passo.config.importing.klipper.cfg import Config
 from passo.config.importing.klipper.conversion import Import
 from passo.config.importing.klipper.filters import put_shapers
@@ -45,12 +46,16 @@ def imported(path: Path) -> Draft:
 
 def _put_boards(job: Import) -> None:
     draft = job.draft
-    hz = clock_hz(job.config.comments)
     for section in job.config.of(MAIN):
         job.used.add(section.name)
         board = job.pins.further.get(section.rest, "")
         path = ("boards", board) if board else ("board",)
-        draft.put((*path, "base"), "klipper", section.place)
+        hz = clock_hz(job.config.comments)
+        known = board_of_pins(draft, board, None if board else hz)
+        draft.put((*path, "base"), known or "klipper", section.place)
+        if known:
+            text = f"the pins are those of the board {known}, whose names the file may use now"
+            draft.changed(section.place, f"[{section.name}]", text)
         port = section.option("serial")
         if port is not None:
             draft.put((*path, "link"), "serial", port.place)
@@ -61,6 +66,8 @@ def _put_boards(job: Import) -> None:
             text = "Passo reaches a board over a serial port or TCP: set link and port by hand"
             draft.decide(section.place, f"[{section.name}]", text)
             section.used.update(section.options)
+        if known:
+            continue
         if hz is None:
             hz = 16_000_000
             text = "the chip is not named: set clock_hz of the board, or its dictionary"

@@ -26,11 +26,17 @@ _ON_RAMPS = {
 
 
 class KnownBoard(NamedTuple):
-    """A board file, and the variant of it."""
+    """A board file, the variant of it, and its sockets for Marlin's X, Y, Z, further motors and
+    extruders in this order, where they are printed by numbers: `E` and a number is an extruder."""
 
     base: str
     variant: str | None = None
+    sockets: tuple[str, ...] = ()
 
+
+# X, Y, Z, a second Z, then the extruders.
+_OCTOPUS = tuple(f"MOTOR{number}" for number in range(8))
+_MANTA = tuple(f"M{number}" for number in range(1, 9))
 
 BOARDS: dict[str, KnownBoard] = {
     **{
@@ -49,6 +55,24 @@ BOARDS: dict[str, KnownBoard] = {
     "MELZI_MALYAN": KnownBoard("melzi"),
     "MELZI_TRONXY": KnownBoard("melzi"),
     "RADDS": KnownBoard("radds"),
+    "BTT_SKR_MINI_E3_V2_0": KnownBoard("skr-mini-e3-v2"),
+    "BTT_SKR_MINI_E3_V3_0": KnownBoard("skr-mini-e3-v3"),
+    "BTT_SKR_V1_3": KnownBoard("skr-1.3"),
+    "BTT_SKR_V1_4": KnownBoard("skr-1.4"),
+    "BTT_SKR_V1_4_TURBO": KnownBoard("skr-1.4-turbo"),
+    "BTT_SKR_V2_0_REV_A": KnownBoard("skr-2"),
+    "BTT_SKR_V2_0_REV_B": KnownBoard("skr-2"),
+    "BTT_SKR_PICO": KnownBoard("skr-pico"),
+    "BTT_OCTOPUS_V1_0": KnownBoard("octopus", sockets=_OCTOPUS),
+    "BTT_OCTOPUS_V1_1": KnownBoard("octopus", sockets=_OCTOPUS),
+    "BTT_MANTA_M8P_V1_0": KnownBoard("manta-m8p", sockets=_MANTA),
+    "BTT_MANTA_M8P_V1_1": KnownBoard("manta-m8p", sockets=_MANTA),
+    "FYSETC_SPIDER": KnownBoard("spider"),
+    "FYSETC_SPIDER_V2_2": KnownBoard("spider"),
+    "CREALITY_V4": KnownBoard("creality-4.2.2"),
+    "CREALITY_V422": KnownBoard("creality-4.2.2"),
+    "CREALITY_V427": KnownBoard("creality-4.2.7"),
+    "EINSY_RAMBO": KnownBoard("einsy-rambo"),
     "RAMPS_FD_V1": KnownBoard("ramps-fd"),
     "RAMPS_FD_V2": KnownBoard("ramps-fd"),
 }
@@ -74,6 +98,7 @@ class Pins:
     def __init__(self, defines: Defines, known: KnownBoard) -> None:
         self._defines = defines
         self.board: Board = load_board(known.base)
+        self._sockets = known.sockets
         variant = known.variant or self.board.variant
         self.functions: dict[str, Function] = (
             self.board.variants[variant] if variant else self.board.functions
@@ -115,7 +140,13 @@ class Pins:
         return None
 
     def socket(self, name: str) -> str | None:
-        """The socket of a motor: X, Y, Z, or E and a number."""
+        """The socket of a motor: X, Y, Z, Z2, or E and a number. A further motor without one of its
+        own has none here."""
+        if self._sockets:
+            numbers = {word: at for at, word in enumerate(("X", "Y", "Z", "Z2"))}
+            if name[0] == "E":
+                numbers[name] = len(numbers) + int(name[1:] or 0)
+            return dict(enumerate(self._sockets)).get(numbers.get(name, -1))
         if not name.startswith("E"):
             return name if name in self.board.sockets else None
         sockets = [one for one in self.board.sockets if re.fullmatch("E[0-9]*", one)]

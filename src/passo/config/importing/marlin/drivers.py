@@ -37,7 +37,7 @@ def put_driver(job: Job, path: KeyPath, name: str, steps: Read) -> None:
     if written.endswith("_STANDALONE") or kind not in _SETTABLE:
         return
     current = defines.number(f"{name}_CURRENT", f"{first}_CURRENT")
-    pins = _pins(job, name, kind)
+    pins = _pins(job, name, kind, path[-1])
     if current is None or not pins:
         what = "its current" if current is None else "the pins that set it"
         text = f"Passo does not know {what}: give steppers.{path[-1]}.tmc, or it runs as wired"
@@ -74,17 +74,17 @@ def _put_silence(job: Job, tmc: KeyPath, name: str) -> None:
         job.draft.put((*tmc, "stealthchop_below_mm_s"), _ALWAYS_MM_S, job.place(group))
 
 
-def _pins(job: Job, name: str, kind: str) -> dict[str, str]:
-    """The pins that set a driver, of the configuration or of the board file; empty if not
-    known."""
+def _pins(job: Job, name: str, kind: str, stepper: str) -> dict[str, str | None]:
+    """The pins that set a driver, of the configuration, or None for that of its socket; empty if
+    they are not known."""
     pins, names = job.pins, job.pins.board.pins
+    socket = pins.board.sockets[str(job.draft.keys[("steppers", stepper, "socket")][0])]
     if kind in _UART:
         send = pins.given(f"{name}_SERIAL_TX_PIN")
         receive = pins.given(f"{name}_SERIAL_RX_PIN") or send
         if receive is None:
-            wire = f"{name}_UART" if f"{name}_UART" in names else f"{name[:1]}_UART"
-            return {"uart_pin": wire} if wire in names else {}
-        return {"uart_pin": receive} | ({"tx_pin": send} if send and send != receive else {})
+            return {"uart_pin": None} if socket.uart else {}
+        return {"uart_pin": receive, **({"tx_pin": send} if send and send != receive else {})}
     select = pins.given(f"{name}_CS_PIN")
     found = {
         key: pins.given(f"TMC_{define}") or (f"TMC_{board}" if f"TMC_{board}" in names else None)
@@ -94,8 +94,7 @@ def _pins(job: Job, name: str, kind: str) -> dict[str, str]:
             ("miso_pin", "SW_MISO", "MISO"),
         )
     }
-    socket = pins.board.sockets.get(pins.socket(name) or "")
-    known = {key: pin for key, pin in found.items() if pin}
-    if len(known) < 3 or not (select or (socket and socket.select)):
+    known: dict[str, str | None] = {key: pin for key, pin in found.items() if pin}
+    if len(known) < 3 or not (select or socket.select):
         return {}
     return known | ({"cs_pin": select} if select else {})

@@ -205,13 +205,11 @@ def _further_motors(job: Job, axis: str) -> list[str]:
 def _put_socket(job: Job, path: KeyPath, name: str, axis: str) -> None:
     """The socket of a motor. Further motors are in the sockets after those of the extruders, as
     Marlin counts them."""
-    if name in job.pins.board.sockets:
-        socket = name
-    elif name == axis:
-        socket = job.pins.socket(name)
-    else:
-        sockets = [value for key, (value, _) in job.draft.keys.items() if key[-1] == "socket"]
-        further = [value for value in sockets if value not in ("X", "Y", "Z")]
+    socket = job.pins.socket(name)
+    if socket is None and not name.startswith("E") and name != axis:
+        taken = [value for key, (value, _) in job.draft.keys.items() if key[-1] == "socket"]
+        own = {job.pins.socket(letter) for letter in "XYZ"}
+        further = [value for value in taken if value not in own]
         socket = job.pins.socket(f"E{job.extruders + len(further)}")
     if socket is None:
         place = Place(job.defines.files[0].name, 1)
