@@ -513,6 +513,65 @@ def test_command_names_what_the_machine_file_still_lacks(
     assert "axes.x.max_mm is -1.0: expected more than min_mm" in out
 
 
+PROBE = "[probe]\npin: PC14\nx_offset: 20\ny_offset: -10\nz_offset: 1\n"
+
+
+def test_screws_are_where_the_probe_is_over_them(load) -> None:
+    screws = "[screws_tilt_adjust]\nscrew1: 10, 40\nscrew1_name: left\nscrew2: 180, 40\n"
+    by_hand = "[bed_screws]\nscrew1: 30, 30\nscrew2: 200,30\nscrew2_name: right\n"
+    _, machine = load(more=f"{PROBE}{screws}screw_thread: CCW-M4\n{by_hand}")
+    found = machine.levelling.screws
+    assert found.thread == "M4 ccw"
+    assert [(s.name, s.x, s.y) for s in found.places] == [("left", 30, 30), ("screw 2", 200, 30)]
+    draft, machine = load(more=screws + by_hand)
+    assert [s.name for s in machine.levelling.screws.places] == ["screw 1", "right"]
+    assert any("[screws_tilt_adjust]" in text for text in remarks(draft, "dropped"))
+    far = screws.replace("180, 40", "234, 240")
+    draft, machine = load(more=PROBE + far)
+    assert machine.levelling.screws is None
+    assert any("X254 Y230" in text for text in remarks(draft, "decide"))
+
+
+def test_motors_of_z_have_pivots_and_points(load) -> None:
+    tilt = "[z_tilt]\nz_positions:\n  -10, 100\n  240, 100\npoints:\n  10, 110\n  200, 110\n"
+    _, machine = load(more=f"{PROBE}{tilt}retries: 7\nretry_tolerance: 0.02\n")
+    motors = machine.levelling.motors
+    assert motors.pivots == {"z": [-10, 100], "z1": [240, 100]}
+    assert [(p.x, p.y) for p in motors.points] == [(30, 100), (220, 100)]
+    assert (motors.retries, motors.tolerance_mm) == (7, 0.02)
+    with pytest.raises(ConfigError, match="of which there are 2"):
+        load(more=PROBE + tilt.replace("  240, 100\n", ""))
+    draft, machine = load(more=tilt)
+    assert machine.levelling.motors is None
+    assert any("G34 needs a probe" in text for text in remarks(draft, "dropped"))
+
+
+def test_gantry_corners_are_the_pivots_of_four_motors(load) -> None:
+    further = "".join(
+        f"[stepper_z{n}]\nstep_pin: PE{n}\ndir_pin: PE{n + 4}\nenable_pin: !PE{n + 8}\n"
+        "microsteps: 16\nrotation_distance: 8\n"
+        for n in (2, 3)
+    )
+    gantry = "[quad_gantry_level]\ngantry_corners:\n  -60,-10\n  290, 320\npoints:\n  0, 20\n"
+    gantry += "  0,200\n  200,200\n  200, 20\nmax_adjust: 10\n"
+    _, machine = load(("endstop_pin: PD7\n", ""), more=PROBE + further + gantry)
+    motors = machine.levelling.motors
+    assert motors.pivots == {
+        "z": [-60, -10],
+        "z1": [-60, 320],
+        "z2": [290, 320],
+        "z3": [290, -10],
+    }
+    assert motors.points[1].model_dump() == {"x": 20, "y": 190}
+    assert motors.max_adjust_mm == 10
+
+
+def test_stored_skew_is_a_command_of_the_report(load) -> None:
+    more = "[skew_correction]\n#*# [skew_correction my]\n#*# xy_skew = -0.017\n"
+    draft, _ = load(more=more)
+    assert any("M852 I-0.017 J0 K0" in text for text in remarks(draft, "decide"))
+
+
 def test_board_is_known_by_its_pins(load) -> None:
     """BASE without its second motor of Z is wired as a board of Creality."""
     second = BASE[BASE.index("[stepper_z1]") : BASE.index("[extruder]")]

@@ -106,7 +106,7 @@ def put_mesh(job: Import) -> None:
     job.used.add(section.name)
     put((*path, "method"), "mesh", section.place)
     written = [value for corner in corners if corner is not None for value in corner]
-    area = [*_reached(job, written[:2]), *_reached(job, written[2:])]
+    area = [*reached(job, written[:2]), *reached(job, written[2:])]
     put((*path, "area"), [*area], section.at("mesh_min"))
     if area != written:
         text = "the probe does not get so far: the area is smaller"
@@ -122,7 +122,7 @@ def put_mesh(job: Import) -> None:
         job.draft.changed(section.at("algorithm"), "[bed_mesh] algorithm", text)
 
 
-def _reached(job: Import, corner: list[float]) -> list[float]:
+def reached(job: Import, corner: list[float]) -> list[float]:
     """The nearest place to a corner where the probe is over the bed."""
     place: list[float] = []
     for axis, offset, at in zip("xy", job.probe_offset, corner, strict=True):

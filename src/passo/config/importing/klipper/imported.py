@@ -11,6 +11,7 @@ from passo.config.importing.klipper.cfg import Config
 from passo.config.importing.klipper.conversion import Import
 from passo.config.importing.klipper.filters import put_shapers
 from passo.config.importing.klipper.heat import put_heat
+from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.macros import put_macros
 from passo.config.importing.klipper.motion import put_motion
 from passo.config.importing.klipper.others import OPTIONS, OTHERS
@@ -37,6 +38,7 @@ def imported(path: Path) -> Draft:
     for key in probe:  # after what moves and heats, as in other machine files
         draft.keys[key] = draft.keys.pop(key)
     put_mesh(job)
+    put_levelling(job)
     put_shapers(job)
     _put_boards(job)
     put_macros(job)

@@ -27,6 +27,9 @@ _TAKEN = (
     ("fan, heater_fan, controller_fan, fan_generic, temperature_fan", "`fans`"),
     ("probe, bltouch, safe_z_home", "`probe`, `homing.z`"),
     ("bed_mesh", "`levelling`"),
+    ("screws_tilt_adjust, bed_screws", "`levelling.screws`"),
+    ("z_tilt, quad_gantry_level", "`levelling.motors`"),
+    ("skew_correction NAME", "to decide: the report has the command"),
     ("gcode_macro, delayed_gcode", "`macros`, `delayed_gcode`"),
     ("mcu, board_pins", "`board`, `boards`; other names of pins become the pins"),
 )

@@ -1,0 +1,131 @@
+"""Screws, motors that level the gantry, and skew."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from passo.config.importing.draft import bad
+from passo.config.importing.klipper.bed import pair, reached
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.klipper.cfg import Section
+    from passo.config.importing.klipper.conversion import Import
+
+_MOST_SCREWS = 99  # that Klipper counts
+_THREADS = ("M3", "M4", "M5", "M6")
+_FAR = "the probe does not get to X{:g} Y{:g}: give the places of [levelling.{}] by hand"
+
+
+def put_levelling(job: Import) -> None:
+    """All of them. Raises ConfigError of places that are not two numbers."""
+    _put_screws(job)
+    _put_motors(job)
+    _put_skew(job)
+
+
+def _put_screws(job: Import) -> None:
+    """The places of [screws_tilt_adjust] are those of the nozzle with the probe over a screw; those
+    of [bed_screws] are the nozzle's over it, as those of the probe are: so they are the screws'."""
+    by_probe, by_hand = job.config.get("screws_tilt_adjust"), job.config.get("bed_screws")
+    section = by_probe if by_probe is not None and job.probe_pin is not None else by_hand
+    if section is None:
+        return
+    job.used.add(section.name)
+    dx, dy = job.probe_offset if section is by_probe else (0.0, 0.0)
+    places: list[Any] = []
+    names = set[str]()
+    for number in range(1, _MOST_SCREWS + 1):
+        place = pair(section, f"screw{number}")
+        if place is None:
+            break
+        name = section.text(f"screw{number}_name") or f"screw {number}"
+        name = name if name not in names else f"{name} {number}"
+        names.add(name)
+        at = [round(place[0] + dx, 4), round(place[1] + dy, 4)]
+        if not _in_reach(job, section, at, "screws"):
+            return
+        places.append({"name": name, "x": at[0], "y": at[1]})
+    path = ("levelling", "screws")
+    if section is by_probe:
+        written = section.text("screw_thread", "CW-M3")
+        way, _, size = written.upper().partition("-")
+        if way not in ("CW", "CCW") or size not in _THREADS:
+            key = f"screw_thread in [{section.name}]"
+            raise bad(section.at("screw_thread"), key, written, "CW or CCW, and M3 to M6")
+        job.draft.put((*path, "thread"), f"{size} {way.lower()}", section.at("screw_thread"))
+    job.draft.put((*path, "places"), places, section.place)
+
+
+def _put_motors(job: Import) -> None:
+    tilt, gantry = job.config.get("z_tilt"), job.config.get("quad_gantry_level")
+    section = tilt or gantry
+    if section is None or job.probe_pin is None:
+        return
+    motors = [name for name in job.motors if name[0] == "z"]
+    if section is tilt:
+        pivots = _places(section, "z_positions")
+    else:
+        corners = _places(section, "gantry_corners")
+        if len(corners) != 2:
+            key = f"gantry_corners in [{section.name}]"
+            raise bad(section.at("gantry_corners"), key, section.text("gantry_corners"), "2 places")
+        (x0, y0), (x1, y1) = corners
+        pivots = [(x0, y0), (x0, y1), (x1, y1), (x1, y0)]
+    if len(pivots) != len(motors):
+        what = "z_positions" if section is tilt else "gantry_corners"
+        limit = f"a place for each motor of Z, of which there are {len(motors)}"
+        raise bad(section.at(what), f"{what} in [{section.name}]", section.text(what), limit)
+    job.used.add(section.name)
+    path: KeyPath = ("levelling", "motors")
+    points: list[Any] = []
+    for x, y in _places(section, "points"):
+        at = [round(x + job.probe_offset[0], 4), round(y + job.probe_offset[1], 4)]
+        if not _in_reach(job, section, at, "motors"):
+            return
+        points.append({"x": at[0], "y": at[1]})
+    put, place = job.draft.put, section.at("z_positions" if section is tilt else "gantry_corners")
+    for motor, (x, y) in zip(motors, pivots, strict=True):
+        put((*path, "pivots", motor), [x, y], place)
+    put((*path, "points"), points, section.at("points"))
+    if section is gantry:
+        put((*path, "max_adjust_mm"), section.number("max_adjust", 4.0), section.at("max_adjust"))
+    tolerance = section.number("retry_tolerance")
+    put((*path, "tolerance_mm"), tolerance or None, section.at("retry_tolerance"))
+    retries = section.number("retries")
+    put((*path, "retries"), None if retries is None else int(retries), section.at("retries"))
+
+
+def _in_reach(job: Import, section: Section, at: list[float], table: str) -> bool:
+    """Whether the probe gets to a place; if not, that is reported."""
+    if reached(job, at) == at:
+        return True
+    job.draft.decide(section.place, f"[{section.name}]", _FAR.format(*at, table))
+    section.used.update(section.options)
+    return False
+
+
+def _put_skew(job: Import) -> None:
+    """The values that SAVE_CONFIG has stored, as the command that sets them: the machine file must
+    first say what the carriages reach."""
+    for section in job.config.of("skew_correction"):
+        job.used.add(section.name)
+        factors = [section.number(f"{plane}_skew", 0.0) or 0.0 for plane in ("xy", "xz", "yz")]
+        if any(factors):
+            words = " ".join(f"{word}{value:g}" for word, value in zip("IJK", factors, strict=True))
+            text = f"give min_mm and max_mm of the motors, then send M852 {words} and M500"
+            job.draft.decide(section.place, f"[{section.name}]", text)
+
+
+def _places(section: Section, name: str) -> list[tuple[float, float]]:
+    """A list of two numbers a line. Raises ConfigError."""
+    found: list[tuple[float, float]] = []
+    text = section.text(name)
+    for line in text.splitlines():
+        try:
+            x, y = (float(part) for part in line.split(","))
+        except ValueError:
+            key = f"{name} in [{section.name}]"
+            raise bad(section.at(name), key, line[:40], "two numbers with a comma") from None
+        found.append((x, y))
+    return found
