@@ -85,6 +85,12 @@ def test_settings_are_set_by_the_names_that_they_have(web, bridge):
     assert web.put(f"{API}/settings", json=body).status_code == 204
     assert web.put(f"{API}/settings", json={**body, "command": "M112"}).status_code == 404
     assert bridge.asked == ["M92 X80.25"]
+    row = ("SET_INPUT_SHAPER", "SHAPER_TYPE_X=", "mzv", "mzv", None, "file")
+    bridge.values = [SettingValue("Input shapers", *row)]
+    body = {"command": "SET_INPUT_SHAPER", "word": "SHAPER_TYPE_X=", "value": "ei"}
+    assert web.put(f"{API}/settings", json=body).status_code == 204
+    assert web.put(f"{API}/settings", json={**body, "value": "ei\nM112"}).status_code == 400
+    assert bridge.asked[1:] == ["SET_INPUT_SHAPER SHAPER_TYPE_X=ei"]
 
 
 def test_past_prints_and_faults_are_listed(web, bridge):

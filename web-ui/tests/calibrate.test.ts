@@ -51,7 +51,7 @@ test("a thermistor is fitted to readings, and the steps to a measured length", a
   await page.getByRole("button", { name: "Undo" }).click();
 });
 
-test("the bed is measured and shown as a map, and the nozzle set to the paper", async ({ page }) => {
+test("the bed is measured and shown as a map", async ({ page }) => {
   await open(page, "Bed");
   await page.getByText("The bed is not measured yet.").waitFor();
   await page.getByRole("button", { name: "Measure the bed" }).click();
@@ -66,11 +66,44 @@ test("the bed is measured and shown as a map, and the nozzle set to the paper", 
     await expectAccessible(page);
     await picture(page, `calibrate-bed-${width}-${colorScheme}`);
   }
+});
+
+test("the probe is compared with a sheet of paper", async ({ page }) => {
   await open(page, "Paper test");
-  await page.getByRole("button", { name: "Home and approach" }).click();
-  await page.getByRole("button", { name: "−0.05" }).click();
-  await page.getByText("-0.050 mm").waitFor();
+  await page.getByRole("button", { name: "Home, probe, and approach" }).click();
+  const steps = page.getByRole("region", { name: "Height above the bed" });
+  await steps.waitFor({ timeout: 30_000 });
+  const z = () => steps.locator("dd.live").textContent().then((text) => parseFloat(text ?? ""));
+  const start = await z();
+  await steps.getByRole("button", { name: "−1", exact: true }).click();
+  await expect.poll(z).toBeCloseTo(start - 1, 3);
+  await steps.getByRole("button", { name: "Half way up" }).click();
+  await expect.poll(z).toBeCloseTo(start - 0.5, 3);
   await expectAccessible(page);
-  await page.getByRole("button", { name: "Keep it" }).click();
-  await result(page).getByRole("row", { name: "M206 Z" }).getByText("0.05", { exact: true }).first().waitFor();
+  await picture(page, "calibrate-paper-1280-light");
+  await steps.getByRole("button", { name: "The paper just moves" }).click();
+  await result(page).getByRole("row", { name: "M851 Z" }).waitFor();
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByRole("button", { name: "Home, measure, and wait above the point" }).click();
+  await page.getByText("ProbeHeight@P1").waitFor({ timeout: 30_000 });
+});
+
+test("a shaper follows from ripples, and an advance from a tower", async ({ page }) => {
+  await open(page, "Input shaper");
+  await page.getByLabel("Their length, mm").fill("10");
+  expect(await page.getByLabel("Frequency, Hz").inputValue()).toBe("40");
+  await page.getByLabel("Type").selectOption("ei");
+  await page.getByText("Each change of speed takes 25.0 ms longer").waitFor();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Use" }).click();
+  await result(page).getByRole("row", { name: "SET_INPUT_SHAPER SHAPER_FREQ_X" }).getByText("40").waitFor();
+  await result(page).getByRole("row", { name: "SHAPER_TYPE_X" }).getByText("ei", { exact: true }).waitFor();
+  await picture(page, "calibrate-shaper-1280-light");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await open(page, "Pressure advance");
+  await page.getByLabel("Best height, mm").fill("8");
+  expect(await page.getByLabel("Advance, s").inputValue()).toBe("0.04");
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "Use" }).click();
+  await result(page).getByRole("row", { name: "SET_PRESSURE_ADVANCE ADVANCE" }).getByText("0.04").waitFor();
 });

@@ -107,6 +107,17 @@ test("a board is flashed, with its step by hand and the log", async ({ page }) =
   await picture(page, "flash-360-light");
 });
 
+test("without a probe, babysteps set Z to the paper", async ({ page }) => {
+  await page.getByRole("link", { name: "Calibrate" }).click();
+  await page.getByRole("link", { name: "Paper test" }).click();
+  await page.getByRole("button", { name: "Home and approach" }).click();
+  await page.getByRole("button", { name: "−0.05" }).click({ timeout: 30_000 });
+  await page.getByText("-0.050 mm").waitFor();
+  await page.getByRole("button", { name: "Keep it" }).click();
+  const result = page.getByRole("region", { name: "Changed settings", exact: true });
+  await result.getByRole("row", { name: "M206 Z" }).getByText("0.05", { exact: true }).first().waitFor();
+});
+
 test("settings show the appearance, the values of commands and the logs", async ({ page }) => {
   await page.getByRole("link", { name: "Settings" }).click();
   await page.getByText("Dark", { exact: true }).click();

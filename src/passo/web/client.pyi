@@ -390,7 +390,7 @@ class Settings:
         self,
         command: str,
         word: str,
-        value: float,
+        value: float | str,
     ) -> None:
         """Sets a value until the printer is restarted, or until `settings.store` stores
         it."""
@@ -1076,7 +1076,7 @@ class AsyncSettings:
         self,
         command: str,
         word: str,
-        value: float,
+        value: float | str,
     ) -> None:
         """Sets a value until the printer is restarted, or until `settings.store` stores
         it."""

@@ -650,11 +650,12 @@ export interface NewName {
   to: string;
 }
 
-/** A value to set; `settings.list` gives `command` and `word`. */
+/** A value to set; `settings.list` gives `command` and `word`. The value is a number, or a name
+ * such as that of an input shaper. */
 export interface NewValue {
   command: string;
   word: string;
-  value: number;
+  value: number | string;
 }
 
 /** Whether an object is cancelled. */

@@ -9,4 +9,6 @@ export const ICONS_OF: Record<TaskName, IconName> = {
   steps: "motor",
   paper: "down",
   bed: "bed",
+  shaper: "wave",
+  advance: "drop",
 };

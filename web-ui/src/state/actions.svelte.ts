@@ -46,7 +46,9 @@ export const motorsOff = () => attempt(call("POST", "motion/motors-off"));
 
 export const jog = (axis: string, distance_mm: number) => move(axis, distance_mm, JOG_MM_S[axis] ?? 100);
 export const extrude = (length_mm: number, speed_mm_s: number) => move("e", length_mm, speed_mm_s);
-export const selectTool = (number: number) => attempt(call("POST", "console", { script: `T${number}` }));
+/** Sends lines of G-code, as a console does. */
+export const send = (script: string) => attempt(call("POST", "console", { script }));
+export const selectTool = (number: number) => send(`T${number}`);
 
 function move(axis: string, distance_mm: number, speed_mm_s: number): Promise<boolean> {
   return attempt(call("POST", "motion/jog", { distances_mm: { [axis]: distance_mm }, speed_mm_s }));

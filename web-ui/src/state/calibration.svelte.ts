@@ -5,7 +5,7 @@ import type { BedMap, SettingValue, Thermistor, ThermistorFit } from "../api/sch
 import { attempt, notices } from "./actions.svelte";
 import { printer } from "./printer.svelte";
 
-export const TASKS = ["heater", "thermistor", "steps", "paper", "bed"] as const;
+export const TASKS = ["heater", "thermistor", "steps", "paper", "bed", "shaper", "advance"] as const;
 export type TaskName = (typeof TASKS)[number];
 
 /** A setting that the task has changed. */
@@ -16,6 +16,9 @@ export interface Change extends SettingValue {
 const MAX_REPLIES = 200;
 
 const idOf = (setting: SettingValue) => `${setting.command} ${setting.word}`;
+
+/** The value that a setting has as a text: a number, or a name. */
+const valueOf = (text: string) => (Number.isNaN(Number(text)) ? text : Number(text));
 
 /** The settings whose values differ, with their values before. */
 export function changesOf(before: readonly SettingValue[], after: readonly SettingValue[]): Change[] {
@@ -80,7 +83,7 @@ class Calibration {
   async undo(): Promise<void> {
     const { changes } = this;
     const back = async () => {
-      for (const change of changes) await setValue(change, Number(change.before));
+      for (const change of changes) await setValue(change, valueOf(change.before));
       if (changes.some(({ source }) => source === "stored")) await call("POST", "settings/store");
       await this.load();
     };
@@ -97,7 +100,7 @@ class Calibration {
 
 export const calibration = new Calibration();
 
-export const setValue = ({ command, word }: Pick<SettingValue, "command" | "word">, value: number) =>
+export const setValue = ({ command, word }: Pick<SettingValue, "command" | "word">, value: number | string) =>
   call("PUT", "settings", { command, word, value });
 export const tuneHeater = (heater: string, celsius: number, method: "pid" | "model") =>
   call("POST", "calibration/heater", { heater, celsius, method });

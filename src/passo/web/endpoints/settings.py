@@ -15,11 +15,15 @@ from passo.web.roles import Role
 
 
 class NewValue(Struct, forbid_unknown_fields=True):
-    """A value to set; `settings.list` gives `command` and `word`."""
+    """A value to set; `settings.list` gives `command` and `word`. The value is a number, or a name
+    such as that of an input shaper."""
 
     command: Annotated[str, Meta(max_length=100)]
     word: Annotated[str, Meta(max_length=40)]
-    value: Annotated[float, Meta(ge=-1e9, le=1e9)]
+    value: (
+        Annotated[float, Meta(ge=-1e9, le=1e9)]
+        | Annotated[str, Meta(max_length=40, pattern=r"^[A-Za-z0-9_]+$")]
+    )
 
 
 _ERRORS = ("command.value", "command.halted", "command.failed")
@@ -38,7 +42,8 @@ async def set_value(call: Call, body: NewValue) -> None:
     known = {(setting.command, setting.word) for setting in await call.bridge.settings()}
     if (body.command, body.word) not in known:
         raise WebError.of("web.not-found", value=f"setting {body.command} {body.word}")
-    await call.run(f"{body.command} {body.word}{numeral(body.value)}")
+    value = body.value if isinstance(body.value, str) else numeral(body.value)
+    await call.run(f"{body.command} {body.word}{value}")
 
 
 @operation(
