@@ -84,6 +84,7 @@ Machine machine_of(const nb::dict& spec) {
                 get<double>(budget, "burst"), get<std::string>(budget, "bound") == "link",
                 get<double>(budget, "commits_s")};
   }
+  if (spec.contains("motor_letters")) m.motor_letters = get<std::string>(spec, "motor_letters");
   if (spec.contains("macros")) {
     nb::dict macros = get<nb::dict>(spec, "macros");
     for (auto& name : get<std::vector<std::string>>(macros, "names"))

@@ -211,6 +211,7 @@ class Interpreter {
   static constexpr size_t kMaxNameBytes = 100;        // of a command
   static constexpr double kUsualMm = 1.75;            // diameter of filament
   static constexpr int kSaved = 2;                    // positions of G60
+  static constexpr int kMostSpecial = 2;              // of G1 H
   static constexpr size_t kMaxDepth = 10;             // sub-programs within each other
   static constexpr uint32_t kMaxIdleCalls = 100'000;  // of sub-programs, without a move
 
@@ -438,6 +439,8 @@ class Interpreter {
 
   // interpreter_motion.cpp: G0 to G3 with their words, and saved positions.
   void run_motion(int code, const Word* first, const Word* last);
+  void emit_special(int kind, const double* value, uint32_t have, uint32_t relative,
+                    std::string words);
   void queue_straight(double feed, double duration, bool rapid, double energy_ws = 0);
   void queue_step(int j, double by, double feed);
   void queue_return(const double* to);

@@ -14,7 +14,11 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   uint32_t have = 0, seen = 0;
   uint32_t relative = this->relative();
   bool keeps_feed = true, has_laser = false, timed = false;
-  int turns = 0;
+  // After G43 an H is the number of a tool, also in a line with G0.
+  const Word* first = words_.data() + (words_.front().letter == 'N');
+  const bool leads = code < 2 && w == first + 1 && first->letter == 'G' && first->value == code;
+  int turns = 0, special = 0;
+  std::string motors;
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
@@ -53,9 +57,16 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     } else if (code >= 2 && x->letter == 'P') {
       if (!within('P', x->value, 0, kLargestWord)) return;
       turns = std::max(0, int(x->value) - 1);
+    } else if (leads && x->letter == 'H') {
+      if (!within('H', x->value, 0, kMostSpecial)) return;
+      special = int(x->value);
+    } else if (leads && machine_->motor_letters.find(x->letter) != std::string::npos) {
+      motors += x->letter + std::to_string(x->value) + " ";
     }
   }
   if (keeps_feed) feed_ = feed;
+  const bool only_motors = !motors.empty() && (have & ~filament_letters_) == 0;
+  if (special != 0 || only_motors) return emit_special(special, value, have, relative, motors);
   if (has_laser) {
     emit_power(laser);
   }
@@ -74,6 +85,16 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   // it.
   if (begins && (axes & ~filament_letters_) != 0 && lays_filament()) queue_offset(begin, feed);
   queue_straight(timed ? kInfinity : feed, duration, code == 0, energy);  // T in place of F
+}
+
+// A move of motors, or to an endstop (H): its words in machine units, R if they are distances.
+void Interpreter::emit_special(int kind, const double* value, uint32_t have, uint32_t relative,
+                               std::string words) {
+  for (int k = 0; k < 26; ++k)
+    if (have >> k & 1) words += char('A' + k) + std::to_string(value[k] * unit_) + " ";
+  if (feed_ < kInfinity) words += "F" + std::to_string(feed_ * 60) + " ";
+  if ((relative & ~filament_letters_) != 0) words += "R1 ";
+  emit(0, 0, 0, kind == 0 ? "G1 A" : "G1 H" + std::to_string(kind), words);
 }
 
 // The target that move_ has now.

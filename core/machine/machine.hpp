@@ -102,7 +102,8 @@ struct Machine {
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
   Filters filters;
   Macros macros;
-  bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
+  std::string motor_letters;  // of actuators that are not axes: G1 moves them, too
+  bool joints = false;        // X, Y, Z of positions are the first three actuators' own, for homing
 
   // It has filament, in extruders or pushed by axes.
   bool prints() const {

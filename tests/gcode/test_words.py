@@ -164,7 +164,11 @@ def test_an_exponent_where_e_is_no_word_of_the_command():
 
 @pytest.mark.parametrize(
     "row",
-    [r for r in table().values() if r.code[1:2].isdigit() and r.kind is not Kind.MOTION],
+    [
+        r
+        for r in table().values()
+        if r.code[1:2].isdigit() and " " not in r.code and r.kind is not Kind.MOTION
+    ],
 )
 def test_the_table_says_where_e_is_a_word(row):
     """Text that is not read as words stays as it is."""
@@ -412,3 +416,30 @@ def test_nan_is_a_number_of_its_letter():
     ((letter, number, text), (other, _, _)) = split_text("Snan T")
     assert (letter, text, other) == ("S", "nan", "T")
     assert number is not None and isnan(number)
+
+
+@pytest.mark.parametrize(
+    ("machine", "line", "command"),
+    [
+        ("i3", "G1 H2 X5 F60", "G1 H2 X5.000000 F60.000000"),
+        ("i3", "g0 h1 x-5", "G1 H1 X-5.000000"),
+        ("corexy", "N3 G1 A5", "G1 A A5.000000"),
+        ("corexy", "G91 G1 B-2.5", None),  # G1 is not the first command
+        ("corexy", "G1 X1 A5", None),
+        ("i3", "G1 H0 X5", None),
+        ("cnc", "G43 H2 Z15", None),
+        ("cnc", "G43 G0 H2 Z15", None),
+        ("cnc", "G0 G43 Z15 H2", None),
+    ],
+)
+def test_motors_move_only_where_a_move_says_so_first(machine, line, command):
+    """H is the number of a tool after G43, and A an axis of other machines."""
+    out = run(f"{line}\n", machine)
+    assert out.errors == []
+    found = [c.strip() for c in out.commands if c.startswith("G1 ")]
+    assert found == ([command] if command else [])
+
+
+def test_kinds_of_raw_moves_that_do_not_exist_are_refused():
+    out = run("G1 H3 X5\n", "i3")
+    assert [error[1] for error in out.errors] == [Fault.RANGE]

@@ -6,6 +6,7 @@ from tests.support.scenario import Scenario
 
 from passo._core import Geometry
 from passo.errors import ConfigError
+from passo.printer.klipper.objects import objects
 
 XY, XZ, YZ = -0.016951, 0.004, -0.002
 LIMITED = [
@@ -129,8 +130,64 @@ def test_skew_that_makes_no_sense_is_refused(line, says):
 
 def test_skew_needs_limits_of_the_motors():
     with Scenario("i3") as s:
-        assert "does not say what that motor reaches" in answers(s, "M852 I0.01")[0]
+        said = answers(s, "M852 I0.01")[0]
+        assert "steppers.x.min_mm of the machine file is missing, expected what this motor" in said
     skewed = ('kind = "cartesian"', 'kind = "cartesian"\nskew = [0.01, 0.0, 0.0]')
     with pytest.raises(ConfigError, match=r"steppers\.x\.min_mm"):
         machine(skewed)
     assert machine(skewed, *LIMITED).geometry.skew == [0.01, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "own", "carriages"),
+    [
+        ("corexy", "z", lambda p: ((p["a"] + p["b"]) / 2, (p["a"] - p["b"]) / 2, p["z"])),
+        ("corexz", "y", lambda p: ((p["a"] + p["b"]) / 2, p["y"], (p["a"] - p["b"]) / 2)),
+    ],
+)
+def test_carriages_on_crossed_belts_go_where_the_law_says(kind, own, carriages):
+    reach = f'kind = "{kind}"\nreach_x_mm = [-5, 310]\nreach_y_mm = [-5, 310]'
+    changes = ('kind = "corexy"', reach), ("[steppers.z", f"[steppers.{own}")
+    with at_home(edited("corexy", *changes)) as s:
+        answers(s, f"M852 I{XY} J{XZ} K{YZ}")
+        for place in ((100, 200, 20), (200, 10, 50), (20, 150, 0.2)):
+            x, y, z = place
+            answers(s, f"G1 X{x} Y{y} Z{z} F9000")
+            answers(s, "M400")
+            found = carriages(s.positions())
+            assert found == pytest.approx(motors(x, y, z), abs=1 / 80 + 1e-4)
+        answers(s, "G28")
+        assert carriages(s.positions()) == pytest.approx((0, 0, 0), abs=0.03)
+
+
+def test_skew_keeps_carriages_of_crossed_belts_within_their_reach():
+    with at_home(
+        edited("corexy", ('kind = "corexy"', 'kind = "corexy"\nreach_x_mm = [-2, 252]'))
+    ) as s:
+        (said,) = answers(s, "M852 I0.1")
+        assert "geometry.reach_x_mm of the machine file is [-2.0, 252.0], expected at least" in said
+        (said,) = answers(s, "M852 K0.1")
+        assert "geometry.reach_y_mm of the machine file is missing" in said
+        assert s.printer.rig.machine.geometry.skew == [0.0, 0.0, 0.0]
+
+
+def test_profiles_of_skew_are_saved_loaded_and_removed(tmp_path):
+    with homed(state=str(tmp_path)) as s:
+        answers(s, f"M852 I{XY}")
+        (said,) = answers(s, "SKEW_PROFILE SAVE=pla")
+        assert said == "// The skew is saved as profile [pla]; M500 stores it"
+        assert objects(s.machine, s.assembly.status.read(), {})["skew_correction"]() == {
+            "current_profile_name": "pla"
+        }
+        answers(s, "M500")
+    with homed(state=str(tmp_path)) as s:
+        answers(s, "SET_SKEW CLEAR=1")
+        assert answers(s, "SKEW_PROFILE") == ["// pla: XY=-0.016951 XZ=0.000000 YZ=0.000000"]
+        answers(s, "SKEW_PROFILE LOAD=pla")
+        assert s.printer.rig.machine.geometry.skew == [XY, 0.0, 0.0]
+        (said,) = answers(s, "SKEW_PROFILE LOAD=abs")
+        assert "LOAD is abs: expected a profile: pla" in said
+        answers(s, "SKEW_PROFILE REMOVE=pla")
+        answers(s, "M500")
+    with homed(state=str(tmp_path)) as s:
+        assert answers(s, "SKEW_PROFILE") == []

@@ -26,6 +26,24 @@ COMMAND: Mapping[str, Entry] = {
     "command.fault-order": bad_input(
         "command", "{value} is not understood: expected {limit}", "Write it like that"
     ),
+    "motors.print": bad_input(
+        "motors",
+        "{axis} moves motors without their axes, and a print is running or paused",
+        "Wait for its end, or cancel it (M524)",
+    ),
+    "motors.relative": bad_input(
+        "motors",
+        "the position of {axis} is not known, as axes are not homed",
+        "Home them (G28), or move by a distance (G91)",
+    ),
+    "motors.mixed": bad_input(
+        "motors",
+        "the command moves arms and motors of axes at once",
+        "Move them one after the other",
+    ),
+    "motors.reach": bad_input(
+        "motors", "the motors would leave their range: {value}", "Give a shorter distance"
+    ),
     "move.not-made": bad_input(
         "moves",
         "the move {axis} was not made: {value}",

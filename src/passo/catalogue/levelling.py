@@ -103,9 +103,9 @@ LEVELLING: Mapping[str, Entry] = {
         "Turn the screws as reported, then measure again",
     ),
     "levelling.skew-limits": _levelling(
-        "skew moves motor {axis} beyond its axis, and the machine file does not say what that motor"
-        " reaches",
-        "Set min_mm and max_mm of steppers.{axis}, and send RESTART",
+        "skew moves a carriage beyond its axis: {axis} of the machine file is {value}, expected"
+        " {limit}",
+        "Set it in the machine file, and send RESTART",
     ),
     "levelling.skew": _levelling(
         "no parallelogram has the lengths {value} of AC, BD and AD",

@@ -11,7 +11,8 @@ from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
 from passo.config.types import MAX_SCALE, MIN_SCALE
 from passo.geometry.base import Unreachable
-from passo.geometry.cartesian import Cartesian
+from passo.geometry.core_belts import CoreBelts
+from passo.geometry.skewable import SkewableModel
 
 
 def check_home(machine: MachineConfig) -> Iterator[Finding]:
@@ -94,19 +95,41 @@ def check_offsets(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def check_skew(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that motors which skew moves beyond their axes have limits of their own."""
+    """Checks that carriages which skew moves beyond their axes have limits of their own: those of
+    their motors, or of crossed belts `reach_x_mm` and `reach_y_mm`."""
     geometry = machine.geometry
-    if not isinstance(geometry, Cartesian):
-        return
+    if isinstance(geometry, CoreBelts):
+        yield from _check_belts(machine, geometry)
+    elif isinstance(geometry, SkewableModel):
+        yield from _check_motors(machine, geometry)
+
+
+def _check_motors(machine: MachineConfig, geometry: SkewableModel) -> Iterator[Finding]:
+    sheared = [geometry.actuators.index(axis) for axis in geometry.sheared_axes]
     for name, stepper in machine.steppers.items():
         driven = machine.driven_by(name)
-        sheared = [geometry.actuators.index(axis) for axis in geometry.sheared_axes]
         if driven is None or driven.drive != "actuator" or driven.index not in sheared:
             continue
         for key in ("min_mm", "max_mm"):
             if getattr(stepper, key) is None:
                 limit = "what this motor reaches, as skew moves it beyond its axis"
                 yield Finding("config.missing-key", ("steppers", name, key), None, limit)
+
+
+def _check_belts(machine: MachineConfig, geometry: CoreBelts) -> Iterator[Finding]:
+    """No motor of crossed belts has the place of a carriage, so the axes are to keep it within its
+    reach. The law of skew is linear: the corners are its extremes."""
+    ends = [(axis.min_mm, axis.max_mm) for axis in (machine.axes[name] for name in "xyz")]
+    corners = [geometry.carriages((x, y, z)) for x, y, z in product(*ends)]
+    for axis in geometry.sheared_axes:
+        index, path = "xyz".index(axis), ("geometry", f"reach_{axis}_mm")
+        low, high = (end(corner[index] for corner in corners) for end in (min, max))
+        limit = f"at least {low:.3f} to {high:.3f} mm, where skew takes the carriage"
+        reach = geometry.reach_x_mm if axis == "x" else geometry.reach_y_mm
+        if reach is None:
+            yield Finding("config.missing-key", path, None, limit)
+        elif not (reach[0] <= low and high <= reach[1]):
+            yield Finding("config.value", path, reach, limit)
 
 
 def check_park(machine: MachineConfig) -> Iterator[Finding]:

@@ -261,6 +261,9 @@ class MachineConfig(Model):
             ],
             "tools": self._tools_spec(),
             "geometry": self.geometry.spec(),
+            "motor_letters": "".join(
+                name.upper() for name in self.geometry.actuators if name not in self.axes
+            ),
             "steppers": self._steppers_spec(),
             "limits": self._limits_spec(),
             "filters": self._filters_spec(),

@@ -80,7 +80,7 @@ class SettingsCommands:
         if self._printer.z_endstops:
             yield "Endstops of the motors of Z", list(self._printer.z_endstops.setting_lines())
         if self._printer.skew:
-            yield "Skew of the axes", [self._printer.skew.setting_line()]
+            yield "Skew of the axes", list(self._printer.skew.setting_lines())
         controls = self._printer.controls
         yield "Heater sensors", list(controls.sensor_lines())
         yield "Heater PID", list(controls.gain_lines())

@@ -22,9 +22,9 @@ _declare(
     ),
     (
         "G1",
-        "X Y Z E F(mm/min) T(s) R(letters) S(laser)",
+        "X Y Z E F(mm/min) T(s) R(letters) S(laser) H(0-2)",
         "Moves in a straight line. R makes all positions absolute except those of its letters,"
-        " which are relative.",
+        " which are relative. With H1, H2 or letters of motors it is G1 H1, G1 H2 or G1 A.",
     ),
     ("G2", "X Y Z E F I J K R P(turns)", "Moves clockwise on an arc or a helix."),
     ("G3", "X Y Z E F I J K R P(turns)", "Moves counter-clockwise on an arc or a helix."),

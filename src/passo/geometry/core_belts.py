@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
-from passo.geometry.base import GeometryModel
+from pydantic import Field
+
+from passo.geometry.skewable import SkewableModel
+
+_End = Annotated[float, Field(ge=-1e6, le=1e6)]
+_Reach = Annotated[list[_End], Field(min_length=2, max_length=2)]
 
 
-class CoreXY(GeometryModel):
+class CoreBelts(SkewableModel):
+    """Crossed belts."""
+
+    reach_x_mm: _Reach | None = None
+    """The first and last X that the carriage reaches, in mm. Needed with skew, which moves it
+    beyond its axis."""
+    reach_y_mm: _Reach | None = None
+    """The same for Y."""
+
+    def spec(self) -> dict[str, Any]:
+        """See the base."""
+        return self.model_dump(exclude={"reach_x_mm", "reach_y_mm"})
+
+
+class CoreXY(CoreBelts):
     """A = X + Y, B = X - Y."""
 
     actuators = ("a", "b", "z")
@@ -15,7 +34,7 @@ class CoreXY(GeometryModel):
     """Crossed belts: A = X + Y, B = X − Y."""
 
 
-class CoreXZ(GeometryModel):
+class CoreXZ(CoreBelts):
     """A = X + Z, B = X - Z."""
 
     actuators = ("a", "y", "b")
@@ -23,7 +42,7 @@ class CoreXZ(GeometryModel):
     """Crossed belts: A = X + Z, B = X − Z."""
 
 
-class CoreYZ(GeometryModel):
+class CoreYZ(CoreBelts):
     """A = Y + Z, B = Y - Z."""
 
     actuators = ("x", "a", "b")

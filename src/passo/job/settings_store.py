@@ -34,6 +34,7 @@ _NAMING = {
     "M906": "IT",
     "SET_MOVE": "NAME=",
     "SET_PROBE_POINT": "N=",
+    "SKEW_PROFILE": "SET=",
     "SET_PRESSURE_ADVANCE": "EXTRUDER=",
 }
 

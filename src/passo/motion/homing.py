@@ -4,7 +4,8 @@ slowly."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -124,15 +125,10 @@ class Homer:
         back = "B" in letters and "b" not in self._axes
         letters = letters.replace("B", "") if back else letters
         before = None if self._rig.job.locked_axes else self._rig.job.machine_position
-        self._triggered.active = True
-        self._rig.positions.freeze()
-        try:
+        with self._homing():
             square = self._rig.square(lambda: bool(self._interrupts.halted))
             with self._correction.suspended(), square:
                 await self._home(letters)
-        finally:
-            self._triggered.active = False
-            self._rig.positions.thaw()
         if back and before is not None:
             await self._return(before)
 
@@ -145,6 +141,46 @@ class Homer:
         self._interrupts.raise_if_interrupted()
         if not reached:
             raise CommandError([self._problem_of_job()])
+
+    async def approach(self, travel: Mapping[str, float], speed: float) -> None:
+        """G1 H1: axes or arms, by name, move straight by these distances, in mm or degrees, until
+        each has triggered its endstops, and are homed then. `speed` is that of the fastest. Without
+        a trigger they are not homed any more."""
+        among = {name for name in self._machine.homing if self._switches_of(name)}
+        arms = set(self._machine.geometry.arms) & among
+        for name, far in travel.items():
+            if name not in among:
+                limit = f"an axis with an endstop: {', '.join(sorted(among)) or 'none has one'}"
+                raise CommandError.of("command.value", axis="H1", value=name, limit=limit)
+            if arms & set(travel) and not arms <= set(travel):
+                limit = f"all of {', '.join(sorted(arms))}, since arms home together"
+                raise CommandError.of("command.value", axis="H1", value=name, limit=limit)
+            sign = 1.0 if self._machine.homing[name].direction == "max" else -1.0
+            if not 0 < sign * far <= self.travel(name):
+                limit = f"towards the endstop, and at most {self.travel(name):g}"
+                raise CommandError.bad_value(name.upper(), far, limit)
+        fastest = max(map(abs, travel.values()))
+        once = {name: (abs(far), speed * abs(far) / fastest) for name, far in travel.items()}
+        with self._homing():
+            square = self._rig.square(lambda: bool(self._interrupts.halted))
+            with self._correction.suspended(), square, self._triggered.prepared():
+                geometry = self._machine.geometry
+                ways = [
+                    self._way(name, geometry.actuators if name in geometry.arms else self._axes)
+                    for name in travel
+                ]
+                await self._together(ways, once)
+
+    @contextmanager
+    def _homing(self) -> Generator[None]:
+        """Axes home within: reports keep to where the program was."""
+        self._triggered.active = True
+        self._rig.positions.freeze()
+        try:
+            yield
+        finally:
+            self._triggered.active = False
+            self._rig.positions.thaw()
 
     async def swing(self, x: float, y: float) -> None:
         """Moves the nozzle over X, Y (machine coordinates, mm) with an independent move of each
@@ -244,8 +280,10 @@ class Homer:
     def _way(self, name: str, among: Sequence[str]) -> _HomingAxis:
         config = self._machine.homing[name]
         sign = 1.0 if config.direction == "max" else -1.0
-        own = tuple(s for s in self._switches if s.home == name)
-        return _HomingAxis(name, among.index(name), sign, config, own)
+        return _HomingAxis(name, among.index(name), sign, config, self._switches_of(name))
+
+    def _switches_of(self, name: str) -> tuple[Switch, ...]:
+        return tuple(s for s in self._switches if s.home == name)
 
     def travel(self, name: str) -> float:
         """The maximum distance of an axis or arm to its endstop, mm or degrees."""
@@ -260,8 +298,13 @@ class Homer:
         axis = self._machine.axes[name]
         return _OVERRUN * (axis.max_mm - axis.min_mm)
 
-    async def _together(self, ways: Sequence[_HomingAxis]) -> None:
-        """Homes axes and arms that share no motor at the same time."""
+    async def _together(
+        self,
+        ways: Sequence[_HomingAxis],
+        once: Mapping[str, tuple[float, float]] | None = None,
+    ) -> None:
+        """Homes axes and arms that share no motor at the same time: fast, back, slowly; or `once`,
+        with the maximum distance and the speed for each."""
         rig, job = self._rig, self._rig.job
         arms = any(is_actuator(self._machine, way.name) for way in ways)
         of_arms = self._machine.axes_of_arms if arms else ()
@@ -279,21 +322,17 @@ class Homer:
         moved: list[tuple[_HomingAxis, float]] = []  # lets positions be wrong during the search
         try:
             job.use_joints(arms)
-            travel = [self.travel(way.name) for way in ways]
+            travel = [once[w.name][0] if once else self.travel(w.name) for w in ways]
+            speeds = [once[w.name][1] if once else w.config.fast for w in ways]
             for way, far in zip(ways, travel, strict=True):
                 start = way.home - way.sign * far
                 if way.name in names:
                     moved.append((way, start - self._at(way.slot)))
                 self._place(way, start)
-            await self._seek(ways, travel, fast=True)
+            await self._seek(ways, travel, speeds)
             moved.clear()
-            await self._go([-w.config.retract for w in ways], ways)
-            for way in ways:
-                for switch in way.switches:
-                    if self._endstops.pressed(switch.name):
-                        raise self._problem("machine.switch-stuck", switch, way.config.retract)
-            slow = [SLOW_OVERRUN * w.config.retract for w in ways]
-            await self._seek(ways, slow, fast=False)
+            if not once:
+                await self._again(ways)
         except BaseException:
             for way, by in moved:
                 self._place(way, self._at(way.slot) - by)
@@ -304,6 +343,16 @@ class Homer:
         found |= point_of_arms(job.machine_position[:3])
         self.offset_mm |= {n: self._offsets.home_mm[n] for n in found}
         self._set({n: at + self.offset_mm[n] for n, at in found.items()})
+
+    async def _again(self, ways: Sequence[_HomingAxis]) -> None:
+        """Back from the endstops, which must open, and slowly to them."""
+        await self._go([-w.config.retract for w in ways], ways)
+        for way in ways:
+            for switch in way.switches:
+                if self._endstops.pressed(switch.name):
+                    raise self._problem("machine.switch-stuck", switch, way.config.retract)
+        slow = [SLOW_OVERRUN * w.config.retract for w in ways]
+        await self._seek(ways, slow, [w.config.slow for w in ways])
 
     async def _level(self, way: _HomingAxis) -> float:
         """Aligns the motors of an axis, each of which is at its own endstop, with the innermost
@@ -326,12 +375,11 @@ class Homer:
         ]
 
     async def _seek(
-        self, ways: Sequence[_HomingAxis], travel: Sequence[float], *, fast: bool
+        self, ways: Sequence[_HomingAxis], travel: Sequence[float], speeds: Sequence[float]
     ) -> None:
         """Moves all axes at the same time, each at its own speed, until all their endstops are
         triggered."""
         rig = self._rig
-        speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from passo.errors import MachineError, PassoError
 from passo.gcode.command import Command
 from passo.gcode.registry import in_program
-from passo.geometry.cartesian import Cartesian
+from passo.geometry.skewable import SkewableModel
 from passo.motion.bed_correction import BedCorrection
 from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
@@ -171,10 +171,11 @@ class Printer:
             self.dispatch.add(self.screws)
         if self.delta is not None or self.z_endstops is not None:
             self.dispatch.add(EndstopCommands(self.delta, self.z_endstops))
-        self.skew = SkewCommands(rig) if isinstance(machine.geometry, Cartesian) else None
+        self.skew = SkewCommands(rig) if isinstance(machine.geometry, SkewableModel) else None
         if self.skew is not None:
             self.dispatch.add(self.skew)
-        self.dispatch.add(MotorMoves(rig, state, self.triggered), self.move_commands)
+        motor_moves = MotorMoves(rig, state, self.triggered, self.correction, self.homer)
+        self.dispatch.add(motor_moves, self.move_commands)
         if machine.beeper is not None:
             self.dispatch.add(self.beeper)
         idle = IdleWatch(

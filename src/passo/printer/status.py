@@ -288,7 +288,8 @@ class Status:
     `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine without a
     probe. `moving_s` is the print time for which the machine has printed or moved without a break.
     `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
-    machine that cannot do this. `screws` are the last measurements of the bed screws;
+    machine that cannot do this. `skew_profile` is the name of the active saved skew, or empty; None
+    without skew and profiles. `screws` are the last measurements of the bed screws;
     `screws_limit_mm` is their allowed difference, if it is exceeded.
     """
 
@@ -320,6 +321,7 @@ class Status:
     saved_variables: dict[str, Any] = field(default_factory=dict[str, Any])
     moving_s: float = 0.0
     bed: BedStatus | None = None
+    skew_profile: str | None = None
     gantry_level: bool | None = None
     screws: tuple[ScrewStatus, ...] = ()
     screws_limit_mm: float | None = None

@@ -848,7 +848,8 @@ export interface SpeedFactor {
  * `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine without a
  * probe. `moving_s` is the print time for which the machine has printed or moved without a break.
  * `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
- * machine that cannot do this. `screws` are the last measurements of the bed screws;
+ * machine that cannot do this. `skew_profile` is the name of the active saved skew, or empty;
+ * None without skew and profiles. `screws` are the last measurements of the bed screws;
  * `screws_limit_mm` is their allowed difference, if it is exceeded. */
 export interface Status {
   state: PrinterState;
@@ -879,6 +880,7 @@ export interface Status {
   saved_variables: Record<string, unknown>;
   moving_s: number;
   bed?: BedStatus | null;
+  skew_profile?: string | null;
   gantry_level?: boolean | null;
   screws: ScrewStatus[];
   screws_limit_mm?: number | null;

@@ -91,6 +91,7 @@ class StatusReader:
             saved_variables=printer.rig.macros.saved,
             moving_s=self._moving_s(state, max(printer.queue.now_s, 0.0)),
             bed=printer.levelling.status() if printer.machine.probe else None,
+            skew_profile=printer.skew.profile_status if printer.skew else None,
             gantry_level=printer.gantry.level if printer.gantry else None,
             screws=printer.screws.measured if printer.screws else (),
             screws_limit_mm=printer.screws.exceeded_mm if printer.screws else None,

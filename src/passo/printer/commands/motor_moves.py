@@ -1,29 +1,32 @@
-"""FORCE_MOVE and STEPPER_BUZZ: move a single motor, whether or not its axis is homed."""
+"""FORCE_MOVE, STEPPER_BUZZ and G1 H: move motors, whether or not their axes are homed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
-from math import isclose
+from math import hypot, isclose
 from typing import TYPE_CHECKING
 
 from passo._core import Within
-from passo.config.motor_roles import axis_order
+from passo.config.motor_roles import Driven, axis_order
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.geometry.base import Point, Unreachable
 from passo.motion.axis_slots import slot_of_axis
+from passo.motion.homing import Homer
 from passo.motion.rig import Rig
+from passo.motion.set_position import place_of_axes
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.klipper_commands import number
 from passo.printer.klipper.names import stepper_object
 from passo.printer.state import State
-from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+    from passo.motion.bed_correction import BedCorrection
 
 _BUZZ = (1.0, -1.0) * 10  # mm or degrees
 _BUZZ_SPEED = 4.0  # mm/s or degrees/s
@@ -31,25 +34,48 @@ _BUZZ_PAUSE_S = 0.3
 # a trial distance, which shows whether an actuator moves the nozzle on a straight line
 _TRIAL_MM = 1.0
 _ROUNDING = 1e-6  # mm or degrees, far above the rounding of sums of positions
+_CHECKS = 32  # places on the way of motors that move the nozzle on a curve
+_DEFAULT_F = 600.0  # mm/min
 
 
 @dataclass(frozen=True, slots=True)
 class _Motor:
-    """The effect of a motor. `per_unit` has the axes that move with it, by number, and their travel
-    in mm for 1 mm of the motor. It is empty if the motor moves the nozzle on a curve; then `joint`
-    is the number of its actuator."""
+    """What a motor drives, and all motors that drive the same."""
 
-    together: tuple[str, ...]  # all motors that drive the same axis
-    per_unit: dict[int, float]
-    joint: int = 0
+    driven: Driven
+    together: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    """Motors that turn at the same time. `axes` move with them on a straight line, by these
+    distances in mm, by number; of actuators that move the nozzle on a curve, `joints` are their
+    own."""
+
+    longest: float  # distance of the motor that turns farthest, mm or degrees
+    axes: dict[int, float] = field(default_factory=dict[int, float])
+    joints: dict[int, float] = field(default_factory=dict[int, float])
+
+    @property
+    def speed_factor(self) -> float:
+        """From the speed of that motor to the speed along the path."""
+        return hypot(*self.axes.values(), *self.joints.values()) / self.longest
 
 
 class MotorMoves:
-    """Moves of single motors of one printer, at standstill. A homed axis stays homed, and within
-    its limits."""
+    """Moves of motors of one printer, at standstill. A homed axis stays homed, and within its
+    limits."""
 
-    def __init__(self, rig: Rig, state: State, triggered: TriggeredMoves) -> None:
+    def __init__(
+        self,
+        rig: Rig,
+        state: State,
+        triggered: TriggeredMoves,
+        correction: BedCorrection,
+        homer: Homer,
+    ) -> None:
         self._rig, self._state, self._triggered = rig, state, triggered
+        self._correction, self._homer = correction, homer
         self._axes = axis_order(rig.machine.axes)
 
     @property
@@ -62,8 +88,7 @@ class MotorMoves:
         When.EXCLUSIVE,
         "STEPPER DISTANCE(mm) VELOCITY(mm/s)",
         "Turns a motor, with those that drive the same, also where the axis is not homed. A homed"
-        " axis keeps within its limits. Where motors move the nozzle on curves, as on a delta, home"
-        " afterwards. ACCEL is read and ignored.",
+        " axis keeps within its limits, and stays homed. ACCEL is read and ignored.",
         kind=Kind.SERVED,
         bare=None,
     )
@@ -71,13 +96,12 @@ class MotorMoves:
         words = command.pairs()
         motor = self._motor(words.get("STEPPER", ""))
         distance, speed = number(words, "DISTANCE"), number(words, "VELOCITY")
-        longest = max(a.max_mm - a.min_mm for a in self._machine.axes.values() if not a.extruder)
-        if abs(distance) > longest:
-            raise CommandError.bad_value("DISTANCE", distance, f"{-longest:g} to {longest:g} mm")
+        self._require_distance("DISTANCE", distance)
         if speed <= 0:
             raise CommandError.bad_value("VELOCITY", speed, "more than 0 mm/s")
+        self._require_no_print(command)
         self._note(motor, reply)
-        return WaitForProcedure(partial(self._turn, motor, (distance,), speed, 0.0))
+        return self._turning({motor: distance}, speed, reply)
 
     @command(
         "STEPPER_BUZZ",
@@ -91,9 +115,131 @@ class MotorMoves:
     )
     def _buzz(self, command: Command, reply: Reply) -> Wait | None:
         motor = self._motor(command.pairs().get("STEPPER", ""))
+        self._require_no_print(command)
         self._note(motor, reply)
-        by = _BUZZ if self._fits(motor, _BUZZ) else [-mm for mm in _BUZZ]
-        return WaitForProcedure(partial(self._turn, motor, by, _BUZZ_SPEED, _BUZZ_PAUSE_S))
+        turn = self._together({motor: 1.0})
+        by = _BUZZ if self._fits(turn, _BUZZ) else [-mm for mm in _BUZZ]
+        return WaitForProcedure(partial(self._turn, turn, by, _BUZZ_SPEED, _BUZZ_PAUSE_S))
+
+    @command(
+        "SET_KINEMATIC_POSITION",
+        Subject.POSITIONS,
+        When.EXCLUSIVE,
+        "X Y Z (mm) SET_HOMED CLEAR_HOMED (axes)",
+        "Sets the positions of axes in the machine, which count as homed then, without a move; with"
+        " SET_HOMED only the axes in its list. CLEAR_HOMED takes that from axes.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    def _set_position(self, command: Command, _: Reply) -> Wait | None:
+        pairs, at = command.pairs(), self._rig.job.machine_position
+        given = [axis for axis in "XYZ" if axis in pairs]
+        if not given and "CLEAR_HOMED" not in pairs:
+            given = list("XYZ")
+        text = " ".join(f"{axis}{number(pairs, axis, at['XYZ'.index(axis)]):.9f}" for axis in given)
+        places = place_of_axes(
+            Command(command.line, "G", 92, 0, "", text), self._machine, self._rig.job
+        )
+        homed = pairs.get("SET_HOMED", "xyz").lower()
+        lost = {a for a in pairs.get("CLEAR_HOMED", "").lower() if a in "xyz"}
+        lost |= {axis.lower() for axis in given if axis.lower() not in homed}
+        self._require_no_print(command)
+
+        def place() -> None:
+            self._rig.job.set_axes(list(places.items()))
+            self._rig.lock(sorted(lost))
+
+        return WaitForMoves(place)
+
+    # -- G1 H -------------------------------------------------------------------------------------
+
+    @command(
+        "G1 H1",
+        Subject.MOTORS,
+        When.EXCLUSIVE,
+        "X Y Z (mm) F(mm/min)",
+        "Moves straight until each axis has triggered its endstop, and is homed there, as in"
+        " RepRapFirmware. On a delta X, Y and Z are its towers. Not during a print.",
+        kind=Kind.SERVED,
+    )
+    def _approach(self, command: Command, reply: Reply) -> Wait | None:
+        words, by = command.words(), dict[str, float]()
+        machine = self._machine
+        arms = machine.axes_of_arms
+        for letter, mm in _of_parts(words).items():
+            name = self._part(letter, motors=letter.lower() in arms)
+            if "R" not in words:
+                order = self._axes
+                at = self._rig.job.machine_position
+                if name not in order or order.index(name) in self._rig.job.locked_axes:
+                    raise CommandError.of("motors.relative", axis=letter)
+                mm -= at[slot_of_axis(order.index(name))]
+            by[name] = mm
+        if not by:
+            raise CommandError.of("input.missing-word", axis="G1 H1", value="X, Y or Z")
+        self._require_no_print(command)
+        speed = words.get("F", _DEFAULT_F) / 60
+
+        async def approach() -> None:
+            await self._homer.approach(by, speed)
+            self._tell(reply)
+
+        return WaitForProcedure(approach)
+
+    @command(
+        "G1 H2",
+        Subject.MOTORS,
+        When.EXCLUSIVE,
+        "X Y Z, A B C (mm or degrees) F(mm/min)",
+        "Moves motors by themselves, as in RepRapFirmware: X is the first motor of the geometry,"
+        " whatever it moves. After G91 the axes need not be homed. Homed axes keep within their"
+        " limits, and their positions follow. Not during a print.",
+        kind=Kind.SERVED,
+    )
+    @command(
+        "G1 A",
+        Subject.MOTORS,
+        When.EXCLUSIVE,
+        "A B C (mm or degrees) F(mm/min)",
+        "As G1 H2, with the letters of motors, as in APrinter: `G1 A100` moves the motor A of a"
+        " delta or of crossed belts to its position 100.",
+        kind=Kind.SERVED,
+    )
+    def _move(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        moves: dict[_Motor, float] = {}
+        joints = None if "R" in words else self._joints()
+        for letter, at in _of_parts(words).items():
+            motor = self._motor_of(self._part(letter, motors=True))
+            if joints is None:
+                if "R" not in words:
+                    raise CommandError.of("motors.relative", axis=letter)
+                distance = at
+            elif motor.driven.drive == "axis":
+                slot = slot_of_axis(motor.driven.index)
+                distance = at - self._rig.job.machine_position[slot]
+            else:
+                distance = at - joints[motor.driven.index]
+            self._require_distance(letter, distance)
+            moves[motor] = distance
+        if not any(moves.values()):
+            return None
+        self._require_no_print(command)
+        return self._turning(moves, words.get("F", _DEFAULT_F) / 60, reply)
+
+    def _part(self, letter: str, *, motors: bool) -> str:
+        """The axis of a letter, or the motor of the geometry: X, Y and Z number them. Raises
+        CommandError."""
+        actuators, name = self._machine.geometry.actuators, letter.lower()
+        if motors and name in actuators:
+            return name
+        if motors and letter in "XYZ":
+            return actuators["XYZ".index(letter)]
+        if name in self._axes and not self._machine.axes[name].extruder:
+            return name
+        known = dict.fromkeys([*self._axes, *actuators])
+        limit = f"a letter of {', '.join(n.upper() for n in known)}"
+        raise CommandError.of("command.value", axis="the motor", value=letter, limit=limit)
 
     # -- motors -----------------------------------------------------------------------------------
 
@@ -111,12 +257,37 @@ class MotorMoves:
             )
         driven = driven_by(named[name])
         assert driven is not None
-        together = tuple(n for n in movable if driven_by(n) == driven)
-        if driven.drive == "axis":
-            return _Motor(together, {driven.index: 1.0})
-        straight = self._straight(driven.index)
-        per_unit = {i: mm for i, mm in enumerate(straight or ()) if mm}
-        return _Motor(together, per_unit, driven.index)
+        return _Motor(driven, tuple(n for n in movable if driven_by(n) == driven))
+
+    def _motor_of(self, part: str) -> _Motor:
+        """The motors of an actuator or an axis."""
+        driven = self._machine.drivable.by_name[part]
+        steppers = self._machine.steppers
+        return _Motor(driven, tuple(n for n in steppers if self._machine.driven_by(n) == driven))
+
+    def _note(self, motor: _Motor, reply: Reply) -> None:
+        if len(motor.together) > 1:
+            text = f"{' and '.join(motor.together)} drive the same and turn together"
+            reply.note(text, text, again=True)
+
+    def _together(self, moves: Mapping[_Motor, float]) -> _Turn:
+        """What moves if these motors turn by these distances, mm or degrees."""
+        axes, joints = dict[int, float](), dict[int, float]()
+        for motor, distance in moves.items():
+            index = motor.driven.index
+            if motor.driven.drive == "axis":
+                axes[index] = distance
+                continue
+            straight = self._straight(index)
+            if straight is None:
+                joints[index] = distance
+                continue
+            for axis, mm in enumerate(straight):
+                if mm:
+                    axes[axis] = axes.get(axis, 0.0) + mm * distance
+        if axes and joints:
+            raise CommandError.of("motors.mixed")
+        return _Turn(max(map(abs, moves.values())), axes, joints)
 
     def _straight(self, actuator: int) -> tuple[float, ...] | None:
         """The travel of X, Y and Z for 1 mm of an actuator; None if it depends on the position."""
@@ -139,83 +310,171 @@ class MotorMoves:
         )
         return found[0] if same else None
 
-    def _note(self, motor: _Motor, reply: Reply) -> None:
-        if len(motor.together) > 1:
-            text = f"{' and '.join(motor.together)} drive the same and turn together"
-            reply.note(text, text, again=True)
+    def _joints(self) -> Point | None:
+        """The positions of the actuators, mm or degrees; None if an axis is not homed."""
+        job = self._rig.job
+        if any(axis < 3 for axis in job.locked_axes):
+            return None
+        x, y, z = _xyz(job.machine_position)
+        return self._machine.geometry.inverse((x, y, job.nozzle_height(x, y, z)))
 
-    # -- moves ------------------------------------------------------------------------------------
+    # -- limits -----------------------------------------------------------------------------------
 
-    def _fits(self, motor: _Motor, by: Sequence[float]) -> bool:
-        """Whether all homed axes that move with the motor stay within their limits."""
+    def _require_no_print(self, command: Command) -> None:
+        if self._state.busy():
+            raise CommandError.of("motors.print", axis=command.code)
+
+    def _require_distance(self, word: str, distance: float) -> None:
+        longest = max(a.max_mm - a.min_mm for a in self._machine.axes.values() if not a.extruder)
+        if abs(distance) > longest:
+            limit = f"{-longest:g} to {longest:g} mm or degrees at once"
+            raise CommandError.bad_value(word, distance, limit)
+
+    def _fits(self, turn: _Turn, by: Sequence[float]) -> bool:
+        """Whether all homed axes that move with the motors stay within their limits."""
         try:
-            self._require_limits(motor, by)
+            self._require_limits(turn, by)
         except CommandError:
             return False
         return True
 
-    def _require_limits(self, motor: _Motor, by: Sequence[float]) -> None:
+    def _require_limits(self, turn: _Turn, by: Sequence[float]) -> None:
+        """`by` are factors of the turn, one after the other. Raises CommandError."""
         job = self._rig.job
-        for index, mm in motor.per_unit.items():
-            if index in job.locked_axes:
-                continue
-            name = self._axes[index]
-            axis, at = self._machine.axes[name], job.machine_position[slot_of_axis(index)]
-            for distance in by:
-                at += mm * distance
-                if not axis.min_mm - _ROUNDING <= at <= axis.max_mm + _ROUNDING:
-                    limit = f"{axis.min_mm:g} to {axis.max_mm:g} mm, as the axis is homed"
-                    raise CommandError.bad_value(name.upper(), round(at, 3), limit)
+        at = job.machine_position
+        for index, mm in turn.axes.items():
+            if index not in job.locked_axes:
+                place = start = at[slot_of_axis(index)]
+                for factor in by:
+                    place += mm * factor
+                    self._require_place(self._axes[index], place, start)
+        joints = self._joints()
+        if not turn.joints or joints is None:
+            return
+        factor = 0.0
+        for part in by:
+            for k in range(1, _CHECKS + 1):
+                self._require_reach(joints, turn, factor + part * k / _CHECKS)
+            factor += part
 
-    async def _turn(
-        self, motor: _Motor, by: Sequence[float], speed_mm_s: float, pause_s: float
-    ) -> None:
-        """Moves the motor by these distances, one after the other. Raises CommandError, Stopped."""
-        self._require_limits(motor, by)
+    def _require_reach(self, joints: Point, turn: _Turn, factor: float) -> None:
+        start = self._rig.job.machine_position
+        try:
+            point = self._point(_moved(joints, turn, factor))
+        except Unreachable as error:
+            raise CommandError.of("motors.reach", value=str(error)) from None
+        for axis, mm, before in zip("xyz", point, start, strict=False):
+            self._require_place(axis, mm, before)
+
+    def _require_place(self, name: str, place: float, start: float) -> None:
+        axis = self._machine.axes[name]
+        low, high = min(axis.min_mm, start), max(axis.max_mm, start)
+        if not low - _ROUNDING <= place <= high + _ROUNDING:
+            limit = f"{axis.min_mm:g} to {axis.max_mm:g} mm, as the axis is homed"
+            raise CommandError.bad_value(name.upper(), round(place, 3), limit)
+
+    def _point(self, joints: Point) -> Point:
+        """Where the plan has the nozzle for these positions of the actuators. Raises
+        Unreachable."""
+        geometry = self._machine.geometry
+        point = geometry.forward(joints)
+        geometry.inverse(point)  # a delta's rods also meet where its nozzle must not go
+        x, y, height = point
+        return x, y, self._rig.job.plan_z(x, y, height)
+
+    # -- moves ------------------------------------------------------------------------------------
+
+    def _turning(self, moves: Mapping[_Motor, float], speed: float, reply: Reply) -> Wait:
+        turn = self._together(moves)
+
+        async def run() -> None:
+            try:
+                await self._turn(turn, (1.0,), speed, 0.0)
+            finally:
+                self._tell(reply)
+
+        return WaitForProcedure(run)
+
+    def _tell(self, reply: Reply) -> None:
+        """Where the nozzle is now, as far as that is known."""
+        job = self._rig.job
+        locked = [name.upper() for i, name in enumerate(self._axes) if i in job.locked_axes]
+        at = job.machine_position
+        known = [
+            f"{name.upper()}{at[slot_of_axis(i)]:.3f}"
+            for i, name in enumerate(self._axes)
+            if i not in job.locked_axes and not self._machine.axes[name].extruder
+        ]
+        if known:
+            reply.say(f"echo:The nozzle is at {' '.join(known)} of the machine")
+        if locked:
+            reply.say(f"echo:Not homed: {', '.join(locked)}")
+
+    async def _turn(self, turn: _Turn, by: Sequence[float], speed: float, pause_s: float) -> None:
+        """Turns by these factors, one after the other. Raises CommandError, Stopped."""
+        self._require_limits(turn, by)
         if not self._rig.positions.settled:
             self._rig.positions.settle()
-        if motor.per_unit:
-            for distance in by:
-                await self._go(motor.per_unit, distance, speed_mm_s, pause_s)
-        else:
-            await self._turn_joint(motor, by, speed_mm_s, pause_s)
+        speed *= turn.speed_factor
+        if turn.joints:
+            await self._turn_joints(turn, by, speed, pause_s)
+            return
+        with self._correction.suspended():
+            for factor in by:
+                await self._go(turn.axes, factor, speed, pause_s)
 
-    async def _turn_joint(
-        self, motor: _Motor, by: Sequence[float], speed_mm_s: float, pause_s: float
+    async def _turn_joints(
+        self, turn: _Turn, by: Sequence[float], speed: float, pause_s: float
     ) -> None:
-        """As `_turn`, for an actuator that moves the nozzle on a curve. If it does not return, X, Y
-        and Z are not homed afterwards."""
-        rig = self._rig
-        before = _xyz(rig.job.machine_position)
-        at_home = self._machine.geometry.inverse(self._machine.home_point)
-        returned = False
+        """As `_turn`, for actuators that move the nozzle on a curve. Axes that were not homed are
+        not homed afterwards."""
+        rig, geometry = self._rig, self._machine.geometry
+        before, joints = rig.job.machine_position, self._joints()
+        known = joints is not None
+        joints = joints or geometry.inverse(self._machine.home_point)
+        locked = [self._axes[axis] for axis in rig.job.locked_axes]
         rig.positions.freeze()
         rig.job.use_joints(True)
-        rig.job.set_axes(list(enumerate(at_home)))
+        rig.job.set_axes(list(enumerate(joints)))
         try:
-            for distance in by:
-                await self._go({motor.joint: 1.0}, distance, speed_mm_s, pause_s)
-            returned = abs(sum(by)) < _ROUNDING
+            for factor in by:
+                await self._go(turn.joints, factor, speed, pause_s)
         finally:
+            ended = _xyz(rig.job.machine_position)
             rig.job.use_joints(False)
-            rig.job.set_axes(list(enumerate(before)))
+            place = _xyz(before)
+            if known:
+                try:
+                    place = self._point(ended)
+                except Unreachable:  # stopped beyond what the way back would allow
+                    locked = [*self._machine.axes_of_arms]
+            rig.job.set_axes(list(enumerate(place)))
             rig.positions.thaw()
-            if not returned:
-                rig.lock("xyz")
+            rig.lock(locked)
 
     async def _go(
-        self, per_unit: dict[int, float], distance: float, speed_mm_s: float, pause_s: float
+        self, travel: Mapping[int, float], factor: float, speed: float, pause_s: float
     ) -> None:
         rig = self._rig
         at = rig.job.machine_position
-        slots = {slot_of_axis(index): mm for index, mm in per_unit.items()}
-        target = {slot: at[slot] + mm * distance for slot, mm in slots.items()}
-        rig.queue.move(target, speed_mm_s, Within.ANYTHING)
+        slots = {slot_of_axis(index): mm for index, mm in travel.items()}
+        target = {slot: at[slot] + mm * factor for slot, mm in slots.items()}
+        rig.queue.move(target, speed, Within.ANYTHING)
         rig.queue.flush()
         await self._triggered.standstill()
         self._state.raise_if_interrupted()
         if pause_s:
             await rig.queue.sleep(pause_s)
+
+
+def _of_parts(words: Mapping[str, float]) -> dict[str, float]:
+    """The words that are positions."""
+    return {letter: at for letter, at in words.items() if letter not in "FR"}
+
+
+def _moved(joints: Point, turn: _Turn, factor: float) -> Point:
+    a, b, c = (q + factor * turn.joints.get(i, 0.0) for i, q in enumerate(joints))
+    return a, b, c
 
 
 def _xyz(position: Sequence[float]) -> Point:

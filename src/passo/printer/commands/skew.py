@@ -1,13 +1,16 @@
-"""M852 and SET_SKEW: axes that are not at right angles to each other."""
+"""M852, SET_SKEW and SKEW_PROFILE: axes that are not at right angles to each other."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from passo.config.home_checks import check_skew
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
-from passo.geometry.cartesian import MAX_SKEW, Cartesian
+from passo.geometry.skewable import MAX_SKEW, SkewableModel
+from passo.levelling.mesh_files import check_name
 from passo.levelling.skew import skew_degrees, skew_factor
 from passo.printer.commands.klipper_commands import number
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
@@ -15,22 +18,24 @@ from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 if TYPE_CHECKING:
     from passo.motion.rig import Rig
 
-NOT_CARTESIAN = "This machine is not cartesian."
+NO_SKEW = "This machine has arms: skew is of axes with motors or crossed belts."
 _PLANES = ("XY", "XZ", "YZ")
 _DIGITS = 9  # so that stored and active values are equal
 
 
 class SkewCommands:
-    """The skew of one cartesian machine. The active skew is that of the rig; homing works without
-    it."""
+    """The skew of one machine. The active skew is that of the rig; homing works without it.
+    `profiles` are saved factors by name; `profile` is the name of the active ones, or empty."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
+        self.profiles: dict[str, tuple[float, ...]] = {}
+        self.profile = ""
 
     @property
-    def _geometry(self) -> Cartesian:
+    def _geometry(self) -> SkewableModel:
         geometry = self._rig.machine.geometry
-        assert isinstance(geometry, Cartesian)
+        assert isinstance(geometry, SkewableModel)
         return geometry
 
     def _use(self, factors: dict[int, float]) -> None:
@@ -45,13 +50,14 @@ class SkewCommands:
                 raise CommandError.bad_value(_PLANES[plane], factor, limit)
             skew[plane] = round(factor, _DIGITS) + 0.0
         geometry = self._geometry.model_copy(update={"skew": skew})
-        for axis in geometry.sheared_axes:
-            for name, stepper in machine.steppers.items():
-                if machine.driven_by(name) != machine.drivable.by_name[axis]:
-                    continue
-                if stepper.min_mm is None or stepper.max_mm is None:
-                    raise CommandError.of("levelling.skew-limits", axis=name)
-        self._rig.use_geometry(machine.model_copy(update={"geometry": geometry}))
+        skewed = machine.model_copy(update={"geometry": geometry})
+        for found in check_skew(skewed):
+            value = "missing" if found.value is None else found.value
+            raise CommandError.of(
+                "levelling.skew-limits", axis=found.key, value=value, limit=found.limit
+            )
+        self._rig.use_geometry(skewed)
+        self.profile = ""
 
     @command(
         "M852",
@@ -61,7 +67,7 @@ class SkewCommands:
         "Sets the skew of the planes XY (I, or S), XZ (J) and YZ (K): the tangent of what the angle"
         " between the axes differs from a right one. Without parameters it reports them.",
         kind=Kind.SERVED,
-        lacks=NOT_CARTESIAN,
+        lacks=NO_SKEW,
     )
     def _set_factors(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -81,7 +87,7 @@ class SkewCommands:
         " diagonals, then the side AD. CLEAR=1 sets all of it to 0.",
         kind=Kind.SERVED,
         bare=None,
-        lacks=NOT_CARTESIAN,
+        lacks=NO_SKEW,
     )
     def _set_by_lengths(self, command: Command, _: Reply) -> Wait | None:
         pairs = command.pairs()
@@ -104,7 +110,7 @@ class SkewCommands:
         "Reports the skew of all planes.",
         kind=Kind.QUIET,
         bare=None,
-        lacks=NOT_CARTESIAN,
+        lacks=NO_SKEW,
     )
     def _report(self, _: Command, reply: Reply) -> Wait | None:
         reply.say("// Current Printer Skew:")
@@ -120,7 +126,7 @@ class SkewCommands:
         "Calculates the skew of a printed square, and changes nothing.",
         kind=Kind.QUIET,
         bare=None,
-        lacks=NOT_CARTESIAN,
+        lacks=NO_SKEW,
     )
     def _calculate(self, command: Command, reply: Reply) -> Wait | None:
         pairs = command.pairs()
@@ -128,8 +134,69 @@ class SkewCommands:
         reply.say(f"// Calculated Skew: {factor:.6f}, {skew_degrees(factor):.2f} degrees")
         return None
 
+    @command(
+        "SKEW_PROFILE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "LOAD SAVE REMOVE, SET XY XZ YZ, CLEAR",
+        "Saves the skew in force under a name, loads it, or removes it; M500 stores all profiles."
+        " SET gives a name these factors, CLEAR=1 removes all. Without parameters it lists them.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_SKEW,
+    )
+    def _profile(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        if not pairs:
+            for name, factors in sorted(self.profiles.items()):
+                planes = zip(_PLANES, factors, strict=True)
+                shown = " ".join(f"{plane}={factor:.6f}" for plane, factor in planes)
+                reply.say(f"// {name}: {shown}")
+        if number(pairs, "CLEAR", 0.0):
+            self.profiles, self.profile = {}, ""
+        if "SET" in pairs:
+            factors = tuple(number(pairs, plane) for plane in _PLANES)
+            self.profiles[check_name(pairs["SET"])] = factors
+        if "SAVE" in pairs:
+            name = self.profile = check_name(pairs["SAVE"])
+            self.profiles[name] = tuple(self._geometry.skew)
+            reply.say(f"// The skew is saved as profile [{name}]; M500 stores it")
+        if "REMOVE" in pairs:
+            self.profiles.pop(self._named("REMOVE", pairs["REMOVE"]))
+            if self.profile == pairs["REMOVE"]:
+                self.profile = ""
+            reply.say(f"// Profile [{pairs['REMOVE']}] is removed; M500 stores that")
+        if "LOAD" not in pairs:
+            return None
+        name = self._named("LOAD", pairs["LOAD"])
+        return WaitForMoves(lambda: self._load(name))
+
+    def _named(self, word: str, name: str) -> str:
+        if name not in self.profiles:
+            limit = f"a profile: {', '.join(sorted(self.profiles)) or 'none is saved'}"
+            raise CommandError.of("command.value", axis=word, value=name, limit=limit)
+        return name
+
+    def _load(self, name: str) -> None:
+        self._use(dict(enumerate(self.profiles[name])))
+        self.profile = name
+
+    @property
+    def profile_status(self) -> str | None:
+        """The name of the profile in force; None without skew and profiles."""
+        return self.profile if self.profiles or any(self._geometry.skew) else None
+
+    def setting_lines(self) -> Iterator[str]:
+        """The commands that bring the skew back, to the last bit, and its profiles."""
+        yield self.setting_line()
+        yield "SKEW_PROFILE CLEAR=1"
+        for name, factors in self.profiles.items():
+            planes = zip(_PLANES, factors, strict=True)
+            shown = " ".join(f"{plane}={factor:.{_DIGITS}f}" for plane, factor in planes)
+            yield f"SKEW_PROFILE SET={name} {shown}"
+
     def setting_line(self) -> str:
-        """The command that restores the skew exactly."""
+        """M852 with the skew in force."""
         words = zip("IJK", self._geometry.skew, strict=True)
         return "M852 " + " ".join(f"{k}{factor:.{_DIGITS}f}" for k, factor in words)
 

@@ -57,6 +57,8 @@ def objects(machine: MachineConfig, status: Status, variables: Variables) -> Obj
     if motors is not None:
         name = "quad_gantry_level" if len(motors.pivots) == 4 else "z_tilt"
         found[name] = lambda: levelled(status)
+    if status.skew_profile is not None:
+        found["skew_correction"] = lambda: {"current_profile_name": status.skew_profile}
     if machine.levelling.screws is not None:
         found["screws_tilt_adjust"] = lambda: screws_tilt_adjust(status)
     for name, part in machine.heaters.items():
