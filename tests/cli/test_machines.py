@@ -33,6 +33,23 @@ def test_machines_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert rows["delta"]["size_mm"] == [150.2, 150.2, 180.0]
 
 
+@pytest.mark.parametrize("name", ["voron-2-4", "voron-0", "ender3-v2", "prusa-mk3s", "kossel"])
+def test_machines_with_the_firmware_of_klipper_print(
+    name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "square.gcode"
+    path.write_text(
+        "M190 S60\nM109 S205\nG28\nG1 Z0.2 F900\nG1 X40 Y30 F3000\nG1 X60 E2 F1500\n"
+        "G1 Y50 E4\nG1 X40 E6\nG1 Y30 E8\nM104 S0\n"
+    )
+    assert main(["print", str(path), "--machine", name]) == 0
+    rows = dict(
+        line.split("  ", 1) for line in capsys.readouterr().out.splitlines() if "  " in line
+    )
+    assert rows["lines, moves, arcs"].strip() == "10, 6, 0"
+    assert rows["filament"].strip() == "e 8.0 mm"
+
+
 def test_the_file_of_a_machine(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["machines", "rotary-delta"]) == 0
     (tmp_path / "mine.toml").write_text(capsys.readouterr().out, encoding="utf-8")

@@ -36,6 +36,12 @@ REQUIRED = {
     "stm32f407-discovery",
     "stm32f429-discovery",
     "linux-test",
+    # with Klipper's firmware
+    "voron-2-4",
+    "voron-0",
+    "ender3-v2",
+    "prusa-mk3s",
+    "kossel",
 }
 CLOCKS = {
     "Duet 0.6": 42_000_000,
@@ -46,6 +52,10 @@ CLOCKS = {
     "STM32F407 Discovery": 84_000_000,
     "STM32F429 Discovery": 84_000_000,
     "Linux process": 50_000_000,
+    "Octopus V1.1": 180_000_000,
+    "SKR Mini E3 V2.0": 72_000_000,
+    "Creality 4.2.2": 72_000_000,
+    "SKR V1.3": 100_000_000,
 }
 
 
