@@ -14,6 +14,7 @@ from passo.levelling.delta_calibration import (
     DeltaMachine,
     Distance,
     calibrate,
+    printed_distances,
 )
 
 
@@ -145,3 +146,18 @@ def test_a_result_with_a_greater_residual_is_refused():
     worse = type(found)(found.after, found.before, found.rms_after, found.rms_before)
     with pytest.raises(CommandError, match=r"rms 0\.1703 mm, before it 0\.0000 mm"):
         worse.check(ChangeLimits())
+
+
+def test_golden_rods_from_the_lengths_on_a_printed_part():
+    center, outer = EXTENDED_DISTANCES[:6], EXTENDED_DISTANCES[6:]
+    middle, others = [9.1, 9.0, 8.9], [9.2, 9.1, 9.0, 8.9, 8.8, 8.7]
+    distances = printed_distances(
+        NOMINAL,
+        [mm + middle[k] for mm, k in zip(center, (0, 2, 1, 0, 2, 1), strict=True)],
+        middle,
+        [mm + width for mm, width in zip(outer, others, strict=True)],
+        others,
+        1.0,
+    )
+    found = calibrate(NOMINAL, touched(EXTENDED_HEIGHTS), 9, distances)
+    assert values(found.after) == pytest.approx(values(EXTENDED), abs=3e-5)

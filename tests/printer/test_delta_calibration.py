@@ -1,7 +1,7 @@
 """A delta finds its geometry by its probe; the nozzle is flat above the bed, by the steps."""
 
 import re
-from math import cos, radians, sin
+from math import cos, dist, radians, sin
 
 import numpy as np
 import pytest
@@ -198,3 +198,50 @@ def test_delta_must_be_homed_before_it_is_calibrated():
 def test_true_geometry_of_another_kind_is_refused():
     with pytest.raises(ConfigError, match=r"simulated.delta is .cartesian.: .* kind .delta."):
         load_text(shipped_text("i3-probe") + "\n[simulated.delta]\nradius = 80.0\n")
+
+
+def test_lengths_of_a_printed_part_find_the_rods():
+    """Marks are where the true machine has put the nozzle."""
+    rods = ("angles = [210.4", "rods = [160.5, 159.7, 160.2]\nangles = [210.4")
+    with homed((NOISE, ""), rods) as s:
+        file, true = s.machine.geometry, simulated_geometry(s.machine)
+        below = [
+            b - a for a, b in zip([318.0] * 3, s.machine.simulated.delta.endstops, strict=True)
+        ]
+
+        def there(x, y):
+            carriages = file.inverse((x, y, 0.0))
+            return true.forward(tuple(q + mm for q, mm in zip(carriages, below, strict=True)))
+
+        def towards(k, mm, x=0.0, y=0.0):
+            angle = radians((210, 270, 330, 30, 90, 150)[k % 6])
+            return x + mm * cos(angle), y + mm * sin(angle)
+
+        def length(k, x=0.0, y=0.0):
+            return dist(there(*towards(k, 4.5, x, y)), there(*towards(k, 69.5, x, y)))
+
+        center = ",".join(f"{length(k) + 9:.4f}" for k in range(6))
+        outer = ",".join(f"{length(k + 2, *towards(k, 65.0)) + 9:.4f}" for k in range(6))
+        (left,) = answers(s, f"DELTA_ANALYZE CENTER_DISTS={center} CENTER_PILLAR_WIDTHS=9,9,9")
+        assert left == "// Still to measure: OUTER_DISTS, OUTER_PILLAR_WIDTHS"
+        said = answers(
+            s,
+            f"DELTA_ANALYZE OUTER_DISTS={outer} OUTER_PILLAR_WIDTHS=9,9,9,9,9,9 CALIBRATE=extended",
+        )
+        assert "Calibrated 9 factors using 7 points and 12 distances" in said[-2]
+        # Heights are whole steps of 0.011 mm.
+        assert geometry(s)[4:7] == pytest.approx([160.5, 159.7, 160.2], abs=0.1)
+        assert geometry(s)[0] == pytest.approx(82.1, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("CENTER_DISTS=1,2,3", "CENTER_DISTS is 1,2,3: expected 6 lengths in mm"),
+        ("CALIBRATE=extended", "needs CENTER_DISTS"),
+        ("CALIBRATE=short", "CALIBRATE is short: expected extended"),
+    ],
+)
+def test_rods_are_not_sought_without_all_lengths(line, says):
+    with Scenario(machine()) as s:
+        assert says in answers(s, f"DELTA_ANALYZE {line}")[0]

@@ -23,6 +23,8 @@ class DeltaCalibration(Model):
     """The maximum change of the angle of a tower."""
     max_endstop_mm: Positive = 5.0
     """The maximum change of the position of an endstop."""
+    max_rod_mm: Positive = 3.0
+    """The maximum change of the length of a rod, by DELTA_ANALYZE."""
 
 
 class Place(Model):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import dist, sqrt
+from math import cos, dist, radians, sin, sqrt
 from typing import Literal
 
 from passo.errors import CommandError
@@ -56,6 +56,43 @@ class Distance:
     first: Point
     second: Point
     mm: float
+
+
+_DIRECTIONS = (210.0, 270.0, 330.0, 30.0, 90.0, 150.0)  # of the pillars, degrees
+_PILLARS_MM = 65.0  # from the middle
+_RIDGE_MM = 4.5  # from the middle of a pillar to its ridge
+_WIDTH_OF_CENTER = (0, 2, 1, 0, 2, 1)  # the width across which each distance from the middle is
+
+
+def printed_distances(
+    machine: DeltaMachine,
+    center_mm: Sequence[float],
+    center_widths_mm: Sequence[float],
+    outer_mm: Sequence[float],
+    outer_widths_mm: Sequence[float],
+    scale: float,
+) -> list[Distance]:
+    """The 12 distances on Klipper's calibration part, which `machine` has printed: a pillar in the
+    middle and six around it. `center_mm`: over the ridges of the middle pillar and of each other,
+    `outer_mm`: of each pillar and of the second one after it, from the direction of tower A
+    counter-clockwise, mm. A distance over two ridges is longer by the width of a pillar: three
+    widths of the middle one, one of each other. `scale` is that of the part, to its nominal size.
+    Raises Unreachable."""
+    towards = [(cos(radians(a)), sin(radians(a))) for a in _DIRECTIONS]
+
+    def at(x: float, y: float, direction: int, mm: float) -> Point:
+        u, v = towards[direction % len(towards)]
+        return machine.drops(((x + u * mm) * scale, (y + v * mm) * scale, 0.0))
+
+    found: list[Distance] = []
+    far = _PILLARS_MM + _RIDGE_MM
+    for i, mm in enumerate(center_mm):
+        width = center_widths_mm[_WIDTH_OF_CENTER[i]]
+        found.append(Distance(at(0, 0, i, _RIDGE_MM), at(0, 0, i, far), mm - width))
+    for i, (mm, width) in enumerate(zip(outer_mm, outer_widths_mm, strict=True)):
+        x, y = (_PILLARS_MM * c for c in towards[i])
+        found.append(Distance(at(x, y, i + 2, _RIDGE_MM), at(x, y, i + 2, far), mm - width))
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""G33, DELTA_CALIBRATE, M665 and M666: measure and set the geometry of a delta."""
+"""G33, DELTA_CALIBRATE, DELTA_ANALYZE, M665 and M666: measure and set the geometry of a delta."""
 
 from __future__ import annotations
 
@@ -6,14 +6,22 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from math import cos, hypot, radians, sin, sqrt
 from statistics import fmean
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.geometry.base import Point, Unreachable
 from passo.geometry.delta import Delta
-from passo.levelling.delta_calibration import Calibration, ChangeLimits, DeltaMachine, calibrate
+from passo.levelling.delta_calibration import (
+    Calibration,
+    ChangeLimits,
+    DeltaMachine,
+    Distance,
+    Factors,
+    calibrate,
+    printed_distances,
+)
 from passo.motion.probing import Place, Prober
 from passo.printer.commands.klipper_commands import number
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
@@ -31,6 +39,13 @@ _ANGLES = (210.0, 330.0, 90.0)  # the angles of the towers from which M665 count
 _INNER_SHARES = (0.95, 0.90, 0.85, 0.70, 0.75, 0.80)
 # distance of nozzle and probe from the edge, because the geometry is not exact yet
 _MARGIN_MM = 2.0
+# the measurements of DELTA_ANALYZE, and how many each has
+_MEASURED = {
+    "CENTER_DISTS": 6,
+    "CENTER_PILLAR_WIDTHS": 3,
+    "OUTER_DISTS": 6,
+    "OUTER_PILLAR_WIDTHS": 6,
+}
 _DIGITS = 6  # decimals of mm and degrees, so that stored and active values are equal
 
 
@@ -46,6 +61,7 @@ class DeltaCommands:
     def __init__(self, rig: Rig, prober: Prober, correction: BedCorrection) -> None:
         self._rig, self._prober, self._correction = rig, prober, correction
         self._config = rig.machine.levelling
+        self._printed: dict[str, list[float]] = {}  # what DELTA_ANALYZE was told
 
     @property
     def _now(self) -> DeltaMachine:
@@ -114,6 +130,44 @@ class DeltaCommands:
     def _calibrate(self, _: Command, reply: Reply) -> Wait | None:
         return self._calibration(reply, None, many=False, rods=False)
 
+    @command(
+        "DELTA_ANALYZE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "CENTER_DISTS(6, mm) CENTER_PILLAR_WIDTHS(3) OUTER_DISTS(6) OUTER_PILLAR_WIDTHS(6) SCALE"
+        " CALIBRATE",
+        "Takes the lengths that were measured on Klipper's calibration part, with commas, in one"
+        " command or several. The part was printed with the geometry in force. CALIBRATE=extended"
+        " then probes 7 points as G33, and finds the lengths of the rods, too.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _analyze(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        for key, count in _MEASURED.items():
+            if key in pairs:
+                self._printed[key] = _list(key, pairs[key], count)
+        scale = _within("SCALE", number(pairs, "SCALE", 1.0), 0.1, 10)
+        missing = [key for key in _MEASURED if key not in self._printed]
+        how = pairs.get("CALIBRATE")
+        if how is None:
+            reply.say(f"// Still to measure: {', '.join(missing) or 'nothing; CALIBRATE=extended'}")
+            return None
+        if how != "extended":
+            raise CommandError.of("command.value", axis="CALIBRATE", value=how, limit="extended")
+        if missing:
+            raise CommandError.of("input.missing-word", axis="the command", value=missing[0])
+        center, center_widths, outer, outer_widths = (self._printed[key] for key in _MEASURED)
+        try:
+            distances = printed_distances(
+                *(self._now, center, center_widths, outer, outer_widths, scale)
+            )
+        except Unreachable as error:
+            raise CommandError.of("levelling.delta-nowhere", value=error) from None
+        places = list(_spread(self._config.delta.radius_mm or self._reach_mm(), many=False))
+        return WaitForProcedure(partial(self._find, places, 9, reply, distances))
+
     def _calibration(
         self, reply: Reply, radius_mm: float | None, *, many: bool, rods: bool
     ) -> Wait:
@@ -131,15 +185,28 @@ class DeltaCommands:
         nozzle = geometry.limit_radius - hypot(*self._prober.offset_mm)
         return round(min(nozzle, -x0, -y0, x1, y1) - _MARGIN_MM, 1)
 
-    async def _find(self, places: Sequence[Place], factors: Literal[6, 7], reply: Reply) -> None:
+    async def _find(
+        self,
+        places: Sequence[Place],
+        factors: Factors,
+        reply: Reply,
+        distances: Sequence[Distance] = (),
+    ) -> None:
         before, on = self._now, self._correction.on
-        found = calibrate(before, await self._touch(places), factors)
+        found = calibrate(before, await self._touch(places), factors, distances)
         limits = self._config.delta
-        found.check(ChangeLimits(limits.max_radius_mm, limits.max_angle_deg, limits.max_endstop_mm))
+        found.check(
+            ChangeLimits(
+                limits.max_radius_mm,
+                limits.max_angle_deg,
+                limits.max_endstop_mm,
+                limits.max_rod_mm,
+            )
+        )
         self._use(found.after)
         try:
             self._correction.use(self._correction.correction, on=False)
-            left = calibrate(self._now, await self._touch(places), factors).rms_before
+            left = calibrate(self._now, await self._touch(places), factors, distances).rms_before
             if left > found.rms_before:
                 limit = found.rms_before
                 raise CommandError.of("levelling.delta-worse", value=left, limit=limit)
@@ -147,7 +214,7 @@ class DeltaCommands:
             self._use(before)
             self._correction.use(self._correction.correction, on=on)
             raise
-        for line in _report(found, left, factors, len(places)):
+        for line in _report(found, left, factors, len(places), len(distances)):
             reply.say(line)
         if on:
             reply.say("The correction of the bed is off: measure it again (G29 or G32)")
@@ -302,13 +369,17 @@ def _spread(radius_mm: float, *, many: bool) -> Iterator[Place]:
             yield Place(round(mm * cos(angle), 3), round(mm * sin(angle), 3), f"point {n}")
 
 
-def _report(found: Calibration, left_mm: float, factors: int, points: int) -> Iterator[str]:
+def _report(
+    found: Calibration, left_mm: float, factors: int, points: int, distances: int
+) -> Iterator[str]:
     for name, old, new in found.changes():
         unit = "degrees" if name.startswith("angle") else "mm"
         if round(old, 4) != round(new, 4):
             yield f"{name}: {old:.4f} -> {new:.4f} {unit}"
+    by = f"{points} points and {distances} distances" if distances else f"{points} points"
+    what = "these lengths and a flat bed" if distances else "a flat bed"
     yield (
-        f"Calibrated {factors} factors using {points} points: they deviated from a flat bed by"
+        f"Calibrated {factors} factors using {by}: they deviated from {what} by"
         f" {found.rms_before:.4f} mm rms, and measured again by {left_mm:.4f} mm"
     )
     yield "M500 stores this geometry; M501 or M502 takes it back"
@@ -341,6 +412,18 @@ def _check_rods(geometry: Delta) -> None:
             value=f"{min(geometry.rods):g} mm",
             limit=f"more than the radius of {geometry.radius:g} mm",
         )
+
+
+def _list(name: str, text: str, count: int) -> list[float]:
+    """Positive numbers between commas. Raises CommandError."""
+    try:
+        found = [float(part) for part in text.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != count or not all(0 < mm < 1e4 for mm in found):
+        limit = f"{count} lengths in mm with commas between them"
+        raise CommandError.of("command.value", axis=name, value=text, limit=limit)
+    return found
 
 
 def _within(name: str, value: float, low: float, high: float) -> float:
