@@ -77,6 +77,21 @@ void bind_position(JobClass& job) {
           "are "
           "`homed`.")
       .def(
+          "stand_at",
+          [](JobView& self, const std::vector<std::pair<int, double>>& places) {
+            Job& job = self.job;
+            job.motion.flush();
+            auto p = job.position();
+            for (auto [slot, mm] : places) {
+              p.at(size_t(slot)) = mm;
+              job.interpreter.set_place(slot, mm);
+            }
+            job.motion.set_position(p.data(), job.interpreter.extruder());
+          },
+          "places"_a,
+          "The machine is here now (slots, machine mm), without motion; the program's offsets "
+          "stay.")
+      .def(
           "use_joints",
           [](JobView& self, bool on) {
             self.job.motion.flush();

@@ -1824,6 +1824,11 @@ class Job:
         These axes, by number, are here now (mm), without motion; and at home there, if they are `homed`.
         """
 
+    def stand_at(self, places: Sequence[tuple[int, float]]) -> None:
+        """
+        The machine is here now (slots, machine mm), without motion; the program's offsets stay.
+        """
+
     def use_joints(self, on: bool) -> None:
         """
         X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only at standstill, and set_axes must say where they are.

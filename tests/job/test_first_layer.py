@@ -45,7 +45,14 @@ def printed(machine, lines, tmp_path):
 @pytest.mark.parametrize(
     ("of", "low", "high"),
     [
-        (machine("i3-probe", ("noise_mm = 0.002", "")), 40, 180),
+        (
+            machine(
+                "i3-probe",
+                ("noise_mm = 0.002", ""),
+                ('position = 0.0\npin = "^Z_MIN"\nfast = 5.0\nslow = 1.0', "probe = true"),
+            ),
+            *(40, 180),
+        ),
         (machine("corexy", more=TILTED), 40, 180),
         (machine("delta-probe", ("noise_mm = 0.01", "tilt_mm = [0.3, 0.1]")), -35, 40),
         (two_boards(base="ramps-fd"), 40, 180),

@@ -140,6 +140,7 @@ hosts nor an SD card:
 | | the command acts |
 | no effect | it is accepted and has no effect |
 | no wait | it waits for the user, which takes no time |
+| probed | with a probe, `passo print` measures the simulated bed; else it is skipped |
 | skipped | it sets up a served printer, its jobs or its heat; it is skipped with a warning |
 """
 _WITHOUT_EFFECT = """## Commands without an effect
@@ -152,7 +153,12 @@ print on a machine without a probe: [check a file](../how-to/check-a-file.md).
 |---|---|---|"""
 _COLUMNS = """| command | parameters | when | what it does | without consoles |
 |---|---|---|---|---|"""
-_MARK = {Kind.USER: "no wait", Kind.QUIET: "no effect", Kind.SERVED: "skipped"}
+_MARK = {
+    Kind.USER: "no wait",
+    Kind.QUIET: "no effect",
+    Kind.SERVED: "skipped",
+    Kind.PROBED: "probed",
+}
 
 
 def reference() -> str:

@@ -19,6 +19,7 @@ class Kind(Enum):
     USER = "user"  # none: the command waits for the user, which takes no time here
     QUIET = "quiet"  # none: the command has no effect in such a print
     SERVED = "served"  # none, with a warning: the command only sets up a served printer
+    PROBED = "probed"  # a served printer with simulated boards, if it has a probe; else as `SERVED`
     NOT_BUILT = "not built"  # none, with a warning; a console receives the reason
 
 

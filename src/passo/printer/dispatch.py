@@ -28,6 +28,9 @@ from passo.printer.wait_requests import (
 )
 from passo.printer.wait_runner import WaitRunner
 
+# Kinds of commands that may have no handler, because the machine lacks a part.
+_IDLE_KINDS = Kind.QUIET, Kind.SERVED, Kind.PROBED, Kind.NOT_BUILT
+
 
 class Dispatch:
     """Executes the commands of several sources on one printer. Use it within one event loop.
@@ -323,5 +326,5 @@ def _respond(reply: Reply, text: str) -> None:
 def _note(code: str, reply: Reply) -> None:
     """Reports why a command has no effect."""
     row = row_of(code)
-    if row is not None and row.kind in (Kind.QUIET, Kind.SERVED, Kind.NOT_BUILT):
+    if row is not None and row.kind in _IDLE_KINDS:
         reply.note(row.code, f"{row.code} does nothing here. {row.lacks or row.text}")

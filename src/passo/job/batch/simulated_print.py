@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
@@ -13,6 +13,7 @@ from passo import _core
 from passo.board.drivers import Drivers
 from passo.board.faults import HeaterFault
 from passo.errors import InputError, MachineError, Problem
+from passo.job.batch.bed_probing import BedProbing
 from passo.job.batch.first_layer import FirstLayerWatch
 from passo.job.batch.policy import Policy
 from passo.job.batch.program import heated, run_program, with_option
@@ -21,11 +22,12 @@ from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_
 from passo.printer.commands.program import Commands
 from passo.printer.macros import Macros
 from passo.printer.setup.boards import connect_simulated, nozzle_gap
-from passo.printer.wait_requests import Stop, Wait, WaitForHoming
+from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.config.machine import MachineConfig
+    from passo.gcode.command import Command
 
 _LEAD_S = 0.25  # delay of the plan after a wait
 _HORIZON_S = 0.2  # commands are sent to the board at most this long before they are due
@@ -112,6 +114,7 @@ class Print:
         self._commands = self._checks or Commands(machine, self.job, self._targets, full)
         self._commands.skips = self._policy.skips.on(machine)
         self.first_layer: FirstLayerWatch | None = None
+        self._probing = BedProbing(machine, self.job, self._commands)
         self._filament: dict[str, int] | None = None  # steps so far, while it may be cold
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
@@ -184,6 +187,7 @@ class Print:
     def _join(self) -> None:
         """Connects the parts of this print to its callbacks while it runs."""
         self.connection.set_on_fault(self._heater_failed)
+        self._commands.probing = self._probe
         if self._checks is not None:
             self._targets.on_target = self._checks.target_set
             self._checks.catch_up = lambda: self._run_to(self.job.clock)
@@ -192,6 +196,8 @@ class Print:
         """Removes all references back to the print, which would keep everything until the garbage
         collector runs."""
         self.connection.set_on_fault(None)
+        self._commands.probing = lambda command: None
+        self._probing.close()
         self._progress, self._watch = None, lambda: None
         self._targets.on_target = lambda heater, celsius: None
         if self._checks is not None:
@@ -205,9 +211,10 @@ class Print:
         def settle(wait: Wait) -> None:
             if isinstance(wait, Stop):
                 raise MachineError.of(_STOPS[wait.code], str(path), wait.line)
+            start = self.job.machine_position
             warm(wait)
-            if watch is not None and isinstance(wait, WaitForHoming):
-                watch.placed()
+            if isinstance(wait, WaitForHoming):
+                self._homed(wait.letters, start)
             if checks is not None:
                 checks.guard(self.connection.now - self.base)
 
@@ -232,6 +239,20 @@ class Print:
         self._run(self.connection.now + round((_LEAD_S + kick_s) * self._hz))
         if watch is not None:
             watch.end()
+
+    def _probe(self, command: Command) -> Wait | None:
+        """The wait of a command that needs a probe; None if it is skipped."""
+        if not self._probing.takes(command):
+            return None
+        return WaitForMoves(lambda: self._placed(self._probing.run(command)))
+
+    def _homed(self, letters: str, start: Sequence[float]) -> None:
+        """The job was homed, from this machine position on."""
+        self._placed(self._probing.home(letters, start) if self._probing.going else None)
+
+    def _placed(self, errors_mm: Mapping[str, float] | None) -> None:
+        if self.first_layer is not None:
+            self.first_layer.placed(errors_mm)
 
     def _watch_first_layer(self) -> FirstLayerWatch | None:
         """None on a machine that prints nothing, and while the boards keep steps for others."""
@@ -364,6 +385,6 @@ class Print:
         result.cpu_s = self.job.cpu() | {
             "wire": self._wire_cpu_s - board,
             "board": board,
-            "total": self._cpu_s,
+            "total": self._cpu_s + self._probing.cpu_s,
         }
         result.process_peak_rss_mb = process_peak_rss_mb()

@@ -33,10 +33,7 @@ class PrintObjects:
         version = job.objects_version
         if self._of is None or self._of[0] is not job or self._of[1] != version:
             self._of = job, version
-            self._known = tuple(
-                PrintObject(i, name, cancelled, _point(centre), _outline(outline))
-                for i, (name, cancelled, centre, outline) in enumerate(job.objects)
-            )
+            self._known = objects_of(job)
         return self._known
 
     @property
@@ -87,6 +84,14 @@ class PrintObjects:
     def _require_print(self) -> None:
         if not (self._runner.active and self.all):
             raise CommandError.of("job.no-objects")
+
+
+def objects_of(job: _core.Job) -> tuple[PrintObject, ...]:
+    """The objects of the program that a job reads, by their numbers."""
+    return tuple(
+        PrintObject(i, name, cancelled, _point(centre), _outline(outline))
+        for i, (name, cancelled, centre, outline) in enumerate(job.objects)
+    )
 
 
 def _point(text: str) -> tuple[float, float] | None:

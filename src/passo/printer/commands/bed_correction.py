@@ -110,7 +110,7 @@ class BedCorrectionCommands:
         When.EXCLUSIVE,
         "I J Z(mm) Q(mm)",
         "Sets the height of a point of the mesh to Z, or adds Q to it; I counts in X, J in Y.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _edit_mesh(self, command: Command, _: Reply) -> Wait | None:
@@ -125,7 +125,7 @@ class BedCorrectionCommands:
         When.EXCLUSIVE,
         "",
         "As M561.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -135,7 +135,7 @@ class BedCorrectionCommands:
         When.EXCLUSIVE,
         "",
         "Forgets the correction of the bed.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def forget(self, _: Command, __: Reply) -> Wait | None:
@@ -149,7 +149,7 @@ class BedCorrectionCommands:
         "S Z(mm) V T",
         "Switches the correction of the bed on (S1) or off (S0). Z is the height at which it has"
         " faded out; 0: it does not fade. V prints it.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare="VT",
         lacks=NO_PROBE,
     )
@@ -206,7 +206,7 @@ class BedCorrectionCommands:
         "C0(mm) CX CY CXX CXY CYY",
         "Sets the surface that is added to Z, as M500 stores it: C0 + CX·x + CY·y + CXX·x² +"
         " CXY·x·y + CYY·y².",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -226,7 +226,7 @@ class BedCorrectionCommands:
         "COLUMNS ROWS X0 Y0 X1 Y1 (mm)",
         "Makes a mesh of the bed with all heights 0, as M500 stores it; G29 W sets them. COLUMNS=0"
         " forgets the mesh.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )

@@ -47,7 +47,7 @@ class ScrewCommands:
         "Measures the bed above its screws, and reports how far to turn each so that all are as"
         " high as the first. S30, S31, S40, S41, S50 and S51 are screws M3 to M5 in place of those"
         " of the machine file; with 1, clockwise lowers the bed.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_SCREWS,
     )
     def _assist(self, command: Command, reply: Reply) -> Wait | None:
@@ -74,7 +74,7 @@ class ScrewCommands:
         "DIRECTION(CW|CCW) MAX_DEVIATION(mm)",
         "As G35, as Klipper reports it: turns and minutes of a clock. With DIRECTION no screw is"
         " turned the other way. It is an error if the screws differ by more than MAX_DEVIATION.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_SCREWS,
     )

@@ -105,7 +105,7 @@ class DeltaCommands:
         "Calibrates a delta: probes 7 points (19 from P4 on) within the radius R, and finds radius,"
         " angles of the towers and endstops; F7 also a common length of the rods, which heights"
         " hardly determine. A result that does not make the bed flatter is dropped.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _auto_calibrate(self, command: Command, reply: Reply) -> Wait | None:
@@ -123,7 +123,7 @@ class DeltaCommands:
         When.EXCLUSIVE,
         "",
         "Calibrates a delta with 7 points, as G33.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -238,7 +238,7 @@ class DeltaCommands:
         "Sets the geometry of a delta: the length L of the rods, to which A, B and C add for one"
         " each, the radius R, the height H of the nozzle at home in the middle, and what X, Y and Z"
         " add to 210, 330 and 90 degrees. Without parameters it reports them.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_DELTA,
     )
     def _set_geometry(self, command: Command, reply: Reply) -> Wait | None:
@@ -315,7 +315,7 @@ class DeltaCommands:
         " ANGLE_C(degrees)",
         "Sets the geometry of a delta as the machine file has it and M500 stores it. ENDSTOP is the"
         " position of a carriage at its endstop.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_DELTA,
     )

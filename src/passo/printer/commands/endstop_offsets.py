@@ -32,7 +32,7 @@ class EndstopCommands:
         ' most 0, and lower for a higher endstop; with levelling.dialect = "rrf" higher for a'
         " higher endstop. On other machines Z is the endstop of motor S of Z (2), and higher for a"
         " higher endstop. Without parameters it reports them.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_OFFSETS,
     )
     def _offsets(self, command: Command, reply: Reply) -> Wait | None:

@@ -79,7 +79,7 @@ class LevellingCommands:
         "D, P R(mm)",
         "Measures all enabled points, and corrects the bed by them, or by its mesh if that is the"
         " method; D only measures. P measures one point, and leaves the nozzle R above it.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare="D",
         lacks=NO_PROBE,
     )
@@ -208,7 +208,7 @@ class LevellingCommands:
         When.EXCLUSIVE,
         "N X Y OFFSET (mm) ENABLED",
         "Sets point N of G32; what is not given stays.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -237,7 +237,7 @@ class LevellingCommands:
         "Measures the bed by the method of the machine file; this replaces the correction before."
         " D only measures, J alone forgets the correction. W sets one point of the mesh. S0 to S5"
         " are those of the paper test (start, next, set, forget), or of RepRapFirmware.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=ANY,
         lacks=NO_PROBE,
     )
@@ -311,7 +311,7 @@ class LevellingCommands:
         "ADAPTIVE ADAPTIVE_MARGIN(mm) PROFILE",
         "Measures a mesh; this replaces the correction before, and is stored as PROFILE. With"
         " ADAPTIVE=1 only where the print is, as far as the file says it.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -378,7 +378,7 @@ class LevellingCommands:
         "X(from:to) Y(from:to) P(points) S(mm)",
         "Sets the area of the mesh, and how many points it has (P5:4) or how far they are apart"
         " (S20). Without parameters it reports them. A restart forgets it.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -429,7 +429,7 @@ class LevellingCommands:
         When.EXCLUSIVE,
         "I J P F(mm/min)",
         "Moves the nozzle over a point of the mesh; P: the probe.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare="P",
         lacks=NO_PROBE,
     )

@@ -28,7 +28,7 @@ class ProbeDeploymentCommands:
         "",
         "Lifts the nozzle and deploys the probe, which stays so until M402. Commands that measure"
         " deploy it by themselves.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare="HRS",
         lacks=NO_PROBE,
     )
@@ -38,7 +38,7 @@ class ProbeDeploymentCommands:
         When.EXCLUSIVE,
         "",
         "As M401.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -51,7 +51,7 @@ class ProbeDeploymentCommands:
         When.EXCLUSIVE,
         "",
         "Lifts the nozzle and stows the probe.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare="R",
         lacks=NO_PROBE,
     )
@@ -61,7 +61,7 @@ class ProbeDeploymentCommands:
         When.EXCLUSIVE,
         "",
         "As M402.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )

@@ -32,7 +32,7 @@ class ProbeMoveCommands:
         When.EXCLUSIVE,
         _WORDS,
         "Moves straight until the probe triggers; an error if it does not.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     @command(
@@ -41,7 +41,7 @@ class ProbeMoveCommands:
         When.EXCLUSIVE,
         _WORDS,
         "As G38.2, without the error.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     @command(
@@ -50,7 +50,7 @@ class ProbeMoveCommands:
         When.EXCLUSIVE,
         _WORDS,
         "Moves straight until the probe opens; an error if it does not.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     @command(
@@ -59,7 +59,7 @@ class ProbeMoveCommands:
         When.EXCLUSIVE,
         _WORDS,
         "As G38.4, without the error.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _seek(self, command: Command, reply: Reply) -> Wait | None:

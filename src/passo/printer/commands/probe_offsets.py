@@ -51,7 +51,7 @@ class ProbeOffsetCommands:
         "X Y Z (mm)",
         "Sets the place of the probe from the nozzle. Z is below 0 if the probe triggers while the"
         " nozzle is above the bed. Without parameters it reports them.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _probe_offset(self, command: Command, reply: Reply) -> Wait | None:
@@ -87,7 +87,7 @@ class ProbeOffsetCommands:
         "X Y Z (mm)",
         "As M851 in RepRapFirmware's words: Z is the height of the nozzle at which the probe"
         " triggers.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _probe_height(self, command: Command, reply: Reply) -> Wait | None:
@@ -111,7 +111,7 @@ class ProbeOffsetCommands:
         "Sets until a restart how the probe measures: speeds of the first and of the measured"
         " descents (F300:120), of travel (T), start height (H), samples (A), what they may differ"
         " (S), pause before a descent (R). Without parameters it reports them.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )

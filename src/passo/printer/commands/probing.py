@@ -29,7 +29,7 @@ class ProbeCommands:
         When.EXCLUSIVE,
         "X Y (mm)",
         "Measures the height of the bed at X and Y of the probe, by default where it is.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_PROBE,
     )
     def _probe(self, command: Command, reply: Reply) -> Wait | None:
@@ -42,7 +42,7 @@ class ProbeCommands:
         When.EXCLUSIVE,
         "",
         "Measures the height of the bed where the probe is, as Klipper reports it.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
@@ -76,7 +76,7 @@ class ProbeCommands:
         When.EXCLUSIVE,
         "P(4-50) X Y (mm)",
         "Measures one place P times (10), and reports how much the heights differ.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare="VE",
         lacks=NO_PROBE,
     )
@@ -106,7 +106,7 @@ class ProbeCommands:
         When.EXCLUSIVE,
         "SAMPLES(4-50)",
         "As M48 where the probe is, as Klipper reports it.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )

@@ -3,6 +3,7 @@ printing."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Self, cast
 
 from passo.errors import CommandError, Problem
@@ -95,6 +96,8 @@ class Commands:
         self.filters = MotionFilters(machine, job)
         self.factors = SpeedAndFlow(machine, job, plan)
         self.klipper = KlipperCommands(machine, job)
+        # For a command that needs a probe: its wait, or None if it is skipped.
+        self.probing: Callable[[Command], Wait | None] = lambda command: None
         self.skips = ALL  # the commands that a print without consoles may skip
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
@@ -112,12 +115,14 @@ class Commands:
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)
         if handler is not None:
             return handler(command, reply or _Counted(self.omitted, command.line))
+        if (wait := self.probing(command)) is not None:
+            return wait
         row = row_of(code)
         if row is None:
             self.omitted.count(SkippedCommand.UNKNOWN, code, command.line)
         elif row.kind is Kind.NOT_BUILT:
             self.omitted.count(SkippedCommand.NOT_BUILT, code, command.line)
-        elif row.kind is Kind.SERVED:
+        elif row.kind in (Kind.SERVED, Kind.PROBED):
             self.omitted.count(SkippedCommand.SERVED, code, command.line)
         elif row.kind is Kind.USER:
             self.omitted.count(SkippedCommand.USER, code, command.line)

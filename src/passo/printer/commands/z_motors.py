@@ -93,7 +93,7 @@ class ZMotorCommands:
         "I(1-30) T(0.01-1 mm)",
         "Measures the tilt of the gantry, and levels it by the motors of Z, at most I times, until"
         " the tilt is at most T. Where each motor has an endstop, G28 keeps it level from then on.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         lacks=NO_MOTORS,
     )
     def _align(self, command: Command, reply: Reply) -> Wait | None:
@@ -112,7 +112,7 @@ class ZMotorCommands:
         When.EXCLUSIVE,
         "RETRIES(0-30) RETRY_TOLERANCE(0.001-1 mm)",
         "Levels the gantry as G34.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_MOTORS,
     )
@@ -122,7 +122,7 @@ class ZMotorCommands:
         When.EXCLUSIVE,
         "RETRIES(0-30) RETRY_TOLERANCE(0.001-1 mm)",
         "Levels the gantry as G34.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_MOTORS,
     )

@@ -1,0 +1,197 @@
+"""Measures the simulated bed for the commands of a print without consoles that need a probe."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+from collections.abc import Callable, Coroutine, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from passo.clock import VirtualLoop
+from passo.errors import CommandError, MachineError, Problem
+from passo.gcode.registry import Kind, row_of
+from passo.job.batch.result import thread_cpu_s
+from passo.job.live.objects import covered, objects_of
+from passo.motion.axis_slots import X, Y, Z
+from passo.motion.travel import go_back
+from passo.printer.printer import Printer
+from passo.printer.wait_requests import NullReply, Stopped
+from passo.probes.base import SensingProbe
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.gcode.command import Command
+    from passo.printer.commands.program import Commands
+
+_log = logging.getLogger(__name__)
+_T = TypeVar("_T")
+
+# These change or use what was measured. Before that they would need what a served printer stores.
+_AFTER = {
+    *("ATTACH_PROBE", "BED_MESH_CLEAR", "DETACH_PROBE", "G42", "M401", "M402", "M420", "M421"),
+    "M561",
+}
+
+
+class _Answers(NullReply):
+    """The answers to one command, which no console reads."""
+
+    def __init__(self, code: str) -> None:
+        self._code = code
+        self.problems: list[Problem] = []
+
+    def say(self, text: str) -> None:
+        """Writes the line to the log."""
+        _log.info("%s: %s", self._code, text)
+
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
+        """Keeps the reason."""
+        self.problems += problems or [Problem("command.failed", values={"value": text})]
+
+
+class BedProbing:
+    """Has a served printer of the same machine, with simulated boards and in virtual time, carry
+    out the commands that need a probe, and gives the job what comes of them: the correction of the
+    bed, the geometry, and the place of the nozzle. Each begins where the plan of the job ends. The
+    printer starts with the first such command, homed. Probing takes no print time, as homing does.
+    Not thread-safe; close it.
+
+    `cpu_s` is the processor time so far.
+    """
+
+    def __init__(self, machine: MachineConfig, job: _core.Job, commands: Commands) -> None:
+        simulated = machine.board.model_copy(update={"link": "simulated"})
+        self._machine = machine.model_copy(update={"board": simulated})
+        self._job, self._commands = job, commands
+        self._printer: Printer | None = None
+        self._loop: VirtualLoop | None = None
+        self._thread: ThreadPoolExecutor | None = None
+        self._task: asyncio.Task[None] | None = None
+        self.cpu_s = 0.0
+
+    @property
+    def going(self) -> bool:
+        """The bed has been measured, so that later homing is of this printer, too."""
+        return self._printer is not None
+
+    def takes(self, command: Command) -> bool:
+        """Whether this carries out a command."""
+        if not isinstance(self._machine.probe, SensingProbe):
+            return False
+        row = row_of(command.code)
+        probed = row is not None and row.kind is Kind.PROBED
+        return probed and (self.going or command.code not in _AFTER)
+
+    def run(self, command: Command) -> Mapping[str, float]:
+        """Carries out a command at the end of the plan, at standstill. Returns where each motor
+        really is, minus where the plan has it. Raises CommandError, MachineError."""
+        self._call(lambda: self._carried_out(command))
+        return self._taken_over()
+
+    def home(self, letters: str, start: Sequence[float]) -> Mapping[str, float]:
+        """Homes at the simulated endstops from this machine position on, after the job has. As
+        `run`."""
+        self._call(lambda: self._homed(letters, start))
+        return self._taken_over()
+
+    def close(self) -> None:
+        """Ends the printer."""
+        if self._loop is not None and self._thread is not None:
+            self._thread.submit(self._end).result()
+            self._thread.shutdown()
+
+    # -- the printer, in a thread with a loop of its own: the caller's may have one that runs -----
+
+    def _call(self, make: Callable[[], Coroutine[Any, Any, _T]]) -> _T:
+        if self._thread is None:
+            self._thread = ThreadPoolExecutor(1, thread_name_prefix="probing")
+        return self._thread.submit(self._run, make).result()
+
+    def _run(self, make: Callable[[], Coroutine[Any, Any, _T]]) -> _T:
+        begin_s = thread_cpu_s()
+        try:
+            if self._loop is None:
+                self._loop = VirtualLoop()
+            return self._loop.run_until_complete(make())
+        except Stopped as stop:
+            cause = self._printer.state.cause if self._printer else None
+            raise cause or MachineError.of("machine.stopped") from stop
+        finally:
+            self.cpu_s += thread_cpu_s() - begin_s
+
+    def _end(self) -> None:
+        assert self._loop is not None
+        self._loop.run_until_complete(_all_cancelled())
+        if self._printer is not None:
+            self._printer.close()
+        self._loop.close()
+
+    async def _ready(self) -> Printer:
+        """The printer; at its first use homed, if the job is."""
+        if self._printer is None:
+            self._printer = printer = Printer(self._machine, free=True)
+            printer.levelling.job_area = lambda: covered(objects_of(self._job))
+            printer.report_start()
+            self._task = asyncio.get_running_loop().create_task(printer.run())
+            if not self._lost:
+                await printer.homer.home("XYZ")
+        return self._printer
+
+    @property
+    def _lost(self) -> set[int]:
+        return {X, Y, Z} & set(self._job.locked_axes)
+
+    async def _carried_out(self, command: Command) -> None:
+        printer, answers = await self._ready(), _Answers(command.code)
+        await printer.motion_lock.acquire()
+        try:
+            if not self._lost:
+                await self._go(self._job.machine_position)
+                printer.job.adopt(self._job)
+            wait = printer.dispatch.run_command(command, answers)
+            await printer.dispatch.finish(wait, answers)
+        finally:
+            printer.motion_lock.release()
+        if answers.problems:
+            raise CommandError(answers.problems)
+
+    async def _homed(self, letters: str, start: Sequence[float]) -> None:
+        printer = await self._ready()
+        await self._go(start)
+        await printer.homer.home(letters)
+
+    async def _go(self, to: Sequence[float]) -> None:
+        printer = await self._ready()
+        go_back(printer.rig, {slot: to[slot] for slot in (X, Y, Z)}, math.inf)
+        printer.queue.flush()
+        await printer.triggered.standstill()
+        printer.state.raise_if_interrupted()
+
+    # -- the job ----------------------------------------------------------------------------------
+
+    def _taken_over(self) -> Mapping[str, float]:
+        assert self._printer is not None
+        printer, job = self._printer, self._job
+        machine = printer.rig.machine
+        if machine.geometry != self._commands.machine.geometry:
+            job.set_geometry(machine.geometry.spec())
+            self._commands.use_geometry(machine)
+        printer.correction.apply_to(job)
+        if not self._lost:
+            job.stand_at([(slot, printer.job.machine_position[slot]) for slot in (X, Y, Z)])
+        board = printer.board
+        assert board is not None
+        return {
+            row["name"]: board.position(row["name"]) - row["count"] / row["steps_per_unit"]
+            for row in printer.job.steppers()
+        }
+
+
+async def _all_cancelled() -> None:
+    tasks = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
