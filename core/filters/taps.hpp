@@ -10,6 +10,9 @@
 
 namespace passo {
 
+// Later than any breakpoint, and before kNeverTicks.
+inline constexpr double kAllTicks = 1e299;
+
 // Of positive doubles the order of their bits is their own.
 inline int64_t ordered(double x) { return std::bit_cast<int64_t>(x); }
 

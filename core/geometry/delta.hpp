@@ -2,7 +2,9 @@
 #pragma once
 #include <array>
 
+#include "base/types.hpp"
 #include "geometry/sphere.hpp"
+#include "geometry/track.hpp"
 
 namespace passo {
 
@@ -52,10 +54,87 @@ class Delta : public Geometry {
   void crossings(int i, const Path& path, double per_unit, Crossings& out) const override {
     SphereSolver<Tower>::crossings(towers_[size_t(i)], path, per_unit, out);
   }
+  void follow(int i, const Track& k, Followed& out) const override {
+    const Tower& tower = towers_[size_t(i)];
+    const int n = int(k.n);
+    out.reserve(k.n);
+    double* inverse = out.error.data();  // of the columns, until the errors replace them
+    const double *t = k.t.data(), *x = k.p[0].data(), *y = k.p[1].data(), *z = k.p[2].data();
+    columns(n, tower, x, y, z, out.q.data(), inverse);
+    const double *x0 = k.v0[0].data(), *y0 = k.v0[1].data(), *z0 = k.v0[2].data();
+    const double *x1 = k.v1[0].data(), *y1 = k.v1[1].data(), *z1 = k.v1[2].data();
+    speeds(n, tower, x, y, x0, y0, z0, inverse, out.v0.data());
+    speeds(n, tower, x + 1, y + 1, x1, y1, z1, inverse + 1, out.v1.data());
+    middles(n, tower, t, x, y, z, x0, y0, z0, x1, y1, z1, out.middle.data());
+    errors(n, tower.rod2, t, x0, y0, x1, y1, inverse);
+  }
 
  private:
   std::array<Tower, 3> towers_;
   double limit2_;
+
+  // A column's height c over the nozzle: c^2 = rod^2 - u^2, with u from the tower in X and Y.
+  PASSO_SIMD static void columns(int n, const Tower& tower, const double* __restrict x,
+                                 const double* __restrict y, const double* __restrict z,
+                                 double* __restrict q, double* __restrict inverse) {
+    const double ax = tower.x, ay = tower.y, rod2 = tower.rod2;
+    for (int i = 0; i < in_fours(n + 1); ++i) {
+      const double dx = ax - x[i], dy = ay - y[i], square = rod2 - dx * dx - dy * dy;
+      const double c = std::sqrt(square > 0 ? square : 0.0);
+      q[i] = z[i] + c;
+      inverse[i] = 1 / c;
+    }
+  }
+  PASSO_SIMD static void speeds(int n, const Tower& tower, const double* __restrict x,
+                                const double* __restrict y, const double* __restrict vx,
+                                const double* __restrict vy, const double* __restrict vz,
+                                const double* __restrict inverse, double* __restrict v) {
+    const double ax = tower.x, ay = tower.y;
+    for (int i = 0; i < in_fours(n); ++i)
+      v[i] = vz[i] + ((ax - x[i]) * vx[i] + (ay - y[i]) * vy[i]) * inverse[i];
+  }
+  PASSO_SIMD static void middles(int n, const Tower& tower, const double* __restrict t,
+                                 const double* __restrict x, const double* __restrict y,
+                                 const double* __restrict z, const double* __restrict x0,
+                                 const double* __restrict y0, const double* __restrict z0,
+                                 const double* __restrict x1, const double* __restrict y1,
+                                 const double* __restrict z1, double* __restrict q) {
+    const double ax = tower.x, ay = tower.y, rod2 = tower.rod2;
+    for (int i = 0; i < in_fours(n); ++i) {
+      const double d = 0.125 * (t[i + 1] - t[i]);
+      const double dx = ax - (0.5 * (x[i] + x[i + 1]) - d * (x1[i] - x0[i]));
+      const double dy = ay - (0.5 * (y[i] + y[i + 1]) - d * (y1[i] - y0[i]));
+      const double square = rod2 - dx * dx - dy * dy;
+      q[i] = (0.5 * (z[i] + z[i + 1]) - d * (z1[i] - z0[i])) + std::sqrt(square > 0 ? square : 0.0);
+    }
+  }
+  // Derivatives of c by time, from c^2 = rod^2 - u^2, at a speed V and an acceleration A in X, Y:
+  //   |c1| <= V u/c
+  //   |c2| <= (V^2 rod^2/c^2 + A u) / c
+  //   |c3| <= 3 (V A + |c1 c2|) / c
+  //   |c4| <= (3 A^2 + 4 |c1 c3| + 3 c2^2) / c
+  //   |c5| <= (5 |c1 c4| + 10 |c2 c3|) / c
+  // In d ticks w = V d and g = A d^2; u is longer by g/8 within than at an end, at most.
+  PASSO_SIMD static void errors(int n, double rod2, const double* __restrict t,
+                                const double* __restrict vx0, const double* __restrict vy0,
+                                const double* __restrict vx1, const double* __restrict vy1,
+                                double* inverse) {
+    const double rod = std::sqrt(rod2);
+    for (int i = 0; i < in_fours(n); ++i) {
+      const double d = t[i + 1] - t[i], gx = vx1[i] - vx0[i], gy = vy1[i] - vy0[i];
+      const double at0 = vx0[i] * vx0[i] + vy0[i] * vy0[i];
+      const double at1 = vx1[i] * vx1[i] + vy1[i] * vy1[i];
+      const double w = d * std::sqrt(at0 > at1 ? at0 : at1), g = d * std::sqrt(gx * gx + gy * gy);
+      const double most = inverse[i] > inverse[i + 1] ? inverse[i] : inverse[i + 1];
+      const double square = 1 / (most * most), least = square - rod * g;  // of c^2: ends, within
+      const double low = least > 0 ? 1 / least : kInfinity, per_c = most * square * low;
+      const double slope = std::sqrt(rod2 - least) * per_c, c1 = slope * w;
+      const double c2 = w * w * (rod2 * low * per_c) + slope * g,
+                   c3 = 3 * (w * g + c1 * c2) * per_c;
+      const double c4 = (3 * g * g + 4 * c1 * c3 + 3 * c2 * c2) * per_c;
+      inverse[i] = kQuarticError * (5 * c1 * c4 + 10 * c2 * c3) * per_c;
+    }
+  }
 };
 
 }  // namespace passo

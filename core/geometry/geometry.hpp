@@ -17,6 +17,9 @@ struct Path {
   double length;
 };
 
+struct Track;
+struct Followed;
+
 // Where an actuator crosses the half-integers of its step count along one path: the step count goes
 // k0 → k1 = rint(position * steps_per_unit) at both ends, one crossing each step.
 struct Crossings {
@@ -50,6 +53,9 @@ class Geometry {
   virtual void slopes(int i, const Path& path, double s, double& d1, double& d2) const = 0;
   // All crossings of actuator i, with `steps_per_unit` steps to its unit.
   virtual void crossings(int i, const Path& path, double steps_per_unit, Crossings& out) const = 0;
+  // Actuator i along a track (track.hpp). This one takes the error from the speed in the middle of
+  // an interval; within 1 mm an actuator turns at most twice.
+  virtual void follow(int i, const Track& track, Followed& out) const;
   // Whether an arm would have to turn back by a full turn on the straight line between two points.
   virtual bool jumps(const double[3], const double[3]) const { return false; }
   // Way along a line, in mm, on which slopes may become others altogether, the least of it within

@@ -7,10 +7,10 @@ namespace passo {
 Commits::Commits(const Machine& machine, int64_t period, size_t most)
     : period_(period), most_(std::max<size_t>(most, 1)),
       widest_(std::max(kTailTolerance * machine.clock_hz, machine.widest_tolerance())),
-      machine_(machine) {
+      machine_(machine), nozzle_(machine) {
   for (size_t i = 0; i < machine.steppers.size(); ++i) {
     solvers_.emplace_back(machine, machine.steppers[i]);
-    filtered_.emplace_back(machine, machine.steppers[i]);
+    filtered_.emplace_back(machine, machine.steppers[i], nozzle_);
     compressors_.emplace_back(machine, machine.steppers[i], uint16_t(i));
   }
 }
@@ -158,16 +158,22 @@ void Commits::commit(int64_t clock, bool rest, const std::vector<int64_t>& origi
   points_.push_back(std::move(p));
 }
 
-double Commits::solve_tail(size_t i, int64_t clock, Steps& out) {
+double Commits::solve_tail(int64_t clock) {
   for (Move& m : past_) m.tolerance = widest_;
   for (Move& m : moves_) m.tolerance = widest_;
+  const size_t n = solvers_.size();
   double end = double(clock);
   if (!machine_.filters.on()) {
-    for (const Move& m : moves_) solvers_[i].solve(m, out);
+    for (size_t i = 0; i < n; ++i)
+      for (const Move& m : moves_) solvers_[i].solve(m, compressors_[i].steps());
     return std::max(end, moves_.back().end());
   }
-  filtered_[i].restart(double(clock), past_, solvers_[i]);
-  filtered_[i].solve(moves_, kInfinity, true, solvers_[i], out);
+  const bool nozzle = nozzle_.needed();
+  if (nozzle) nozzle_.restart(end, past_);
+  for (size_t i = 0; i < n; ++i) filtered_[i].restart(end, past_, solvers_[i]);
+  if (nozzle) nozzle_.solve(moves_, kInfinity, true);
+  for (size_t i = 0; i < n; ++i)
+    filtered_[i].solve(moves_, kInfinity, true, solvers_[i], compressors_[i].steps());
   for (const std::vector<Move>* moves : {&past_, &moves_})
     for (const Move& m : *moves) end = std::max(end, m.end());
   return end + machine_.filters.memory(machine_.clock_hz);
@@ -180,7 +186,10 @@ void Commits::tail(int64_t clock, const std::vector<int64_t>& origin, const Out&
     c.not_before(clock);
     c.renew(renew_[i]);
     solvers_[i].set_count(origin[i] + net_[i]);
-    c.advance(solve_tail(i, clock, c.steps()), true, clock);
+  }
+  const double end = solve_tail(clock);
+  for (Compressor& c : compressors_) {
+    c.advance(end, true, clock);
     // None of it is ever revoked: whether the clock must be set again is known here, for messages
     // that do not wait.
     c.forget_resets(kNoMessage);

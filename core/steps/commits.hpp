@@ -68,6 +68,7 @@ class Commits {
   double widest_;
   const Machine& machine_;
   std::deque<StepSolver> solvers_;
+  NozzleLaw nozzle_;
   std::deque<FilteredSolver> filtered_;
   std::deque<Compressor> compressors_;
   MessageQueue waiting_;
@@ -90,8 +91,8 @@ class Commits {
   void divide(int64_t clock);
 
   void tail(int64_t clock, const std::vector<int64_t>& origin, const Out& out);
-  // The steps of motor i on this way. Returns their end.
-  double solve_tail(size_t i, int64_t clock, Steps& out);
+  // The steps of all motors on this way. Returns their end.
+  double solve_tail(int64_t clock);
 };
 
 }  // namespace passo

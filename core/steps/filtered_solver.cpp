@@ -6,22 +6,49 @@
 namespace passo {
 
 namespace {
-// Later than any breakpoint, and before kNeverTicks.
-constexpr double kAllTicks = 1e299;
+
+// How far the calculated law may be from the exact one: by what the motor does in this time, or,
+// where it turns, by less than any pulse shows.
+constexpr double kNearSeconds = 1e-10, kNearSteps = 1e-8;
+constexpr size_t kParts = 4, kDeepest = 20;
+constexpr double kMostOdd = 0.0481126;  // of x (x - 1/2) (x - 1): sqrt(3) / 36
+
+// From units of the actuator to steps, and from its polynomial of degree four to a quadratic with
+// bends. error: at most 0 where that is near enough.
+PASSO_SIMD void fit_quadratics(int n, double per_unit, double near_ticks,
+                               const double* __restrict t, const double* __restrict middle,
+                               double* __restrict q, double* __restrict v0, double* __restrict v1,
+                               double* __restrict a, double* __restrict odd,
+                               double* __restrict even, double* __restrict error) {
+  for (int i = 0; i < in_fours(n + 1); ++i) q[i] *= per_unit;
+  for (int i = 0; i < in_fours(n); ++i) {
+    const double d = t[i + 1] - t[i], per_tick = 1 / d;
+    const double s0 = v0[i] * per_unit, s1 = v1[i] * per_unit, change = s1 - s0;
+    const double mean = (q[i + 1] - q[i]) * per_tick;
+    const double third = d * (s0 + s1 - 2 * mean);
+    const double fourth = 16 * (middle[i] * per_unit - 0.5 * (q[i] + q[i + 1])) + 2 * d * change;
+    const double f0 = std::fabs(s0), f1 = std::fabs(s1), least = f0 < f1 ? f0 : f1;
+    const double slow = s0 * s1 > 0 ? least : 0.0, by_time = near_ticks * slow;
+    const double near = by_time > kNearSteps ? by_time : kNearSteps;
+    v0[i] = mean - 0.5 * change;
+    v1[i] = mean + 0.5 * change;
+    a[i] = change * per_tick;
+    odd[i] = slow > 0 ? third : 0.0;
+    even[i] = slow > 0 ? fourth : 0.0;
+    // What a step of Newton's method leaves, or all of it where there may be a turn.
+    const double bent = kMostOdd * std::fabs(third) + 0.0625 * std::fabs(fourth);
+    const double left = bent * bent * std::fabs(a[i]) - 2 * by_time * slow * slow;
+    const double flat = bent - kNearSteps, far = error[i] * per_unit - near;
+    const double none = left < flat ? left : flat;
+    error[i] = none > far ? none : far;
+  }
+}
+
 }  // namespace
 
-// Collects the intervals of one axis.
-struct FilteredSolver::AxisLaw {
-  std::vector<Interval>& to;
-  double q;
-  void add(double end, double position, double speed, double, double accel) {
-    to.push_back({end, q, speed, accel});
-    q = position;
-  }
-};
-
-FilteredSolver::FilteredSolver(const Machine& machine, const StepperSpec& spec)
-    : machine_(machine), spec_(spec), hz_(machine.clock_hz) {}
+FilteredSolver::FilteredSolver(const Machine& machine, const StepperSpec& spec,
+                               const NozzleLaw& nozzle)
+    : machine_(machine), spec_(spec), hz_(machine.clock_hz), nozzle_(nozzle) {}
 
 // At rest: filters, scales and the height map may have changed since.
 void FilteredSolver::set_up() {
@@ -36,7 +63,6 @@ void FilteredSolver::set_up() {
   axes_ = 0;
   taps_.reset();
   advance_.reset();
-  curved_.clear();
   phases_.clear();
   auto axis = [&](int slot, double scale) {
     slots_[axes_] = slot;
@@ -45,34 +71,22 @@ void FilteredSolver::set_up() {
   if (!actuator)
     axis(spec_.drive == Drive::extruder ? int(kE) : slot_of_axis(spec_.index),
          spec_.steps_per_unit);
-  else
+  else if (linear && !raised_)
     for (int j = 0; j < 3; ++j)
-      if (!linear || raised_)
-        axis(j, 1);
-      else if (c[j] != 0)
-        axis(j, c[j] * spec_.steps_per_unit);
+      if (c[j] != 0) axis(j, c[j] * spec_.steps_per_unit);
   const bool advances = spec_.drive == Drive::extruder && filters.advances(size_t(spec_.index));
   phases_.reserve(3);
   for (int i = 0; i < axes_; ++i) phases_.emplace_back(advances);
-  auto tap = [&](Taps& taps, int i) {
-    const int slot = slots_[i];
-    if (slot > kZ || filters.shapers[slot].empty()) return taps.add(&phases_[size_t(i)], 1, delay_);
-    const auto& shaper = filters.shapers[slot];
-    const double mean = Filters::mean(shaper);
-    for (const Impulse& impulse : shaper)
-      taps.add(&phases_[size_t(i)], impulse.weight, delay_ + (impulse.at - mean) * hz_);
-  };
   if (advances) {
     const double half = filters.smooth_s[size_t(spec_.index)] * hz_;
     advance_.emplace(&phases_[0], half, delay_);
     if (!cubics_) cubics_ = std::make_unique<CubicSolver>();
-  } else if (linear && !raised_) {
+  } else if (!intervals_) {
+    intervals_ = std::make_unique<IntervalSolver>();
+  }
+  if (!advances && axes_ > 0) {
     taps_.emplace();
-    for (int i = 0; i < axes_; ++i) tap(*taps_, i);
-    if (!intervals_) intervals_ = std::make_unique<IntervalSolver>();
-  } else {
-    curved_.resize(3);
-    for (int i = 0; i < 3; ++i) tap(curved_[size_t(i)], i);
+    for (int i = 0; i < axes_; ++i) tap(filters, hz_, slots_[i], &phases_[size_t(i)], *taps_);
   }
   for (Phases& p : phases_) p.begin(0, span);
 }
@@ -104,31 +118,22 @@ void FilteredSolver::add(const Move& m, double until) {
 }
 
 void FilteredSolver::start(double clock) {
-  at_ = clock;
+  owed_since_ = clock;
   if (advance_) {
     advance_->start(clock);
   } else if (taps_) {
     taps_->start(clock);
     intervals_->begin(clock, taps_->q());
-  } else {
-    for (size_t i = 0; i < 3; ++i) {
-      curved_[i].start(clock);
-      curved_at_[i] = curved_[i].q();
-      laws_[i].clear();
-    }
+  } else if (!raised_) {
+    const Track& track = nozzle_.track();
+    const double at[3] = {track.p[0][0], track.p[1][0], track.p[2][0]};
+    const double q = machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
+    intervals_->begin(clock, q);
   }
 }
 
 int64_t FilteredSolver::law_count() const {
   return advance_ ? int64_t(advance_->count()) : intervals_->count();
-}
-
-double FilteredSolver::earliest() const {
-  if (advance_) return advance_->earliest();
-  if (taps_) return taps_->earliest();
-  double least = delay_;
-  for (const Taps& taps : curved_) least = std::min(least, taps.earliest());
-  return least;
 }
 
 void FilteredSolver::restart(double clock, const std::vector<Move>& past, const StepSolver& of) {
@@ -139,8 +144,7 @@ void FilteredSolver::restart(double clock, const std::vector<Move>& past, const 
   if (!going_) return;
   for (Phases& p : phases_) p.resume(clock);
   start(clock);
-  if (curved_.empty()) owed_ = law_count() - of.count();
-  owed_since_ = clock;
+  if (!raised_) owed_ = law_count() - of.count();
 }
 
 void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool last, StepSolver& of,
@@ -148,25 +152,36 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
   const bool was_going = going_;
   for (const Move& m : moves) add(m, kNeverTicks);
   if (!going_) return;
-  if (!was_going && curved_.empty()) owed_ = law_count() - of.count(), owed_since_ = at_;
+  if (!was_going && !raised_) owed_ = law_count() - of.count();
   if (last)
     for (Phases& p : phases_) p.stand();
-  const double limit = last ? kAllTicks : known + earliest();
   Steps& to = owed_ == 0 ? out : late_;
+  double end = 0;
   if (advance_) {
     cubics_->into(to, tolerances_);
-    advance_->advance(limit, last, *cubics_);
+    advance_->advance(last ? kAllTicks : known + advance_->earliest(), last, *cubics_);
     cubics_->flush();
     advance_->dropped(phases_[0].drop(advance_->needed()));
+    end = advance_->t();
   } else if (taps_) {
     intervals_->into(to, tolerances_);
-    taps_->advance(limit, last, *intervals_);
+    taps_->advance(last ? kAllTicks : known + taps_->earliest(), last, *intervals_);
     intervals_->flush();
     for (Phases& p : phases_) taps_->dropped(&p, p.drop(taps_->needed(&p)));
+    end = taps_->t();
   } else {
-    solve_curved(limit, last, of, out);
+    const Track& track = nozzle_.track();
+    end = track.t[track.n];
+    if (raised_) {
+      solve_raised(of, out);
+    } else {
+      intervals_->into(to, tolerances_);
+      fit(track, fit_);
+      pass_on(track, fit_, 0);
+      intervals_->flush();
+    }
   }
-  if (curved_.empty()) {
+  if (!raised_) {
     if (owed_ != 0) pay(late_, out);
     of.set_count(law_count() - owed_);
   }
@@ -176,10 +191,35 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
   // Sums of several axes are rounded otherwise than the plan's position.
   const int64_t target = of.count_at(goal_), left = target - of.count();
   if (left == 0) return;
-  const double end = advance_ ? advance_->t() : taps_ ? taps_->t() : at_;
   const size_t n = size_t(std::abs(left));
   std::fill_n(out.extend(n, left > 0 ? 1 : -1), n, end);
   of.set_count(target);
+}
+
+void FilteredSolver::fit(const Track& track, Fit& to) const {
+  to.law.reserve(track.n);
+  const size_t room = to.law.q.size();
+  for (auto* x : {&to.accel, &to.odd, &to.even}) x->resize(room);
+  machine_.geometry->follow(spec_.index, track, to.law);
+  fit_quadratics(int(track.n), spec_.steps_per_unit, kNearSeconds * hz_, track.t.data(),
+                 to.law.middle.data(), to.law.q.data(), to.law.v0.data(), to.law.v1.data(),
+                 to.accel.data(), to.odd.data(), to.even.data(), to.law.error.data());
+}
+
+void FilteredSolver::pass_on(const Track& track, const Fit& fits, size_t depth) {
+  const Followed& law = fits.law;
+  for (size_t i = 0; i < track.n; ++i) {
+    if (law.error[i] <= 0 || depth == kDeepest) [[likely]] {
+      intervals_->add(track.t[i + 1], law.q[i + 1], law.v0[i], law.v1[i], fits.accel[i],
+                      fits.odd[i], fits.even[i]);
+      continue;
+    }
+    if (parts_.size() == depth) parts_.emplace_back();
+    Fit& parts = parts_[depth];
+    parts.track.divide(track, i, kParts);
+    fit(parts.track, parts);
+    pass_on(parts.track, parts, depth + 1);
+  }
 }
 
 // After a cut: what was due before it comes at once, and what was done before it is left out.
@@ -202,44 +242,22 @@ void FilteredSolver::pay(Steps& steps, Steps& out) {
   steps.runs.clear();
 }
 
-void FilteredSolver::solve_curved(double limit, bool last, StepSolver& of, Steps& out) {
-  double end = at_;
-  for (size_t i = 0; i < 3; ++i) {
-    AxisLaw law{laws_[i], curved_at_[i]};
-    curved_[i].advance(limit, last, law);
-    curved_at_[i] = law.q;
-    if (!laws_[i].empty()) end = std::max(end, laws_[i].back().end);
-    curved_[i].dropped(&phases_[i], phases_[i].drop(curved_[i].needed(&phases_[i])));
-  }
-  size_t next[3] = {0, 0, 0};
-  double from[3] = {at_, at_, at_};  // begin of the interval under way
+void FilteredSolver::solve_raised(StepSolver& of, Steps& out) {
+  const Track& track = nozzle_.track();
   int64_t count = of.count();
-  while (at_ < end) {
-    double to = end;
-    for (size_t i = 0; i < 3; ++i)
-      if (next[i] < laws_[i].size()) to = std::min(to, laws_[i][next[i]].end);
+  for (size_t k = 0; k < track.n; ++k) {
+    const double d = track.t[k + 1] - track.t[k];
     Piece p{};
-    p.start = at_;
-    p.seconds = (to - at_) / hz_;
+    p.start = track.t[k];
+    p.seconds = d / hz_;
     for (size_t i = 0; i < 3; ++i) {
-      if (next[i] == laws_[i].size()) {
-        p.c[i][0] = curved_at_[i];
-        continue;
-      }
-      const Interval& law = laws_[i][next[i]];
-      const double u = at_ - from[i];
-      p.c[i][0] = law.q + u * (law.v + 0.5 * law.a * u);
-      p.c[i][1] = (law.v + law.a * u) * hz_;
-      p.c[i][2] = 0.5 * law.a * hz_ * hz_;
-      if (law.end <= to) from[i] = law.end, ++next[i];
+      p.c[i][0] = track.p[i][k];
+      p.c[i][1] = track.v0[i][k] * hz_;
+      p.c[i][2] = 0.5 * (track.v1[i][k] - track.v0[i][k]) / d * hz_ * hz_;
     }
-    if (p.seconds > 0) {
-      tolerances_.apply(at_, out);
-      count = pieces_->solve(p, count, count, false, out);
-    }
-    at_ = to;
+    tolerances_.apply(track.t[k], out);
+    count = pieces_->solve(p, count, count, false, out);
   }
-  for (auto& laws : laws_) laws.clear();
   of.set_count(count);
 }
 

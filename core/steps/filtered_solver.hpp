@@ -1,11 +1,13 @@
 // The steps of one motor along the filtered law of its axes.
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "filters/advance.hpp"
+#include "filters/nozzle_law.hpp"
 #include "filters/taps.hpp"
 #include "machine/machine.hpp"
 #include "plan/move.hpp"
@@ -18,11 +20,12 @@
 namespace passo {
 
 // Of a linear motor each interval has a closed form, of an extruder with advance a cubic; a
-// nonlinear motor, or one above a bed that is not flat, follows the filtered X, Y and Z. The number
-// of steps, when all is at rest, is that of the plan.
+// nonlinear motor, or one above a bed that is not flat, follows the filtered way of the nozzle. The
+// number of steps, when all is at rest, is that of the plan.
 class FilteredSolver {
  public:
-  FilteredSolver(const Machine& machine, const StepperSpec& spec);
+  // `nozzle` solves and restarts with the same moves, before.
+  FilteredSolver(const Machine& machine, const StepperSpec& spec, const NozzleLaw& nozzle);
 
   // Appends the steps of moves that follow the last ones, as far as they are certain when all moves
   // up to `known` are; `last`: none follows, and the motor comes to rest. `of` has the motor's
@@ -41,19 +44,22 @@ class FilteredSolver {
   double scale_[3] = {0, 0, 0};
   int axes_ = 0;
   std::vector<Phases> phases_;
-  // One of three: a sum of impulses of all axes, an extruder's advance, or a sum for each axis.
+  // One of three: a sum of impulses of all axes, an extruder's advance, or none, of a motor that
+  // follows the nozzle.
   std::optional<Taps> taps_;
-  std::unique_ptr<IntervalSolver> intervals_;
   std::optional<Advance> advance_;
+  const NozzleLaw& nozzle_;
+  std::unique_ptr<IntervalSolver> intervals_;
   std::unique_ptr<CubicSolver> cubics_;
-  struct AxisLaw;
-  std::vector<Taps> curved_;
   std::unique_ptr<PieceSolver> pieces_;
-  struct Interval {
-    double end, q, v, a;  // q, v: at its begin
+  // Quadratics with bends (IntervalSolver) that are near the motor's law, in steps and ticks.
+  struct Fit {
+    Track track;  // of parts of an interval
+    Followed law;
+    UnsetDoubles accel, odd, even;
   };
-  std::vector<Interval> laws_[3];
-  double at_ = 0, curved_at_[3] = {0, 0, 0};  // to where the intervals of a curved motor are done
+  Fit fit_;
+  std::deque<Fit> parts_;  // by depth
 
   bool going_ = false;
   bool raised_ = false;
@@ -63,13 +69,17 @@ class FilteredSolver {
   TimedTolerances tolerances_;
   Steps late_;
 
+  bool follows() const { return !taps_ && !advance_; }
   void set_up();
   void begin(const Move& m);
   void add(const Move& m, double until);
   void start(double clock);
   int64_t law_count() const;
-  double earliest() const;
-  void solve_curved(double limit, bool last, StepSolver& of, Steps& out);
+  // Fits quadratics to the motor's law along a track.
+  void fit(const Track& track, Fit& to) const;
+  // Passes them on, and parts of those that are too far from it.
+  void pass_on(const Track& track, const Fit& fits, size_t depth);
+  void solve_raised(StepSolver& of, Steps& out);
   void pay(Steps& steps, Steps& out);
 };
 

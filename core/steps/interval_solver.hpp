@@ -1,4 +1,4 @@
-// Step times in intervals in which a motor's position is a quadratic of time.
+// Step times in intervals in which a motor's position is a quadratic of time, or nearly so.
 #pragma once
 #include <cmath>
 #include <cstddef>
@@ -24,10 +24,14 @@ class IntervalSolver {
     t_[0] = t, q_[0] = q;
     used_ = 0;
   }
-  // From the end of the one before. Speeds are those within the interval.
-  void add(double t, double q, double speed0, double speed1, double accel) {
+  // From the end of the one before. Speeds are those within the interval. With x from 0 to 1 in it
+  // and y = x (x - 1), y (odd (x - 1/2) + even y) steps are added to the quadratic, which has no
+  // turn then: so few that one step of Newton's method from its times is enough.
+  void add(double t, double q, double speed0, double speed1, double accel, double odd = 0,
+           double even = 0) {
     t_[used_ + 1] = t, q_[used_ + 1] = q;
     v0_[used_] = speed0, v1_[used_] = speed1, a_[used_] = accel;
+    odd_[used_] = odd, even_[used_] = even;
     if (++used_ == kBlock) flush();
   }
   void flush() {
@@ -42,7 +46,8 @@ class IntervalSolver {
   static constexpr size_t kBlock = 256, kSize = kBlock + 8;
   static constexpr double kBent = 1.0 / 64;
 
-  double t_[kSize], q_[kSize], v0_[kSize], v1_[kSize], a_[kSize];  // t_, q_: of the begins
+  double t_[kSize], q_[kSize];  // of the begins
+  double v0_[kSize], v1_[kSize], a_[kSize], odd_[kSize], even_[kSize];
   double count_[kSize], steps_[kSize], dir_[kSize], y0_[kSize];
   double k_[7][kSize], kind_[kSize];  // kind_: 0 no step, 1 series, 2 root, 3 a turn
   size_t used_ = 0;
@@ -101,6 +106,19 @@ class IntervalSolver {
     }
   }
 
+  PASSO_SIMD static void bend(double* __restrict t, int n, double low, double high, double v0,
+                              double v1, double odd, double even) {
+    const double per = 1 / (high - low), change = v1 - v0, odd_speed = odd * per,
+                 even_speed = 4 * even * per;
+    for (int j = 0; j < in_fours(n); ++j) {
+      const double x = (t[j] - low) * per, y = x * (x - 1), half = x - 0.5;
+      const double speed = v0 + change * x + odd_speed * (3 * y + 0.5) + even_speed * (y * half);
+      double to = t[j] - y * (odd * half + even * y) / speed;
+      to = to > low ? to : low;
+      t[j] = to < high ? to : high;
+    }
+  }
+
   void flush_all() {
     for (size_t i = used_; i < size_t(in_fours(int(used_))); ++i) {
       v0_[i] = v1_[i] = a_[i] = 0;
@@ -117,6 +135,8 @@ class IntervalSolver {
       const int steps = int(steps_[i]);
       double* to = out_->extend(size_t(steps), int(dir_[i]));
       (kind_[i] == 1 ? series : root)(to, steps, &k_[0][i], y0_[i], t_[i], t_[i + 1]);
+      if ((odd_[i] != 0) | (even_[i] != 0))
+        bend(to, steps, t_[i], t_[i + 1], v0_[i], v1_[i], odd_[i], even_[i]);
     }
     t_[0] = t_[used_], q_[0] = q_[used_];
     used_ = 0;

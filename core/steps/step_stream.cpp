@@ -10,10 +10,10 @@
 namespace passo {
 
 StepStream::StepStream(const Machine& machine, bool with_steps, Brake brake)
-    : machine_(machine), brake_(std::move(brake)) {
+    : machine_(machine), brake_(std::move(brake)), nozzle_(machine) {
   for (size_t i = 0; with_steps && i < machine_.steppers.size(); ++i) {
     solvers_.emplace_back(machine_, machine_.steppers[i]);
-    filtered_.emplace_back(machine_, machine_.steppers[i]);
+    filtered_.emplace_back(machine_, machine_.steppers[i], nozzle_);
     compressors_.emplace_back(machine_, machine_.steppers[i], uint16_t(i));
   }
   for (size_t i = 0; i < machine_.boards; ++i) {
@@ -56,6 +56,7 @@ void StepStream::solve(const Piece& piece) {
 
 void StepStream::solve(const std::vector<Move>& moves, double known, bool last) {
   if (machine_.filters.on()) {
+    if (nozzle_.needed()) nozzle_.solve(moves, known, last);
     for (size_t i = 0; i < solvers_.size(); ++i)
       if (!rests_[i]) filtered_[i].solve(moves, known, last, solvers_[i], compressors_[i].steps());
     return;
@@ -66,6 +67,7 @@ void StepStream::solve(const std::vector<Move>& moves, double known, bool last) 
 }
 
 void StepStream::restart_filters(double clock, const std::vector<Move>& past) {
+  if (nozzle_.needed()) nozzle_.restart(clock, past);
   for (size_t i = 0; i < solvers_.size(); ++i)
     if (!rests_[i]) filtered_[i].restart(clock, past, solvers_[i]);
 }

@@ -110,6 +110,7 @@ class StepStream {
   const Machine& machine_;
   Brake brake_;
   std::vector<StepSolver> solvers_;
+  NozzleLaw nozzle_;
   std::deque<FilteredSolver> filtered_;  // of the same motors, used while filters are on
   std::vector<bool> rests_;              // motors that make no step of later moves
   std::vector<int64_t> set_apart_;       // steps by which positions were set without motion

@@ -139,7 +139,7 @@ def test_added_geometry_compiles_and_agrees_with_its_model(copy):
         "  g->forward(q, back);\n"
         '  std::printf("%g %g %g %g %g %g", q[0], q[1], q[2], back[0], back[1], back[2]);\n}\n'
     )
-    sources = ["main.cpp", "core/geometry/registry.cpp"]
+    sources = ["main.cpp", "core/geometry/registry.cpp", "core/geometry/track.cpp"]
     subprocess.run(
         ["c++", "-std=c++20", "-O0", "-Icore", *sources, "-o", "main"], cwd=copy, check=True
     )

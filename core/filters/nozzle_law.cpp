@@ -1,0 +1,114 @@
+#include "filters/nozzle_law.hpp"
+
+namespace passo {
+
+bool NozzleLaw::needed() const {
+  return std::any_of(
+      machine_.steppers.begin(), machine_.steppers.end(), [this](const StepperSpec& spec) {
+        double c[3];
+        if (spec.drive != Drive::actuator) return false;
+        return !machine_.geometry->linear(spec.index, c) || (machine_.height_map && c[kZ] != 0);
+      });
+}
+
+// At rest: filters may have changed since.
+void NozzleLaw::begin(const Move& m) {
+  const Filters& filters = machine_.filters;
+  phases_.assign(3, Phases(false));
+  taps_.assign(3, Taps());
+  earliest_ = filters.delay(hz_);
+  for (int i = 0; i < 3; ++i) {
+    phases_[size_t(i)].begin(m.p0[i], filters.memory(hz_));
+    tap(filters, hz_, i, &phases_[size_t(i)], taps_[size_t(i)]);
+    earliest_ = std::min(earliest_, taps_[size_t(i)].earliest());
+  }
+  going_ = true;
+}
+
+void NozzleLaw::add(const Move& m, double until) {
+  if (m.kind == MoveKind::dwell) return;
+  if (!going_) {
+    begin(m);
+    start(m.start);
+  }
+  for (int i = 0; i < 3; ++i) phases_[size_t(i)].add(m, m.p0[i], m.p1[i], hz_, 0, until);
+}
+
+void NozzleLaw::start(double clock) {
+  track_.reserve(0);
+  track_.n = 0;
+  track_.t[0] = clock;
+  for (size_t i = 0; i < 3; ++i) {
+    taps_[i].start(clock);
+    track_.p[i][0] = axes_[i].q = taps_[i].q();
+  }
+  track_.finish();
+}
+
+void NozzleLaw::restart(double clock, const std::vector<Move>& past) {
+  going_ = false;
+  for (const Move& m : past) add(m, clock);
+  if (!going_) return;
+  for (Phases& p : phases_) p.resume(clock);
+  start(clock);
+}
+
+void NozzleLaw::solve(const std::vector<Move>& moves, double known, bool last) {
+  // From the end of the last track.
+  if (going_ && track_.n > 0) {
+    track_.t[0] = track_.t[track_.n];
+    for (auto& p : track_.p) p[0] = p[track_.n];
+    track_.n = 0;
+  }
+  for (const Move& m : moves) add(m, kNeverTicks);
+  if (!going_) return;
+  if (last)
+    for (Phases& p : phases_) p.stand();
+  const double limit = last ? kAllTicks : known + earliest_;
+  for (size_t i = 0; i < 3; ++i) {
+    taps_[i].advance(limit, last, axes_[i]);
+    taps_[i].dropped(&phases_[i], phases_[i].drop(taps_[i].needed(&phases_[i])));
+  }
+  merge();
+  going_ = !last;
+}
+
+// The intervals of all axes, cut at the breakpoints of each.
+void NozzleLaw::merge() {
+  size_t most = 0, next[3] = {0, 0, 0};
+  double at = track_.t[0], end = at, from[3] = {at, at, at};
+  for (const Intervals& axis : axes_) {
+    most += axis.all.size();
+    if (!axis.all.empty()) end = std::max(end, axis.all.back().end);
+  }
+  track_.reserve(most);
+  size_t n = 0;
+  while (at < end) {
+    double to = end;
+    for (size_t i = 0; i < 3; ++i)
+      if (next[i] < axes_[i].all.size()) to = std::min(to, axes_[i].all[next[i]].end);
+    for (size_t i = 0; i < 3; ++i) {
+      if (next[i] == axes_[i].all.size()) {
+        track_.p[i][n] = axes_[i].q;
+        track_.v0[i][n] = track_.v1[i][n] = 0;
+        continue;
+      }
+      const Interval& axis = axes_[i].all[next[i]];
+      const double u = at - from[i];
+      track_.p[i][n] = axis.q + u * (axis.v + 0.5 * axis.a * u);
+      track_.v0[i][n] = axis.v + axis.a * u;
+      track_.v1[i][n] = axis.v + axis.a * (to - from[i]);
+      if (axis.end <= to) from[i] = axis.end, ++next[i];
+    }
+    if (to > at) track_.t[++n] = to;
+    at = to;
+  }
+  for (size_t i = 0; i < 3; ++i) {
+    track_.p[i][n] = axes_[i].q;
+    axes_[i].all.clear();
+  }
+  track_.n = n;
+  track_.finish();
+}
+
+}  // namespace passo

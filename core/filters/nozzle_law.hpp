@@ -1,0 +1,64 @@
+// The filtered way of the nozzle in X, Y and Z, for motors that are not a sum of them.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "filters/taps.hpp"
+#include "geometry/track.hpp"
+#include "machine/machine.hpp"
+#include "plan/move.hpp"
+
+namespace passo {
+
+// Adds the impulses that shape the position in a slot; an axis without a shaper is only delayed.
+inline void tap(const Filters& filters, double hz, int slot, Phases* phases, Taps& taps) {
+  const double delay = filters.delay(hz);
+  if (slot > kZ || filters.shapers[slot].empty()) return taps.add(phases, 1, delay);
+  const double mean = Filters::mean(filters.shapers[slot]);
+  for (const Impulse& impulse : filters.shapers[slot])
+    taps.add(phases, impulse.weight, delay + (impulse.at - mean) * hz);
+}
+
+class NozzleLaw {
+ public:
+  explicit NozzleLaw(const Machine& machine) : machine_(machine), hz_(machine.clock_hz) {}
+
+  // A motor of the machine follows it.
+  bool needed() const;
+  // As FilteredSolver: moves that follow the last ones, and what is certain of the way that they
+  // add, from the end of the track before it on.
+  void solve(const std::vector<Move>& moves, double known, bool last);
+  // Continues at `clock` after the moves `past`. The track is that point alone.
+  void restart(double clock, const std::vector<Move>& past);
+  const Track& track() const { return track_; }
+
+ private:
+  // Its position where it begins.
+  struct Interval {
+    double end, q, v, a;
+  };
+  // Collects the intervals of one axis.
+  struct Intervals {
+    std::vector<Interval> all;
+    double q = 0;
+    void add(double end, double position, double speed, double, double accel) {
+      all.push_back({end, q, speed, accel});
+      q = position;
+    }
+  };
+  const Machine& machine_;
+  double hz_;
+  std::vector<Phases> phases_;
+  std::vector<Taps> taps_;
+  Intervals axes_[3];
+  double earliest_ = 0;
+  bool going_ = false;
+  Track track_;
+
+  void begin(const Move& m);
+  void add(const Move& m, double until);
+  void start(double clock);
+  void merge();
+};
+
+}  // namespace passo

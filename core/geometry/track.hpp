@@ -1,0 +1,67 @@
+// A way of the nozzle in time, and the law by which one actuator follows it.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+
+#include "base/uninitialised_vector.hpp"
+
+namespace passo {
+
+// Between breakpoints j and j + 1 each of X, Y and Z is a quadratic of time. Speeds are those
+// within the interval, as they may jump at a breakpoint. No interval has the length 0.
+struct Track {
+  size_t n = 0;                       // intervals
+  UnsetDoubles t, p[3];               // of n + 1 breakpoints: ticks, mm
+  UnsetDoubles v0[3], v1[3];          // of n intervals, at begin and end: mm/tick
+  static constexpr size_t kRoom = 8;  // loops that take four at a time read behind the end
+
+  void reserve(size_t intervals) {
+    const size_t wanted = intervals + kRoom;
+    if (t.size() >= wanted) return;
+    t.resize(wanted);
+    for (int j = 0; j < 3; ++j)
+      for (auto* x : {&p[j], &v0[j], &v1[j]}) x->resize(wanted);
+  }
+  // What is read behind the end are numbers.
+  void finish() {
+    for (size_t i = n; i < n + kRoom - 1; ++i) {
+      t[i + 1] = t[n];
+      for (int j = 0; j < 3; ++j) p[j][i + 1] = p[j][n], v0[j][i] = v1[j][i] = 0;
+    }
+  }
+  // Becomes `parts` even parts of interval j of another track.
+  void divide(const Track& of, size_t j, size_t parts) {
+    reserve(parts);
+    n = parts;
+    const double d = of.t[j + 1] - of.t[j];
+    for (size_t i = 0; i <= parts; ++i) {
+      const double u = double(i) / double(parts);
+      t[i] = i == parts ? of.t[j + 1] : of.t[j] + u * d;
+      for (int k = 0; k < 3; ++k) {
+        const double a = of.v1[k][j] - of.v0[k][j], v = of.v0[k][j] + a * u;
+        p[k][i] = i == parts ? of.p[k][j + 1] : of.p[k][j] + u * d * (of.v0[k][j] + 0.5 * a * u);
+        if (i < parts) v0[k][i] = v;
+        if (i > 0) v1[k][i - 1] = v;
+      }
+    }
+    finish();
+  }
+};
+
+// Of one actuator, in its unit: where it is at each breakpoint and in the middle of each interval,
+// its speeds at both ends of it, and how far from its law, at most, the polynomial of degree four
+// is that has all of these.
+struct Followed {
+  UnsetDoubles q, middle, v0, v1, error;
+  void reserve(size_t intervals) {
+    const size_t wanted = intervals + Track::kRoom;
+    if (q.size() < wanted)
+      for (auto* x : {&q, &middle, &v0, &v1, &error}) x->resize(wanted);
+  }
+};
+
+// The fifth derivative times d^5 bounds the distance to that polynomial by this: with x from 0 to 1
+// it is 1/120 of x^2 (x - 1/2) (x - 1)^2, which is 1 / (50 sqrt 5) at most.
+inline constexpr double kQuarticError = 7.4536e-5;
+
+}  // namespace passo
