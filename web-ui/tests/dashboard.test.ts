@@ -1,6 +1,6 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
-import { expectAccessible, expectFits, picture, type Theme } from "./browser";
+import { expectAccessible, picture } from "./browser";
 import { test } from "./fixtures";
 
 const state = (page: Page, text: string) => page.locator("header .state", { hasText: text }).waitFor();
@@ -131,21 +131,4 @@ test("the page speaks Italian, and stays so", async ({ page }) => {
   await page.reload();
   await page.getByRole("heading", { name: "Movimento" }).waitFor();
   expect(await page.locator("html").getAttribute("lang")).toBe("it");
-  await page.setViewportSize({ width: 360, height: 740 });
-  await expectFits(page);
-  await expectAccessible(page);
-});
-
-test.for<Theme>(["light", "dark"])("it fits every size, and is accessible when %s", async (theme, { page }) => {
-  await page.emulateMedia({ colorScheme: theme });
-  for (const [width, height] of [
-    [1280, 800],
-    [768, 1024],
-    [360, 740],
-  ] as const) {
-    await page.setViewportSize({ width, height });
-    await expectFits(page);
-    await picture(page, `dashboard-${width}-${theme}`);
-    if (width !== 768) await expectAccessible(page);
-  }
 });

@@ -1,6 +1,6 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
-import { expectAccessible, expectFits, picture } from "./browser";
+import { expectAccessible, picture } from "./browser";
 import { test } from "./fixtures";
 
 const slider = (page: Page, name: string) => page.getByRole("slider", { name });
@@ -13,12 +13,6 @@ test("a path is shown by layer and time, coloured, and its moves are told", asyn
   await page.getByRole("link", { name: "Show the path" }).click();
   await page.getByText("24,079 moves").waitFor();
   await expect.poll(() => triangles(page)).toBe(2 * 24_079);
-  for (const width of [360, 1280]) {
-    await page.setViewportSize({ width, height: 800 });
-    await expectFits(page);
-    await expectAccessible(page);
-    await picture(page, `viewer-${width}-light`);
-  }
   await slider(page, "Layer").fill("3");
   await page.getByText(/^3 of 15, Z/).waitFor();
   await expect.poll(() => triangles(page)).toBeLessThan(20_000);

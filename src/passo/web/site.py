@@ -23,7 +23,8 @@ _MAX_REPLIES = 100
 @dataclass(frozen=True, slots=True)
 class Site:
     """One printer with its accounts, the uploads to its card, the facts about its files, the
-    history of its temperatures, its logs, its builds of firmware, and the boards that are flashed."""
+    history of its temperatures, its logs, its builds of firmware, and the boards that it
+    flashes."""
 
     bridge: Bridge
     accounts: Accounts

@@ -12,8 +12,8 @@ from passo import config
 from passo.catalogue import codes_of
 from passo.config.board import Board
 from passo.errors import ConfigError, FirmwareError, WebError
-from passo.toolchain.targets import state
 from passo.printer.status import Status
+from passo.toolchain.targets import state
 from passo.web.call import Call
 from passo.web.firmware.builds import Build
 from passo.web.firmware.flashes import Flash

@@ -20,8 +20,9 @@ _MAX_LINE = 1 << 20  # bytes of a line: progress of a program that never ends it
 
 
 class Flash(Struct):
-    """An image on its way onto a board, or the last one; `idle` before the first. It is `waiting` while a step by hand is to do, which
-    `asks` describes; `log` has the lines so far, those of the program that writes included."""
+    """An image on its way onto a board, or the last one; `idle` before the first. It is `waiting`
+    while a step by hand is to do, which `asks` describes; `log` has the lines so far, those of the
+    program that writes included."""
 
     image: str
     port: str
