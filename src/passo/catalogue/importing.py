@@ -33,8 +33,8 @@ IMPORT: Mapping[str, Entry] = {
         "Give Configuration.h of one printer; Configuration_adv.h is read if it is beside it",
     ),
     "import.board": _import(
-        "MOTHERBOARD is {value!r}: Passo has no file of this board; it has {limit}",
-        "Set MOTHERBOARD to a board that is wired alike, or write a board file",
+        "the board is {value!r}: Passo has no file of this board; it has {limit}",
+        "Name a board that is wired alike, or write a board file",
     ),
     "import.endif": _import("{value} has no #if or #endif of its own", "Correct the line"),
     "import.nest": _import(
@@ -42,6 +42,10 @@ IMPORT: Mapping[str, Entry] = {
     ),
     "import.long-line": _import(
         "the line has more than {limit} characters", "Shorten the line, or divide it"
+    ),
+    "import.stored": _import(
+        "stored values are read with a configuration of APrinter alone",
+        "Leave --stored out, and compare them by hand",
     ),
     "import.kinematics": _import(
         "the kind of machine is {value!r}: Passo imports {limit}",

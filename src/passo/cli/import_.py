@@ -21,12 +21,19 @@ _HEADINGS = {"decide": "To decide", "changed": "Changed", "dropped": "Not taken 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the arguments of `passo import`."""
     parser.add_argument(
-        "file", metavar="FILE", help="Klipper's printer.cfg, or Marlin's Configuration.h"
+        "file",
+        metavar="FILE",
+        help="Klipper's printer.cfg, Marlin's Configuration.h, or APrinter's JSON",
     )
     parser.add_argument(
         "--output",
         metavar="MACHINE.toml",
         help="the file to make; default: the name of FILE, .toml",
+    )
+    parser.add_argument(
+        "--stored",
+        metavar="FILE",
+        help="what APrinter has stored since: aprinter.cfg, or its answer to M503",
     )
     parser.add_argument(
         "--report", metavar="FILE", help="write the report there, not on the terminal"
@@ -43,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     output = Path(arguments.output or f"{source.stem}.toml")
     if output.exists():
         raise InputError.of("output.exists", str(output))
-    draft = imported(source)
+    draft = imported(source, Path(arguments.stored) if arguments.stored else None)
     text = draft.text(f"Made by `passo import` from {source.name}. Each value names its line.")
     problems: Sequence[Problem] = ()
     try:

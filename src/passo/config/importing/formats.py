@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.importing import klipper, marlin
+from passo.config.importing import aprinter, klipper, marlin
+from passo.errors import ConfigError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -14,9 +15,13 @@ if TYPE_CHECKING:
 _HEADERS = (".h", ".hpp")
 
 
-def imported(path: Path) -> Draft:
-    """The machine file of a configuration, with remarks: Marlin's Configuration.h by its ending,
-    else Klipper's printer.cfg. Raises ConfigError."""
-    if path.suffix.lower() in _HEADERS:
-        return marlin.imported(path)
-    return klipper.imported(path)
+def imported(path: Path, stored: Path | None = None) -> Draft:
+    """The machine file of a configuration, with remarks: by its ending that of Marlin
+    (`Configuration.h`), of APrinter (`.json`), else of Klipper (`printer.cfg`). `stored` is a file
+    with what the firmware has stored since. Raises ConfigError."""
+    ending = path.suffix.lower()
+    if ending == ".json":
+        return aprinter.imported(path, stored)
+    if stored is not None:
+        raise ConfigError.of("import.stored", str(stored))
+    return marlin.imported(path) if ending in _HEADERS else klipper.imported(path)

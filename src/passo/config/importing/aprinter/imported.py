@@ -1,0 +1,339 @@
+"""A document of APrinter's configuration editor as a draft of a machine file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import TYPE_CHECKING, Any
+
+from passo.config.importing.aprinter.boards import Pins
+from passo.config.importing.aprinter.document import (
+    Node,
+    Stored,
+    document,
+    missing,
+    stored_options,
+)
+from passo.config.importing.aprinter.heat import heater_name, put_heat
+from passo.config.importing.draft import Draft, bad
+from passo.config.importing.sources import Sources
+from passo.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from passo.config.importing.aprinter.document import Value
+    from passo.config.importing.draft import KeyPath
+
+_PLAIN = ("NoTransform", "Null")
+_HOOKS = {"After homing": "after_homing", "After bed probing": "after_probing"}
+_TOWERS = ("a", "b", "c")
+
+
+@dataclass
+class _Job:
+    """What is read, and what is made. `motors` are the names of steppers in the machine file."""
+
+    config: Node
+    pins: Pins
+    stored: Stored
+    draft: Draft
+    motors: dict[str, str] = field(default_factory=dict[str, str])
+
+    def put(self, path: KeyPath, found: Value | None, scale: float = 1.0) -> None:
+        """Sets a key to a number that was read."""
+        if found is not None:
+            self.draft.put(path, float(f"{found.value * scale:.10g}"), found.place)
+
+    def stepper(self, name: Node | None) -> Node:
+        """The stepper of this name. Raises ConfigError."""
+        for one in self.config.each("steppers"):
+            if name is not None and one.text("Name") == name.scalar:
+                return one
+        place = name.place if name else self.config.place
+        raise bad(place, "StepperName", str(name.scalar)[:40] if name else "", "a stepper")
+
+
+def imported(path: Path, stored: Path | None = None) -> Draft:
+    """The machine file of the selected configuration, with the options that aprinter.cfg or an
+    answer to M503 has in the file `stored`, and remarks. Raises ConfigError."""
+    sources = Sources()
+    root = document(sources.read(path), path)
+    options = stored_options(sources.read(stored), stored.name) if stored else Stored()
+    config, draft = _selected(root), Draft()
+    job = _Job(config, Pins(root, config.within("board")), options, draft)
+    draft.put_head(path, config.text("name"))
+    _put_motion(job)
+    _put_probe(job)
+    put_heat(config, job.pins, options, draft)
+    _put_cold(job)
+    _put_moves(job)
+    if config.each("lasers"):
+        draft.decide(config.within("lasers").place, "lasers", "give [laser] by hand")
+    _put(job, ("idle", "motors_off_s"), config, "InactiveTime", "InactiveTime")
+    draft.put(("board", "base"), job.pins.base, config.within("board").place)
+    text = "the board is simulated until [board] has link and port. It needs Passo's firmware"
+    draft.decide(config.within("board").place, "board", f"{text}: passo flash")
+    for name in sorted(options.options.keys() - options.used):
+        value, place = options.options[name]
+        draft.dropped(place, name, f"Passo has no such setting, {value} here")
+    return draft
+
+
+def _selected(root: Node) -> Node:
+    wanted = root.text("selected_config")
+    found = root.each("configurations")
+    chosen = [config for config in found if config.text("name") == wanted] or found[:1]
+    if not chosen:
+        raise missing(root.place, "configurations")
+    return chosen[0]
+
+
+def _put(job: _Job, path: KeyPath, node: Node, key: str, option: str = "") -> None:
+    job.put(path, job.stored.number(node, key, option))
+
+
+def _put_motion(job: _Job) -> None:
+    transform = job.config.within("transform")
+    kind = transform.kind
+    if kind not in (*_PLAIN, "CoreXY", "Delta"):
+        place, limit = transform.place, ", ".join(("NoTransform", "Null", "CoreXY", "Delta"))
+        raise ConfigError.of("import.kinematics", place.file, place.line, value=kind, limit=limit)
+    name = "cartesian" if kind in _PLAIN else kind.lower()
+    job.draft.put(("geometry", "kind"), name, transform.place)
+    taken: list[Node] = []
+    if kind == "Delta":
+        taken = _put_delta(job, transform)
+    else:
+        for index, motor in enumerate("ab" if kind == "CoreXY" else ""):
+            written = transform.get("Steppers", f"TransformStepper{index}", "StepperName")
+            taken.append(job.stepper(written))
+            job.motors[taken[-1].text("Name")] = motor
+        if kind == "CoreXY":
+            _put_virtual_axes(job, transform, taken, "XY")
+    for axis in transform.each("IdentityAxes"):
+        stepper = job.stepper(axis.get("StepperName"))
+        taken.append(stepper)
+        _put_axis(job, axis.text("Name").lower(), stepper, axis)
+    for stepper in job.config.each("steppers"):
+        if not any(stepper is one for one in taken):
+            _put_axis(job, stepper.text("Name").lower(), stepper, None)
+    for stepper in job.config.each("steppers"):
+        _put_motors(job, stepper)
+    job.draft.put(("limits", "junction"), "cornering_distance", None)
+
+
+def _put_virtual_axes(job: _Job, transform: Node, steppers: list[Node], letters: str) -> None:
+    """Axes that several motors move. They accelerate as the slowest of these."""
+    accels = [job.stored.needed(s, "MaxAccel", f"{s.text('Name')}MaxAccel") for s in steppers]
+    accel = min(accels, key=lambda found: found.value)
+    for index, _ in enumerate(letters):
+        node = transform.within("CartesianAxes", f"VirtualAxis{index}")
+        name = node.text("Name")
+        path = ("axes", name.lower())
+        for key, word in (("min_mm", "MinPos"), ("max_mm", "MaxPos"), ("speed_mm_s", "MaxSpeed")):
+            job.put((*path, key), job.stored.needed(node, word, f"{name}{word}"))
+        job.put((*path, "accel_mm_s2"), accel)
+        homing = node.get("homing")
+        if homing is not None and homing.kind == "homing" and transform.kind == "CoreXY":
+            _put_homing(job, name.lower(), name, homing, node)
+
+
+def _put_delta(job: _Job, transform: Node) -> list[Node]:
+    names = [transform.get("Steppers", f"TransformStepper{i}", "StepperName") for i in range(3)]
+    steppers = [job.stepper(name) for name in names]
+    offsets = [
+        job.stored.needed(transform, key, f"Delta{key}")
+        for key in ("SmoothRodOffset", "EffectorOffset", "CarriageOffset")
+    ]
+    radius = offsets[0].value - offsets[1].value - offsets[2].value
+    key = "DiagnalRod" if transform.get("DiagnalRod") else "DiagonalRod"
+    rod = job.stored.needed(transform, key, "DeltaDiagonalRod")
+    words = [f"DiagonalRodCorr{i}" for i in (1, 2, 3)]
+    more = [job.stored.number(transform, word, f"Delta{word}") for word in words]
+    rods = [rod.value + (one.value if one else 0.0) for one in more]
+    put = job.draft.put
+    put(("geometry", "radius"), radius, offsets[0].place)
+    put(("geometry", "rods"), [*rods], rod.place)
+    limit = job.stored.needed(transform, "LimitRadius", "DeltaLimitRadius")
+    job.put(("geometry", "limit_radius"), limit)
+    _put_virtual_axes(job, transform, steppers, "XYZ")
+    tops: list[float] = []
+    for tower, stepper, length in zip(_TOWERS, steppers, rods, strict=True):
+        name = stepper.text("Name")
+        job.motors[name] = tower
+        path = ("steppers", tower)
+        for key, word in (
+            ("min_mm", "MinPos"),
+            ("max_mm", "MaxPos"),
+            ("speed_mm_s", "MaxSpeed"),
+            ("accel_mm_s2", "MaxAccel"),
+        ):
+            _put(job, (*path, key), stepper, word, f"{name}{word}")
+        if length <= radius:
+            raise bad(rod.place, "DiagonalRod", f"{length:g}", f"more than {radius:g}")
+        homing = stepper.get("homing")
+        if homing is not None and homing.kind == "homing":
+            _put_homing(job, tower, name, homing, stepper)
+            end = job.draft.number(("homing", tower, "position"))
+            tops.append(end - sqrt(length**2 - radius**2))
+    for axis in "xy":
+        put(("axes", axis, "home_mm"), 0.0, None)
+    if tops:
+        top = min(min(tops), job.draft.number(("axes", "z", "max_mm")))
+        put(("axes", "z", "home_mm"), round(top, 6), None)
+    put(("bed", "round"), True, None)
+    put(("bed", "size_mm"), [2 * limit.value, 2 * limit.value], limit.place)
+    put(("bed", "center_mm"), [0.0, 0.0], None)
+    return steppers
+
+
+def _put_axis(job: _Job, name: str, stepper: Node, identity: Node | None) -> None:
+    """An axis with a motor of its own, or an extruder. What is not called E is a further axis that
+    moves filament, as APrinter has them."""
+    letter = stepper.text("Name")
+    job.motors[letter] = name
+    extruder = stepper.flag("IsExtruder")
+    path: KeyPath = ("extruders" if extruder and name == "e" else "axes", name)
+    if extruder and name != "e":
+        job.draft.put((*path, "extruder"), True, stepper.within("IsExtruder").place)
+    if not extruder:
+        for key, word in (("min_mm", "MinPos"), ("max_mm", "MaxPos")):
+            limits = identity.get("Limits") if identity else None
+            node = limits if limits and limits.get(word) else stepper
+            _put(job, (*path, key), node, word, f"{letter}{word}")
+    for key, word in (("speed_mm_s", "MaxSpeed"), ("accel_mm_s2", "MaxAccel")):
+        job.put((*path, key), job.stored.needed(stepper, word, f"{letter}{word}"))
+    if path[0] == "axes":
+        corner = job.stored.number(stepper, "CorneringDistance", f"{letter}CorneringDistance")
+        job.put((*path, "cornering_distance_steps"), corner)
+    homing = stepper.get("homing")
+    if homing is not None and homing.kind == "homing" and not extruder:
+        _put_homing(job, name, letter, homing, stepper)
+
+
+def _put_motors(job: _Job, stepper: Node) -> None:
+    letter = stepper.text("Name")
+    name = job.motors[letter]
+    for number, slave in enumerate(stepper.each("slave_steppers")):
+        path = ("steppers", f"{name}{number}" if number else name)
+        steps = job.stored.needed(stepper, "StepsPerUnit", f"{letter}StepsPerUnit")
+        job.put((*path, "steps_per_mm"), steps)
+        port = slave.within("stepper_port")
+        for key, value in job.pins.motor(port).items():
+            job.draft.put((*path, key), value, port.place)
+        prefix = f"{letter}S{number}" if number else letter
+        if job.stored.flag(slave, "InvertDir", f"{prefix}InvertDir"):
+            job.draft.put((*path, "invert"), True, slave.within("InvertDir").place)
+        current = job.stored.number(slave, "Current", f"{prefix}Current")
+        if current is not None and current.value > 0:
+            job.put((*path, "peak_current_a"), current, 1e-3)
+        micro = job.stored.number(slave, "MicroSteps")
+        if micro is not None and micro.value > 0:
+            job.draft.put((*path, "microsteps"), int(micro.value), micro.place)
+        delay = stepper.get("delay")
+        if delay is not None and delay.kind == "Delay":
+            _put(job, (*path, "pulse_us"), delay, "StepHighTime")
+            _put(job, (*path, "direction_setup_us"), delay, "DirSetTime")
+
+
+def _put_homing(job: _Job, name: str, letter: str, homing: Node, limits: Node) -> None:
+    """The end of an axis is its limit and the offset; a virtual axis has no offset."""
+    path, stored = ("homing", name), job.stored
+    upward = stored.flag(homing, "HomeDir", f"{letter}HomeDir")
+    word = "MaxPos" if upward else "MinPos"
+    end = stored.needed(limits, word, f"{letter}{word}")
+    offset = stored.number(homing, "HomeOffset", f"{letter}HomeOffset")
+    place = homing.within("HomeEndstopInput")
+    inverted = stored.flag(homing, "HomeEndInvert", f"{letter}HomeEndInvert")
+    job.draft.put((*path, "direction"), "max" if upward else "min", homing.place)
+    position = end.value + (offset.value if offset else 0.0)
+    job.draft.put((*path, "position"), position, end.place)
+    job.draft.put((*path, "pin"), job.pins.switch(place, inverted), place.place)
+    for key, word in (
+        ("fast", "HomeFastSpeed"),
+        ("retract", "HomeRetractDist"),
+        ("slow", "HomeSlowSpeed"),
+        ("max_travel", "HomeFastMaxDist"),
+    ):
+        _put(job, (*path, key), homing, word, f"{letter}{word}")
+    default = homing.get("ByDefault")
+    if default is not None and not stored.flag(homing, "ByDefault", f"{letter}HomeByDefault"):
+        job.draft.put((*path, "by_default"), False, default.place)
+
+
+def _put_probe(job: _Job) -> None:
+    """APrinter adds the offset of the probe to a point where Passo takes it away, and the general
+    offset of Z to a height where Passo takes away the height of the trigger."""
+    probe, stored = job.config.get("probe_config", "probe"), job.stored
+    if probe is None or probe.kind != "Probe":
+        return
+    path, put = ("probe",), job.draft.put
+    pin = probe.within("ProbePin")
+    put((*path, "kind"), "fixed", probe.place)
+    inverted = stored.flag(probe, "InvertInput", "ProbeInvert")
+    put((*path, "pin"), job.pins.switch(pin, inverted), pin.place)
+    offset = [stored.needed(probe, f"Offset{axis}", f"ProbeOffset{axis}") for axis in "XY"]
+    put((*path, "offset_mm"), [-one.value for one in offset], offset[0].place)
+    height = stored.needed(probe, "GeneralZOffset", "ProbeGeneralZOffset")
+    job.put((*path, "trigger_height_mm"), height, -1.0)
+    for key, word in (
+        ("start_mm", "StartHeight"),
+        ("low_mm", "LowHeight"),
+        ("retract_mm", "RetractDist"),
+        ("travel_mm_s", "MoveSpeed"),
+        ("fast_mm_s", "FastSpeed"),
+        ("lift_mm_s", "RetractSpeed"),
+        ("slow_mm_s", "SlowSpeed"),
+    ):
+        _put(job, (*path, key), probe, word, f"Probe{word}")
+    points: list[Any] = []
+    for number, node in enumerate(probe.each("ProbePoints"), 1):
+        at = [stored.needed(node, axis, f"ProbeP{number}{axis}") for axis in "XY"]
+        point: dict[str, Any] = {"x": at[0].value, "y": at[1].value}
+        more = stored.number(node, "Z-offset", f"ProbeP{number}ZOffset")
+        if more is not None and more.value:
+            point["offset"] = more.value
+        if not stored.flag(node, "Enabled", f"ProbeP{number}Enabled"):
+            point["enabled"] = False
+        points.append(point)
+    correction = probe.get("correction")
+    method = "none"
+    if correction is not None and correction.kind == "Correction":
+        quadratic = stored.flag(correction, "QuadraticCorrectionEnabled", "ProbeQuadrCorrEnabled")
+        method = "quadratic" if quadratic else "linear"
+    put(("levelling", "method"), method, correction.place if correction else probe.place)
+    put(("levelling", "points"), points, probe.within("ProbePoints").place)
+
+
+def _put_cold(job: _Job) -> None:
+    """The heater of each further axis that moves filament."""
+    for heater in job.config.each("heaters"):
+        for axis in heater.each("cold_extrusion_prevention", "ExtruderAxes"):
+            name = job.motors.get(str(axis.scalar), "")
+            if ("axes", name, "extruder") in job.draft.keys:
+                job.draft.put(("axes", name, "heater"), heater_name(heater), axis.place)
+
+
+def _put_moves(job: _Job) -> None:
+    for number, move in enumerate(job.config.each("Moves", "Moves"), 1):
+        path, hook = ("moves", f"move-{number}"), _HOOKS.get(move.text("HookType"))
+        at = {
+            coordinate.text("AxisName").lower(): value.value
+            for coordinate in move.each("Coordinates")
+            if (
+                value := job.stored.number(
+                    coordinate, "Value", f"Move{number}{coordinate.text('AxisName')}"
+                )
+            )
+        }
+        if not at:
+            continue
+        job.draft.put((*path, "position_mm"), {**at}, move.place)
+        _put(job, (*path, "speed_mm_s"), move, "Speed", f"Move{number}Speed")
+        job.draft.put((*path, "hook"), hook, move.place)
+        priority = job.stored.number(move, "HookPriority")
+        if priority is not None:
+            job.draft.put((*path, "priority"), int(priority.value), priority.place)
+        if not job.stored.flag(move, "Enabled", f"Move{number}Enabled"):
+            job.draft.put((*path, "enabled"), False, move.place)
