@@ -1,1 +1,1 @@
-"""Jobs: whole programs, from the file to the result."""
+"""Jobs: the print or the plan of a whole program."""

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Files that appear completely or not at all."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ MAX_JSON_BYTES = 8 << 20
 
 @contextmanager
 def replaced(path: Path) -> Generator[Path, None, None]:
-    """A temporary file beside `path` to write; it takes the place of `path` if all went well, and
-    is removed otherwise. Flushed data then survives a power cut. A link stays, and its target is
-    replaced; a folder or a device is refused. Raises OSError."""
+    """Yields a temporary file next to `path` to write to. At the end of the block it replaces
+    `path` and survives a power cut; after an error it is removed. If `path` is a link, its target
+    is replaced; a folder or a device is refused. Raises OSError."""
     path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
         raise OSError(errno.EINVAL, "it is no regular file", str(path))
@@ -34,8 +34,8 @@ def replaced(path: Path) -> Generator[Path, None, None]:
 
 
 def store_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Writes an object whole and durable; the directory is made if need be. Raises OSError, also
-    for one that `load_json` would refuse for its size: then the file is as before."""
+    """Writes an object completely and durably; makes the directory if necessary. Raises OSError,
+    also for an object that is too large for `load_json`; then the file is unchanged."""
     text = json.dumps(content, indent=1).encode()
     if len(text) > MAX_JSON_BYTES:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
@@ -46,7 +46,7 @@ def store_json(path: Path, content: Mapping[str, Any]) -> None:
 
 def load_json(path: Path) -> dict[str, Any] | None:
     """The object that `store_json` has written; None if there is no file. Raises OSError, and
-    ValueError for a file that holds anything else."""
+    ValueError for any other content."""
     try:
         with path.open("rb") as file:
             raw = file.read(MAX_JSON_BYTES + 1)
@@ -64,8 +64,9 @@ def load_json(path: Path) -> dict[str, Any] | None:
 
 
 def directory_held(path: Path) -> int | None:
-    """A descriptor that locks a directory, which is made if need be, until it is closed. None where
-    it cannot be opened or locked. Raises BlockingIOError if another process has the lock."""
+    """Locks a directory, which is made if necessary, and returns a descriptor whose closing
+    releases the lock. None if the directory cannot be opened or locked. Raises BlockingIOError if
+    another process has the lock."""
     try:
         path.mkdir(parents=True, exist_ok=True)
         directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY)

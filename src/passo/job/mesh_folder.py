@@ -1,4 +1,4 @@
-"""Stored meshes as files of the state folder, each whole or not there."""
+"""Stored meshes as files in the state folder; each file is complete or absent."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _MAX_BYTES = 1 << 20
 
 
 class MeshFolder(MeshStore):
-    """The meshes in a folder, one file each. `refused` are the files that hold no mesh; they stay
-    as they are."""
+    """The meshes in a folder, one file for each. `refused` are files that do not contain a mesh;
+    they stay unchanged."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__()
@@ -33,8 +33,8 @@ class MeshFolder(MeshStore):
                 self.refused.append(error)
 
     def save(self, stored: StoredMesh) -> None:
-        """Stores a mesh with the date of today. It survives a power cut when this returns. Raises
-        CommandError, and the file is as before then."""
+        """Stores a mesh with the date of today. When this returns, the mesh survives a power cut.
+        Raises CommandError; then the file is unchanged."""
         stored = replace(stored, date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"))
         path = self._folder / (stored.name + _SUFFIX)
         try:

@@ -1,4 +1,4 @@
-"""Scans a whole program before it begins: its sub-programs, and the commands that would spoil the
+"""Scans a whole program before its print: finds its sub-programs, and commands that would spoil the
 print."""
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Reader(Protocol):
 
 
 def survey(machine: MachineConfig, pieces: Iterable[bytes]) -> _core.Survey:
-    """The sub-programs and unusual commands of a program."""
+    """Finds the sub-programs and the unusual commands of a program."""
     found = _core.Survey(machine.core_spec())
     for piece in pieces:
         found.feed(piece)
@@ -49,8 +49,8 @@ async def survey_beside(
     going: Callable[[], bool] = lambda: True,
     rest_s: float = 0.0,
 ) -> _core.Survey:
-    """As `survey`, of a file on a card, which is read from its beginning while `going`; other tasks
-    run between two pieces. Raises CardError."""
+    """As `survey`, for a file on a card, which is read from its beginning while `going` is True;
+    other tasks run between two pieces. Raises CardError."""
     found = _core.Survey(machine.core_spec())
     reader.seek(0)
     while going() and (piece := reader.read(_PIECE)):
@@ -62,9 +62,9 @@ async def survey_beside(
 
 
 def prepare(job: _core.Job, found: _core.Survey, file: str, skips: Skips) -> list[Problem]:
-    """Gives a job the sub-programs of the program that it will read. Returns the commands that a
-    print of this program must not leave out, in the order of its lines. Empty for a text without
-    any known command: reading it reports that."""
+    """Gives a job the sub-programs of the program that it will read. Returns problems for the
+    commands that a print must not skip, in the order of its lines. Empty for a text without any
+    known command, which is reported when it is read."""
     job.use_survey(found)
     job.ignore_calls = skips.unknown
     commands = [Command(*row) for row in found.commands]

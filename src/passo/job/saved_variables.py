@@ -1,4 +1,4 @@
-"""The variables of SAVE_VARIABLE, in a file that is complete or refused."""
+"""Stores the variables of SAVE_VARIABLE in a file."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from passo.job.durable_files import load_json, store_json
 
 
 class SavedVariables:
-    """The file of one printer; None keeps nothing. A damaged file is left as it is: nothing is
-    stored until it is repaired or removed."""
+    """The file of one printer; None stores nothing. A damaged file stays unchanged, and nothing is
+    stored until the user repairs or removes it."""
 
     def __init__(self, path: Path | None) -> None:
         self._path = path
@@ -29,8 +29,8 @@ class SavedVariables:
             raise self._refused from None
 
     def save(self, variables: Mapping[str, Any]) -> None:
-        """Stores all variables; they survive a power cut when this returns. Raises CommandError;
-        the file is unchanged then."""
+        """Stores all variables. When this returns, they survive a power cut. Raises CommandError;
+        then the file is unchanged."""
         if self._path is None:
             raise CommandError.of("settings.nowhere")
         if self._refused is not None:

@@ -1,4 +1,4 @@
-"""Stored settings: the values that commands have changed, in a file that is complete or refused."""
+"""Stores the settings that commands have changed in a file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, cast
 from passo.errors import CommandError
 from passo.job.durable_files import load_json, store_json
 
-VERSION = 2  # version 1 held the commands of all settings, changed or not
+VERSION = 2  # version 1 contained the commands of all settings, changed or not
 # Words that select the target of a command, by its code: a tool, a heater, a motor, a material.
 _NAMING = {
     "G29": "IJ",
@@ -53,12 +53,12 @@ class Setting(NamedTuple):
         return self.head, self.word
 
     def __str__(self) -> str:
-        """The command that sets this value alone."""
+        """The command that sets only this value."""
         return f"{self.head} {self.word}{self.value}"
 
 
 def settings_in(lines: Iterable[str]) -> Iterator[Setting]:
-    """Each value of these commands, in the form of M503."""
+    """The single values of commands in the form of M503."""
     for line in lines:
         code, *words = line.split()
         pairs = [_pair(word) for word in words]
@@ -81,7 +81,7 @@ def same(one: str | None, other: str | None) -> bool:
 
 
 def commands_of(settings: Iterable[Setting]) -> list[str]:
-    """Commands that set these values, those of the same target in one command."""
+    """Commands that set these values, one for each target."""
     words: dict[str, list[str]] = {}
     for setting in settings:
         words.setdefault(setting.head, []).append(setting.word + setting.value)
@@ -94,8 +94,8 @@ def _pair(word: str) -> tuple[str, str]:
 
 
 class Override(NamedTuple):
-    """A stored value. `file` is the value of the machine file when it was stored; None if that is
-    not known, or the file had none."""
+    """A stored value. `file` is the value of the machine file when it was stored; None if it is
+    unknown, or if the file had none."""
 
     setting: Setting
     file: str | None = None
@@ -103,15 +103,15 @@ class Override(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Store:
-    """The settings file of one machine. A file of another machine, of another version, or damaged
-    is refused with the reason."""
+    """The settings file of one machine. A damaged file, or one of another machine or version, is
+    refused with the reason."""
 
     path: Path
     uuid: str
 
     def save(self, overrides: list[Override]) -> int:
-        """Stores values; returns their checksum. When this returns they survive a power cut; if
-        it raises CommandError, the file holds what it held before."""
+        """Stores values; returns their checksum. When this returns, the values survive a power cut.
+        Raises CommandError; then the file is unchanged."""
         rows = [{"set": str(setting), "file": file} for setting, file in overrides]
         crc = _crc(_texts(rows))
         content = {"version": VERSION, "machine": self.uuid, "crc": crc, "settings": rows}
@@ -122,7 +122,7 @@ class Store:
         return crc
 
     def load(self) -> list[Override] | None:
-        """The stored values, also of a file of version 1; None if nothing is stored. Raises
+        """The stored values, also from a file of version 1; None if there is no file. Raises
         CommandError with the reason if the file must not be used."""
         try:
             table = load_json(self.path)
@@ -149,7 +149,7 @@ class Store:
 
 
 def _overrides(rows: list[object], version: int) -> list[Override] | None:
-    """The rows of a file of that version; None if they are not commands."""
+    """The values in the rows of a file of this version; None if the rows are invalid."""
     found: list[Override] = []
     for row in rows:
         match row:

@@ -1,1 +1,1 @@
-"""Whole files without a console: print on the simulated printer, estimate, trace."""
+"""Jobs without a console: print on the simulated printer, estimate, trace."""

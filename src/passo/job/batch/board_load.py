@@ -1,4 +1,5 @@
-"""The load of a plan on the board and its link: its maximum, and where it exceeds the budget."""
+"""The load of a plan on the board and its link: its maxima, and the places where it exceeds the
+budget."""
 
 from __future__ import annotations
 
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.machine import MachineConfig
 
-_WIDEST_US = 25.0  # of a step's time, if that saves commands
-_NEAR = 0.8  # of the budget: a smaller load is of no interest to users
+_WIDEST_US = 25.0  # maximum error of a step's time, where that saves commands
+_NEAR = 0.8  # fraction of the budget; smaller loads are not reported
 _BURST = ", in a burst that is sent ahead"
 _NAMES = {
     "steps": "processor{}, for steps",
@@ -33,8 +34,8 @@ _BOUNDS = {
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A place of a file: its line, and its load as a fraction of the budget. `board` is the one of
-    several boards with the highest load: empty for the main one, None if there is only one."""
+    """A place of a file: its line, and its load as a fraction of the budget. `board` is the board
+    with the highest load: empty for the main board, None if there is only one board."""
 
     line: int
     load: float
@@ -42,19 +43,18 @@ class Place:
 
     @property
     def of_board(self) -> str:
-        """` of the board tool`; nothing if there is only one."""
+        """The board as ` of the board tool`; empty if there is only one board."""
         return "" if self.board is None else f" of {_board(self.board)}"
 
 
 @dataclass(frozen=True, slots=True)
 class BudgetUse:
-    """`worst` by limit, where the load exceeded the budget. For `widened_s` seconds steps may be
-    farther from their ideal times, by at most `tolerance_us`.
-
-    `densest`: the maximum loads of the plan as it is: fractions of the processor's time for steps
-    and commands, of the link's bytes, and of the move queue; each of the board with the highest
-    load. `unsure_s` is a rate of commands a second so low that some may be late in spite of a lower
-    speed; 0 if none may. Empty without a budget.
+    """The use of the board's budget; empty without a budget. `worst` has, by limit, the place of
+    the highest load above the budget. For `widened_s` seconds, steps may deviate from their ideal
+    times by up to `tolerance_us`. `densest` has the maximum loads of the final plan: fractions of
+    the processor's time for steps and commands, of the link's bytes, and of the move queue, each
+    for the board with the highest load. `unsure_s` is a limit in commands per second that is so low
+    that some commands may be late even at a lower speed; 0 if all are in time.
     """
 
     worst: dict[str, Place] = field(default_factory=dict[str, Place])
@@ -64,9 +64,10 @@ class BudgetUse:
     unsure_s: float = 0.0
 
     def told(self, file: str) -> Iterator[str]:
-        """What a console reports before a print: nothing without a budget, and nothing about loads
-        that the board can take easily."""
-        told = {"slots", *self.worst}  # full slots alone do no harm: the link waits for one
+        """The report for consoles before a print: empty without a budget, and without loads that
+        the board handles easily."""
+        # a full move queue alone does no harm, because the link waits
+        told = {"slots", *self.worst}
         near = {k: p for k, p in self.densest.items() if p.load >= _NEAR and k not in told}
         for name, place in near.items():
             yield (
@@ -87,7 +88,7 @@ class BudgetUse:
 
     @property
     def advice(self) -> str:
-        """The advice to the user for `unsure_s`."""
+        """The advice for the user if `unsure_s` is not 0."""
         return (
             f"{self.unsure_s:.0f} a second are few. Use a faster link or board, longer moves, or"
             " less acceleration"
@@ -99,8 +100,8 @@ class BudgetUse:
             yield _BOUNDS[name].format(place.of_board), place
 
     def shares(self) -> list[tuple[str, str]]:
-        """Each limit, and the load with its line; nothing without a budget. A load above 1, within
-        some 0.15 s, is a burst: the plan sends a part of it ahead."""
+        """Each limit, and the load with its line; nothing without a budget. A load above 1 is a
+        burst of less than about 0.15 s, of which the plan sends a part ahead."""
         return [
             (
                 _NAMES[name].format(place.of_board),
@@ -111,7 +112,7 @@ class BudgetUse:
 
 
 def budget_use(plan: Mapping[str, Any], machine: MachineConfig) -> BudgetUse:
-    """The budget use in the statistics of a job on this machine."""
+    """The budget use of a job on this machine, from the statistics of its plan."""
     return BudgetUse(
         _worst(plan["loads"], machine),
         plan["widened_s"],
@@ -126,7 +127,7 @@ def _board(name: str) -> str:
 
 
 def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
-    """The loads on the boards that limit steps and commands."""
+    """For each limit, the load on the board with the highest load."""
     specs, found = machine.budget_specs, dict[str, Place]()
     for kind, (line, load) in loads.items():
         name = min(specs, key=lambda name: specs[name][f"{kind}_s"])
@@ -136,7 +137,7 @@ def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> di
 
 
 def _unsure_s(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> float:
-    """The rate of commands that is the limit, if it is low and a lower speed has to keep to it."""
+    """The limit of commands per second, if it is low and forces a lower speed; else 0."""
     if "commands" not in loads:
         return 0.0
     saved = (_WIDEST_US / machine.board.compression_tolerance_us) ** 0.25

@@ -1,4 +1,4 @@
-"""Time and filament of a file: the plan without steps, and the time to heat."""
+"""Estimates time and filament of a file: plans it without steps, and simulates the heating."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 class Estimate:
     """Figures of a plan. `total_s` is the sum of `moving_s`, `dwell_s` and `heating_s`.
 
-    `heating_s` is how long the file waits for temperatures on the simulated printer of the machine
-    file, starting at 25 °C; a real printer differs with its heaters and its room. `layers_s` has
-    one figure for each of `layers`, of moves and dwells; `before_layers_s` is the same before the
-    first one. `errors` are those of an estimate that failed, whose figures are 0.
+    `heating_s` is the time for which the file waits for temperatures on the simulated printer of
+    the machine file, starting at 25 °C; a real printer differs. `layers_s` has the time of moves
+    and dwells of each of the `layers`; `before_layers_s` is the time before the first one. An
+    estimate that failed has `errors`, and its figures are 0.
     """
 
     file: str
@@ -58,8 +58,7 @@ def estimate(
     clamp: bool = False,
     ignore_tools: bool = False,
 ) -> Estimate:
-    """Plans the file on the machine; nothing moves or heats, and no step is made. Raises
-    InputError."""
+    """Plans the file on the machine, without steps. Raises InputError."""
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
         return estimate_open(
@@ -77,8 +76,8 @@ def estimate_open(
     ignore_tools: bool = False,
     take_path: Callable[[bytes], None] | None = None,
 ) -> Estimate:
-    """`estimate` with an open file of so many bytes, at its beginning. `take_path` is called with
-    the planned path, see toolpath.py. Also raises the errors of reading."""
+    """As `estimate`, for an open file of `size` bytes, which is at its beginning. `take_path` is
+    called with the planned path, see toolpath.py. Also raises the errors of reading."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
     if take_path:
@@ -94,7 +93,7 @@ def estimate_open(
         take_path(encoded_toolpath(job, heating.targets))
     plan = job.statistics()
     layers, layers_s = plan["layers"], plan["layer_s"]
-    # Moves before the first layer mark belong to no layer once there are marks.
+    # If a file has layer marks, moves before the first mark belong to no layer.
     counted_s = layers_s[1 : layers + 1]
     return Estimate(
         file=name,

@@ -1,4 +1,4 @@
-"""Estimates how long a file will take, while its print is running."""
+"""Estimates the duration of a file while its print is running."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from passo.card import Reader
     from passo.config.machine import MachineConfig
 
-_PIECE = 1 << 14  # bytes planned at once: some milliseconds
-_REST_S = 0.02  # of host time between two pieces
+_PIECE = 1 << 14  # bytes planned at once, in some milliseconds
+_REST_S = 0.02  # host time between two pieces
 
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """Seconds of motion and dwell in a file, without heating, and those before the byte where its
-    print begins; its layers; its load on the board."""
+    """The figures of a file: seconds of motion and dwell, in total and before the byte at which its
+    print begins, without heating; its layers; its load on the board."""
 
     seconds: float
     before_s: float
@@ -35,8 +35,8 @@ class Forecast:
 
 
 async def forecast(machine: MachineConfig, reader: Reader, begin: int) -> Forecast | None:
-    """The forecast of a file whose print begins at a byte; None if it cannot be planned to its end.
-    Works in pieces, because other tasks need the event loop too. Closes the reader."""
+    """The forecast of a file whose print starts at byte `begin`; None if the file cannot be planned
+    to its end. It plans in pieces, so that other tasks can run. Closes the reader."""
     job = _core.Job(machine.core_spec(), False, True, True)
     commands = Commands.of_plan(machine, job)
     before_s = 0.0

@@ -1,4 +1,5 @@
-"""How long a plan waits for its heaters, by the simulated heat of the machine file."""
+"""Computes the time for which a plan waits for its heaters, with the simulated heat of the machine
+file."""
 
 from __future__ import annotations
 
@@ -19,10 +20,9 @@ LONGEST_S = 3600.0  # a heater that takes longer is broken
 
 
 class Heating:
-    """The heaters of one planned job: they heat, hold and cool while the plan runs.
-
-    `seconds` is the time that the job has waited for them; `unreached` are the heaters that did not
-    reach a target within an hour, or failed, each with that target in °C.
+    """The simulated heaters of one planned job. `seconds` is the time for which the job has waited
+    for them so far; `unreached` are the heaters that failed or did not reach a target within an
+    hour, each with this target in °C.
     """
 
     def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
@@ -45,11 +45,11 @@ class Heating:
             )
             for name, heater in machine.heaters.items()
         }
-        self._now_s = 0.0  # of the plan alone
+        self._now_s = 0.0  # time of the plan without waits for heaters
         self.seconds = 0.0
         self.unreached: dict[str, float] = {}
         self.targets: list[tuple[float, str, float]] = []
-        """Each target that was set: the time of the plan in s, the heater, °C."""
+        """The targets so far: the time of the plan in s, the heater, the target in °C."""
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a target when the moves so far are done, or at once."""
@@ -60,11 +60,11 @@ class Heating:
             self._job.mark(self._names.index(heater), round(celsius * 100))
 
     def settle(self, wait: Wait, commands: Commands) -> None:
-        """Ends a wait of the plan: lets the time for the temperatures pass."""
+        """Ends a wait of the plan, after the simulated time that its temperatures need."""
         heated(self._job, lambda heaters: self._wait(heaters, commands))(wait)
 
     def finish(self) -> None:
-        """The plan is complete: lets the rest of its time pass."""
+        """Call this when the plan is complete: lets the rest of its time pass."""
         self._pass()
 
     def warnings(self, file: str) -> list[str]:
@@ -81,7 +81,7 @@ class Heating:
         for name, fan in self._fans.items():
             self._bodies[name].set_fan(commands.outputs.fans.get(fan, 0.0))
         loops = {name: self._bodies[name].heater for name in heaters}
-        # Only heating is waited for.
+        # Wait only for heating, not for cooling.
         waited = [h for h in loops.values() if h.celsius <= h.target + h.arrival.window_c]
         took_s = 0.0
         while took_s < LONGEST_S and any(
@@ -95,7 +95,7 @@ class Heating:
                 self.unreached.setdefault(name, h.target)
 
     def _pass(self) -> None:
-        """Lets the time of the settled plan pass up to its end; targets change during it."""
+        """Simulates the heaters up to the end of the settled plan, with all changes of targets."""
         while (mark := self._job.next_mark) is not None:
             self._job.pop_mark()
             clock, heater, centi = mark

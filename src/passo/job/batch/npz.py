@@ -30,10 +30,8 @@ def npy_header(kind: str, count: int | None) -> bytes:
 def write_npz(
     path: str | os.PathLike[str], arrays: Mapping[str, tuple[str, bytes | bytearray]], alone: str
 ) -> None:
-    """Writes name → (kind, raw little-endian values), or one value alone where `alone` has the
-    name; the file appears whole or not at all.
-
-    Raises OSError.
+    """Writes `arrays`: name → (kind, raw little-endian values). A name in `alone` is written as a
+    single value. The file appears completely or not at all. Raises OSError.
     """
     with (
         replaced(Path(path)) as temporary,

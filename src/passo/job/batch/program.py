@@ -1,4 +1,4 @@
-"""Reads a program through a job without consoles: the one loop for all such uses."""
+"""Feeds a program to a job without consoles."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves,
 _log = logging.getLogger(__name__)
 
 _MAX_MESSAGES = 1 << 15
-_ALLOWED_BY = {  # options of the command line only; consoles have none
+_ALLOWED_BY = {  # options of the command line
     "input.out-of-range": "--out-of-range clamp",
     "input.unreachable": "--out-of-range clamp",
     "input.actuator": "--out-of-range clamp",
@@ -40,8 +40,8 @@ Settle = Callable[[Wait], None]
 
 
 def at_rest(job: _core.Job) -> Settle:
-    """Ends the waits of a plan without temperatures: homing sets positions, all others only stop
-    the machine."""
+    """Ends the waits of a plan without temperatures. Homing sets positions; all other waits only
+    stop the machine."""
 
     def settle(wait: Wait) -> None:
         if isinstance(wait, WaitForHoming):
@@ -75,13 +75,12 @@ def read_program(
     settle: Settle,
     unsurveyed: Skips = ALL,
 ) -> Iterator[None]:
-    """Feeds the pieces to the job and its commands to the printer, to the end.
-
-    Yields whenever the job has made progress or has as many messages as it may; the caller takes
-    them then. At the last yield the job is flushed. Commands that are refused become warnings.
-    Raises InputError with `name` as the file, also for words without a number, and for a refused
-    command unless the commands let it pass. `unsurveyed` are the commands that lines of macros may
-    leave out, because the survey does not read these lines.
+    """Feeds all pieces to the job, and executes its commands. It yields when the job has made
+    progress or its message queue is full; then the caller must take the messages. At the last
+    yield, the job is flushed. Refused commands become warnings if `commands` allows it. Raises
+    InputError with `name` as the file for a refused command otherwise, and for words without a
+    number. `unsurveyed` are the commands that lines of macros may skip, because the survey does not
+    read these lines.
     """
     status = _core.JobStatus
     source = iter(pieces)
@@ -130,7 +129,7 @@ def _end(wait: Wait, command: Command, commands: Commands, settle: Settle, name:
 
 
 def _expand(job: _core.Job, commands: Commands, name: str, settle: Settle) -> None:
-    """Replaces a macro call by its lines. Raises InputError with `name` as the file."""
+    """Expands a macro call to its lines. Raises InputError with `name` as the file."""
     command = Command(*job.event)
     try:
         commands.expand(command, lambda text: _log.info("%s", text))
@@ -143,7 +142,7 @@ def _expand(job: _core.Job, commands: Commands, name: str, settle: Settle) -> No
 
 
 def with_option(problem: Problem) -> Problem:
-    """The problem, with the option of the command line that allows it."""
+    """The problem, with a hint to the command-line option that allows it."""
     option = _ALLOWED_BY.get(problem.code)
     advice = f"{problem.entry.action}, or allow {option}"
     return replace(problem, hint=advice) if option else problem
@@ -156,9 +155,9 @@ def run_program(
     settle: Settle | None = None,
     end: int | None = None,
 ) -> Iterator[float]:
-    """`read_program` with a file, or its lines before number `end`; yields the fraction of it that
-    is read. Without `settle` it waits for nothing. Raises InputError: before the first line for
-    commands that must not be left out, unless the file is a pipe; and at the end of a file for a
+    """As `read_program`, for a file, or for its lines before number `end`; yields the fraction of
+    the file that is read. Without `settle` it waits for nothing. Raises InputError before the first
+    line for commands that must not be skipped (unless the file is a pipe), and at the end for a
     text without any known command."""
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
@@ -174,7 +173,7 @@ def run_open_program(
     settle: Settle | None = None,
     end: int | None = None,
 ) -> Iterator[float]:
-    """`run_program` with an open file of so many bytes, at its beginning."""
+    """As `run_program`, for an open file of `size` bytes, which is at its beginning."""
     unsurveyed = commands.skips
     if source.seekable():
         found = survey(commands.machine, chunks(source, name))

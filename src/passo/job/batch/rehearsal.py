@@ -24,20 +24,21 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class _Target:
-    """The last target that the program has set for a hotend, °C, and the clock of the plan until
-    which an earlier, warm target is in force."""
+    """The last target of a hotend, °C, and the clock of the plan up to which an earlier, warm
+    target applies."""
 
     celsius: float = 0.0
     warm_until: float = 0.0
 
 
 class RehearsedCommands(Commands):
-    """Commands of a print that fails where a print from the card of the served printer stops: at
-    moves of axes that are not homed, cold extrusion, and every command that is refused.
+    """The commands of a print with the checks of the served printer. The print fails where a print
+    from the card would stop: at moves of axes that are not homed, at cold extrusion, and at each
+    refused command.
 
-    A hotend that is cold and has no warm target blocks filament when a line is read. If its
-    temperature is still rising when a line is read, it is checked while the board moves the
-    filament: then the plan need not wait, and its steps are those of a print without checks.
+    A hotend that is cold and has no warm target blocks filament when a line is read. A hotend that
+    is still heating up when a line is read is checked later, when the board moves the filament. So
+    the plan need not wait, and its steps equal those of a print without checks.
     """
 
     def __init__(
@@ -52,25 +53,25 @@ class RehearsedCommands(Commands):
         self._boards = boards
         self.cold = ColdExtrusion(machine)
         self._targets = {name: _Target() for name in machine.heaters}
-        self._unsure = False  # the lines since the last check may move cold filament
+        self._unsure = False  # whether lines since the last check may move cold filament
         self._now = 0.0
-        self.unsure_until = -1.0  # clock of the plan until which that was so
+        self.unsure_until = -1.0  # clock of the plan up to which this was so
         self.catch_up: Callable[[], None] = lambda: None  # lets the board execute the plan so far
         self._axes = axis_order(machine.axes)
         self._lock(homed_axes(machine))
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
-        """See `Commands.run`."""
+        """As `Commands.run`."""
         if command.code == "M302":
             return self._guard_set(command)
         wait = super().run(command, reply)
         if command.code in ("M18", "M84") and "S" not in command.words():
             self._lock(axes_lost(self._machine, named_motors(self._machine, command.text)))
-        self.guard(self._now)  # a tool or a target may have changed
+        self.guard(self._now)  # the tool or a target may have changed
         return wait
 
     def refuse(self, command: Command, error: CommandError, file: str) -> None:
-        """Raises InputError: a print from the card stops there, too."""
+        """Raises InputError, because a print from the card would stop here too."""
         placed = (replace(p, file=file, line=command.line) for p in error.problems)
         raise InputError([with_option(problem) for problem in placed])
 
@@ -91,15 +92,15 @@ class RehearsedCommands(Commands):
         super().settled(wait)
 
     def target_set(self, heater: str, celsius: float) -> None:
-        """The program has set a target that acts after all moves so far."""
+        """Call this when the program has set a target that takes effect after all moves so far."""
         target = self._targets[heater]
         if target.celsius >= self.cold.cold_c:
             target.warm_until = self._plan_end
         target.celsius = celsius
 
     def guard(self, now: float) -> None:
-        """From now on lines move filament only if its hotend is warm, or may become warm. `now` is
-        the board's clock within the job."""
+        """Allows later lines to move filament only if its hotend is warm, or may become warm. `now`
+        is the board's clock within the job."""
         self._now = now
         if self._unsure:
             self.unsure_until = self._plan_end
@@ -120,7 +121,7 @@ class RehearsedCommands(Commands):
             self._job.set_cold_axis(number, holds(heater))
 
     def cold_filament(self) -> list[tuple[str, bool]]:
-        """Each motor that moves filament, and whether that is too cold to move now."""
+        """For each motor of an extruder, whether its filament is too cold to move now."""
         machine, heaters, cold = self._machine, self._boards.heaters, self.cold
         of_extruder: dict[str, list[str]] = {}
         for number, tool in enumerate(machine.all_tools if cold.hotends else ()):
@@ -147,7 +148,7 @@ class RehearsedCommands(Commands):
         return self._job.clock + self._job.queued_ticks
 
     def _guard_set(self, command: Command) -> Wait:
-        """Sets M302 when the earlier lines are done: the old setting holds for them."""
+        """Sets M302 when the earlier lines are done, because the old setting applies to them."""
         command.check()
 
         def take() -> None:

@@ -18,11 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class PrintResult:
-    """Figures of one print; `--json` prints these fields. print_time = move + heat + dwell.
-
-    `cpu_s` is the processor time of this job alone: its stages, and in `total` all of it, without
-    the start of the program. `process_peak_rss_mb` belongs to the process: after several jobs, or
-    with others running, it is that of the largest so far.
+    """The figures of one print; `--json` prints these fields. print_time = move + heat + dwell.
+    `cpu_s` is the processor time of this job by stage, and its sum in `total`, without the start of
+    the program. `process_peak_rss_mb` is the peak of the whole process, which includes earlier and
+    parallel jobs.
     """
 
     file: str
@@ -85,11 +84,12 @@ class PrintResult:
 
 
 def process_peak_rss_mb() -> float:
-    """Peak memory of this process since it began; systems do not measure it per job."""
+    """The peak memory of this process since its start, in MB; systems do not measure it for each
+    job."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def thread_cpu_s() -> float:
-    """Processor seconds of this thread, by the clock with which the core measures its stages. A job
-    runs in one thread, so a difference belongs to this job even if others run."""
+    """The processor seconds of this thread, by the same clock as the stages of the core. A job runs
+    in one thread, so a difference belongs to this job even if others run."""
     return time.thread_time()

@@ -34,14 +34,15 @@ _HORIZON_S = 0.2  # commands are sent to the board at most this long before they
 _LOOK_S = 0.5  # interval of the checks of filament that may be cold
 _SLICE_S = 0.5  # interval of temperature readings during a wait
 _TIMEOUT_S = 3600.0  # a heater that takes longer is broken
-_TOO_EARLY = 0.01  # fraction of a file that is too small to predict the rest
+_TOO_EARLY = 0.01  # smaller fractions of a file cannot predict the rest
 _STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """The progress of a print: fraction of the file done, layer, print time and the part of it for
-    heating; of each heater its temperature, its target (0: off), °C, and its power, 0 to 1."""
+    """The progress of a print: the fraction of the file that is done, the layer, the print time and
+    its part for heating; for each heater its temperature and target (0: off), °C, and its power, 0
+    to 1."""
 
     share: float
     layer: int
@@ -53,15 +54,15 @@ class Progress:
 
     @property
     def left_s(self) -> float | None:
-        """Print time left if the rest of the file takes as long as the finished part, without
-        heating again; None at the beginning."""
+        """The remaining print time, extrapolated from the finished part without its heating; None
+        at the beginning."""
         if self.share <= _TOO_EARLY:
             return None
         return (self.print_s - self.heat_s) * (1 - self.share) / self.share
 
 
 class _Targets:
-    """Sets the targets of a print's heaters. It does not refer to the print, so that the two are
+    """Sets the targets of a print's heaters. It has no reference to the print, so that both are
     freed without the garbage collector."""
 
     def __init__(self, job: _core.Job, connection: Boards, heaters: list[str]) -> None:
@@ -115,11 +116,12 @@ class Print:
         self._commands.skips = self._policy.skips.on(machine)
         self.first_layer: FirstLayerWatch | None = None
         self._probing = BedProbing(machine, self.job, self._commands)
-        self._filament: dict[str, int] | None = None  # steps so far, while it may be cold
-        self.base = 0  # board clock at which the job begins
+        # steps of filament motors so far, while filament may be cold
+        self._filament: dict[str, int] | None = None
+        self.base = 0  # board clock at which the job starts
         self._wire_cpu_s = 0.0
         self._heat_s = 0.0
-        # Line, fraction of the file, and layer up to which the file was read before, and is read
+        # Line, fraction of the file, and layer: up to which the file was read before, and is read
         # now.
         self._from = self._to = (0, 0.0, 0)
         self._watch: Callable[[], None] = lambda: None
@@ -133,11 +135,12 @@ class Print:
         return self._commands.macros
 
     def watch(self, watcher: Callable[[], None]) -> None:
-        """Before `run`: a function to call whenever the plan has grown."""
+        """Sets a function that is called whenever the plan has grown. Call it before `run`."""
         self._watch = watcher
 
     def trace_until(self, seconds: float) -> None:
-        """Before `run`: lets the simulated board keep its steps up to this print time."""
+        """Makes the simulated board record its steps up to this print time, in seconds. Call it
+        before `run`."""
         self._trace_s = seconds
 
     def wait_for(self, heaters: list[str]) -> None:
@@ -152,7 +155,7 @@ class Print:
         waited = 0.0
         loops = {name: self.connection.heaters[name] for name in heaters}
         warm = [n for n, h in loops.items() if h.celsius > h.target + h.arrival.window_c]
-        heaters = [name for name in heaters if name not in warm]  # only heating is waited for
+        heaters = [name for name in heaters if name not in warm]  # wait only for heating
         while any(self._on_its_way(name) for name in heaters):
             if waited >= _TIMEOUT_S:
                 raise self._too_slow(heaters)
@@ -169,9 +172,9 @@ class Print:
         end: int | None = None,
         result: PrintResult | None = None,
     ) -> PrintResult:
-        """Prints the file to its end, or up to this line, which is left out. Raises InputError, or
-        MachineError, also for M112 and M410, which end a print as soon as they are read. A given
-        `result` has the warnings and the cost of such a print, too."""
+        """Prints the file to its end, or to the line before `end`. Raises InputError and
+        MachineError, also for M112 and M410, which end a print as soon as they are read. After an
+        error, a given `result` has the warnings and the cost so far."""
         result = result or PrintResult(file=str(path), machine=self._machine.name)
         begin_s = thread_cpu_s()
         self._join()
@@ -193,7 +196,7 @@ class Print:
             self._checks.catch_up = lambda: self._run_to(self.job.clock)
 
     def _part(self) -> None:
-        """Removes all references back to the print, which would keep everything until the garbage
+        """Removes all references back to the print, which would keep it in memory until the garbage
         collector runs."""
         self.connection.set_on_fault(None)
         self._commands.probing = lambda command: None
@@ -223,14 +226,14 @@ class Print:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
         if checks is not None:
-            self.job.line_at(0)  # lines of moves are kept from here on
+            self.job.line_at(0)  # record the lines of moves from here on
             checks.guard(0)
         for share in run_program(self.job, self._commands, path, settle, end):
             self._watch()
             if self.job.line > self._to[0]:
                 self._from, self._to = self._to, (self.job.line, share, self.job.layer)
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
-            self.job.passed(self.job.clock)  # nothing is ever replanned
+            self.job.passed(self.job.clock)  # moves are never replanned
             if watch is not None:
                 watch.look()
         self._run_to(self.job.clock)
@@ -264,10 +267,10 @@ class Print:
         return self.first_layer
 
     def _run_to(self, job_clock: float) -> None:
-        """Lets the board work up to a clock of the job; heaters are set at their marks."""
+        """Runs the board up to a clock of the job, and sets heaters at their marks."""
         if self._checks is not None:
             now = self.connection.now - self.base
-            self.job.line_at(now)  # call often: it drops past lines
+            self.job.line_at(now)  # drops past lines, so call it often
             self._checks.guard(now)
         while (mark := self.job.next_mark) is not None and mark[0] <= job_clock:
             self._run(self.base + mark[0])
@@ -293,7 +296,7 @@ class Print:
                 self._progress(self._where())
 
     def _looks_at_filament(self) -> bool:
-        """Whether the next moves of the board may move filament whose hotend is not warm."""
+        """Whether the next moves on the board may move filament of a hotend that is not warm."""
         checks = self._checks
         if checks is None or self.connection.now - self.base >= checks.unsure_until:
             self._filament = None
@@ -343,7 +346,7 @@ class Print:
             self.connection.emergency_stop()
         for heater in self._heaters:
             self.connection.set_target(heater, 0.0)
-        with suppress(MachineError):  # a stopped board reports it
+        with suppress(MachineError):  # a stopped board raises
             self.connection.run(self.connection.now + round(_SLICE_S * self._hz))
         raise MachineError([fault.problem])
 

@@ -15,7 +15,7 @@ CHUNK = 1 << 16
 
 
 def open_source(path: str | os.PathLike[str]) -> BinaryIO:
-    """The file, open for reading. Raises InputError if it cannot be read or holds nothing."""
+    """Opens a file for reading. Raises InputError if it cannot be read or is empty."""
     if not os.fspath(path):
         raise _unreadable("''", "the name is empty")
     try:
@@ -40,8 +40,8 @@ def chunks(source: BinaryIO, path: str) -> Iterator[bytes]:
 
 
 def lines(source: BinaryIO) -> Iterator[bytes]:
-    """The file in lines, which end with LF, CR LF or CR, as the core counts them; then it is
-    closed."""
+    """Yields the lines of the file, which end with LF, CR LF or CR as in the core; then closes the
+    file."""
     with TextIOWrapper(source, "latin-1", newline="") as text:
         for line in text:
             yield line.encode("latin-1")

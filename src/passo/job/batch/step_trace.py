@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class StepTrace:
-    """Steps of each motor: ticks since the job began, directions ±1, ideal ticks or nothing; and
-    the warnings of the print."""
+    """The steps of each motor: ticks since the start of the job, directions ±1, and ideal ticks if
+    requested; and the warnings of the print."""
 
     clock_hz: int
     ticks: dict[str, array[int]]
@@ -40,9 +40,8 @@ def trace_steps(
     to_s: float | None = None,
     ideal: bool = False,
 ) -> StepTrace:
-    """Prints the file and keeps what the board executed from `from_s` to `to_s` of print time.
-
-    Raises InputError or MachineError.
+    """Prints the file, and returns the steps that the board executed from `from_s` to `to_s` of
+    print time. Raises InputError or MachineError.
     """
     job = Print(machine, policy)
     hz = machine.board.clock_hz

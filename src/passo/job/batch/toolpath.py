@@ -11,13 +11,13 @@ if TYPE_CHECKING:
     from passo import _core
 
 _MAGIC = b"PASSOTP1"
-# Name, type, numbers a row, unit of its values.
+# Name, type, numbers per row, unit of the values.
 _COLUMNS = (
     ("at", "u2", 4, 1.0),
     ("time", "f4", 1, 1.0),  # s
     ("line", "u4", 1, 1.0),
-    ("speed", "u2", 1, 0.02),  # mm/s, while it cruises
-    ("flow", "u2", 1, 0.001),  # mm of filament a second, on average
+    ("speed", "u2", 1, 0.02),  # mm/s, cruising speed
+    ("flow", "u2", 1, 0.001),  # mm of filament per second, mean
     ("acceleration", "u2", 1, 1.0),  # mm/s²
     ("feature", "u1", 1, 1.0),
     ("speed_limit", "u1", 1, 1.0),
@@ -26,8 +26,8 @@ _COLUMNS = (
 
 
 def encoded_toolpath(job: _core.Job, targets: Sequence[tuple[float, str, float]]) -> bytes:
-    """The path of a job with `keep_toolpath`, all of whose moves are planned, with the `targets` of
-    its heaters as `Heating.targets` has them."""
+    """The path of a completely planned job with `keep_toolpath`, with the `targets` of its heaters
+    in the form of `Heating.targets`."""
     taken = job.take_toolpath()
     if taken is None:
         raise ValueError("the job does not keep its path")

@@ -12,9 +12,9 @@ from passo.job.durable_files import replaced
 
 
 def timescale(clock_hz: int) -> tuple[int, str, int]:
-    """(number, unit, such units per second) of the coarsest timescale in which a tick is whole.
-
-    Clocks that do not fit a picosecond grid get picoseconds, with each time rounded to the nearest.
+    """The coarsest timescale in which a tick is a whole number, as (number, unit, such units per
+    second). For a clock that does not fit a picosecond grid, picoseconds, to which times are
+    rounded.
     """
     for unit, by_second in (("ns", 10**9), ("ps", 10**12)):
         for number in (100, 10, 1):
@@ -26,7 +26,7 @@ def timescale(clock_hz: int) -> tuple[int, str, int]:
 def _edges(
     index: int, ticks: array[int], directions: array[int], pulse: int
 ) -> Iterator[tuple[int, int, str]]:
-    """(tick, order, change) of one motor: direction first, then the pulse."""
+    """The (tick, order, change) of one motor: direction first, then the pulse."""
     direction = 0
     for i, tick in enumerate(ticks):
         if directions[i] != direction:
@@ -48,9 +48,8 @@ def write_vcd(
     clock_hz: int,
     steppers: Mapping[str, tuple[array[int], array[int], int]],
 ) -> None:
-    """Writes name → (ticks, directions ±1, pulse ticks); the file appears whole or not at all.
-
-    A direction changes one tick before the first step that it holds for. Raises OSError.
+    """Writes `steppers`: name → (ticks, directions ±1, pulse ticks). The file appears completely or
+    not at all. A direction changes one tick before its first step. Raises OSError.
     """
     number, unit, by_second = timescale(clock_hz)
     with replaced(Path(path)) as temporary, temporary.open("w", encoding="ascii") as out:

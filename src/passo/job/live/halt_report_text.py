@@ -21,8 +21,9 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # terminal control char
 
 
 class JobMoment(NamedTuple):
-    """The print at the halt. `line` is that of the current move, 0 if there is none; `offset` and
-    `size` are bytes of the file, read and in total; `printed_s` is print time without pauses."""
+    """The print at the halt. `line` is the line of the current move, 0 if there is none; `offset`
+    and `size` are bytes of the file, read and in total; `printed_s` is print time without
+    pauses."""
 
     state: str
     file: str
@@ -52,7 +53,8 @@ class HaltReport:
     machine: str
 
     def text(self) -> str:
-        """The report, one section a subject; times are seconds relative to the halt."""
+        """The report, with one section for each subject. Times are in seconds relative to the
+        halt."""
         sections: list[tuple[str, Iterable[str]]] = [
             ("Cause", self._cause()),
             ("Print", self._print()),

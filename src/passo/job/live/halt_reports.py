@@ -26,11 +26,12 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 KEPT_FILES = 10
-AFTER_S = 0.5  # until the frames are taken: time for the stop command and the answers of the boards
+# delay before the frames are read: time for the stop command and the answers of the boards
+AFTER_S = 0.5
 
 
 class _Halt:
-    """The data that only the moment of a halt has."""
+    """The data that must be copied at the moment of a halt."""
 
     def __init__(
         self,
@@ -47,16 +48,16 @@ class _Halt:
         self.cause = cause
         self.job = job
         self.heaters = [*history.samples(), (self.print_s, history.now())]
-        # A restart replaces the connections; these keep their recorded frames.
+        # A restart replaces the connections, so keep these, which have the recorded frames.
         self.connections = [(c, c.host_ticks) for c in printer.connection.connections]
 
 
 class HaltReports:
     """Writes `STEM-0001-DATE-TIME.txt` at a halt, then 0002 and so on, and keeps the last ten.
 
-    A thread writes, half a second after the halt: nothing waits for the disk. Neither a restart nor
-    the end of the program loses a report. All consoles and the log get its path. A report that
-    cannot be written is a warning.
+    A thread writes it half a second after the halt, so that the printer does not wait for the disk.
+    A report is written even if the printer restarts or the program ends. All consoles and the log
+    receive its path. A report that cannot be written causes only a warning.
     """
 
     def __init__(self, printer: Printer, runner: Runner, progress: Progress, stem: Path) -> None:
@@ -72,10 +73,10 @@ class HaltReports:
 
     def _halted(self, cause: PassoError) -> None:
         if cause.problems[0].code == "machine.restart":
-            return  # nothing has failed
+            return  # the cause is not a failure
         try:
             halt = _Halt(self._printer, self._loop.time(), self._job(), self._history, cause)
-        except Exception:  # the halt itself continues
+        except Exception:  # a failed report must not disturb the halt
             self._failed(exc_info=True)
         else:
             self._pending[halt] = self._loop.create_task(self._write_later(halt))
@@ -100,7 +101,7 @@ class HaltReports:
                 self._written(await asyncio.to_thread(_write, report, self._stem))
 
     def _close(self) -> None:
-        """The loop ends: writes the reports that are still open."""
+        """Call this at the end of the event loop: writes the reports that are still pending."""
         for halt, task in self._pending.items():
             task.cancel()
             with self._failures():
@@ -108,7 +109,7 @@ class HaltReports:
 
     @contextmanager
     def _failures(self) -> Generator[None]:
-        """A report that fails is a warning."""
+        """Turns an error within the block into a warning."""
         try:
             yield
         except OSError as error:
@@ -147,19 +148,19 @@ class HaltReports:
 
 
 def _trace(cause: PassoError) -> str:
-    """The trace of a fault of the program; empty for any other cause."""
+    """The traceback of a fault of the program; empty for any other cause."""
     fault = cause.__cause__
     return "" if fault is None else "".join(traceback.format_exception(fault))
 
 
 def _write(report: HaltReport, stem: Path) -> Path:
-    """Writes the next file, and removes those before the last ten. Raises OSError."""
+    """Writes the next file, and removes all but the last ten. Raises OSError."""
     before = _reports(stem)
     number = 1 + max(before, default=0)
     stamp = re.sub(r"[-:]|\..*", "", report.when).replace("T", "-")
     path = stem.with_name(f"{stem.name}-{number:04d}-{stamp}.txt")
     with replaced(path) as temporary:
-        text = report.text().replace(f"{Path.home()}/", "~/")  # a name of the user
+        text = report.text().replace(f"{Path.home()}/", "~/")  # the path contains the user's name
         temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
     for old in sorted(before)[: max(0, len(before) + 1 - KEPT_FILES)]:
         for file in before[old]:

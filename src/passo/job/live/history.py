@@ -1,4 +1,4 @@
-"""The history: one row for each print, and one row for each run of the program; in SQLite."""
+"""The history in SQLite: one row for each print, and one row for each run of the program."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ create table if not exists prints (
 )
 """
 _RUNS = "create table if not exists runs (id integer primary key, on_s real not null)"
-_LATER = {  # columns that older databases lack
+_LATER = {  # columns that older databases do not have
     "note": "alter table prints add column note text not null default ''",
     "started_s": "alter table prints add column started_s real",
 }
 
 
-_TIMEOUT_S = 0.1  # for another process that writes: the printer waits meanwhile
+_TIMEOUT_S = 0.1  # maximum wait for another process that writes; the printer waits too
 
 
 @dataclass(frozen=True, slots=True)
 class Totals:
-    """Totals of all remembered prints."""
+    """The totals of all stored prints."""
 
     prints: int
     done: int
     print_s: float
     longest_s: float
     filament_mm: float
-    on_s: float  # that the printer was on, printing or idle
+    on_s: float  # time for which the printer was on, printing or idle
 
 
 class PrintRow(NamedTuple):
-    """A print that is over; `started_s` is the wall clock, None if it is not known."""
+    """A finished print; `started_s` is wall clock time in seconds since 1970, None if unknown."""
 
     file: str
     size: int
@@ -62,7 +62,7 @@ class History:
         """`wall_s` is the wall clock, in seconds since 1970."""
         self._wall_s = wall_s
         directory.mkdir(parents=True, exist_ok=True)
-        self._run: int | None = None  # row of this run
+        self._run: int | None = None  # the row of this run
         self._base = sqlite3.connect(directory / "history.sqlite", timeout=_TIMEOUT_S)
         try:
             self._prepare()
@@ -90,7 +90,7 @@ class History:
         note: str = "",
         row: int | None = None,
     ) -> int | None:
-        """Adds a print, in place of that `row` if it still exists; returns the row. Durable when it
+        """Adds a print, or updates `row` if it still exists; returns its row. Durable when it
         returns."""
         with self._base:
             return self._base.execute(
@@ -102,7 +102,7 @@ class History:
             ).lastrowid
 
     def was_on(self, seconds: float) -> None:
-        """Stores how long this run has lasted. Durable when it returns."""
+        """Stores the duration of this run. Durable when it returns."""
         with self._base:
             if self._run is None:
                 found = self._base.execute("insert into runs (on_s) values (?)", (seconds,))
@@ -111,7 +111,7 @@ class History:
                 self._base.execute("update runs set on_s = ? where id = ?", (seconds, self._run))
 
     def totals(self, but: int | None = None) -> Totals:
-        """The totals of M78, without the print of row `but`, which is still running."""
+        """The totals for M78, without the print of row `but`, which is still running."""
         row = self._base.execute(
             "select count(*), coalesce(sum(ended = 'done'), 0), coalesce(sum(print_s), 0),"
             " coalesce(max(print_s), 0), coalesce(sum(filament_mm), 0),"

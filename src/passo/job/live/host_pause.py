@@ -1,4 +1,4 @@
-"""Pauses of prints that hosts send: the nozzle parks, and returns to where it was."""
+"""Pauses of prints that hosts send: parks the nozzle, and returns it to its earlier position."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-RECENT_S = 10.0  # a machine that was idle for longer prints nothing
+RECENT_S = 10.0  # idle longer than this means that no host print is running
 
 
 class HostPause:
-    """The pauses of prints that hosts send to one printer; `Runner` pauses those from the card."""
+    """Pauses the prints that hosts send to one printer; `Runner` pauses prints from the card."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -39,10 +39,11 @@ class HostPause:
         *,
         rearms: bool = False,
     ) -> None:
-        """Parks (`words`: see `Park.leave`), waits for the user, and returns. The caller holds the
-        motion lock, or no line is being read. Resuming `rearms` the heaters that have failed, which
-        `text` names. Raises Stopped after a stop or a halt, and when the host is `gone`: it would
-        not continue where the nozzle returned to."""
+        """Parks the nozzle (`words`: see `Park.leave`), waits for the user, and returns the nozzle.
+        The caller must hold the motion lock, or no line may be in progress. `text` is shown to the
+        user. With `rearms`, failed heaters are rearmed when the user resumes. Raises Stopped after
+        a stop or a halt, and when the host is `gone`, because it could not continue from the old
+        position."""
         printer = self._printer
         printer.tell("// action:pause")
         if not printer.job.suspended:
@@ -51,7 +52,7 @@ class HostPause:
             await self._leave_and_return(self._park, text, words, gone, rearms=rearms)
         except BaseException:
             if printer.job.suspended:
-                printer.job.forget_suspended()  # it will not be resumed
+                printer.job.forget_suspended()  # the suspended job cannot resume
             raise
         printer.resume_job()
         printer.tell("// action:resume")
@@ -63,8 +64,9 @@ class HostPause:
         words: Mapping[str, float],
         gone: Callable[[], bool] = lambda: False,
     ) -> None:
-        """The same in the pause of a file, which continues after it: the nozzle returns to where it
-        is now. If it cannot, the park of the file, `files`, restores what is missing."""
+        """As `stand_by`, during the pause of a file, which continues afterwards: the nozzle returns
+        to its present position. If it cannot, `files`, the park of the file, restores the retracted
+        filament later."""
         park = Park(self._printer, here=True)
         try:
             await self._leave_and_return(park, text, words, gone)
@@ -104,7 +106,7 @@ class HostPause:
         self._raise_if_stopped()
 
     async def _answered(self, gone: Callable[[], bool]) -> None:
-        """Waits until the user continues."""
+        """Waits until the user continues, or until the host is `gone`."""
         printer = self._printer
         try:
             printer.tell("echo:busy: paused for user")
@@ -122,15 +124,15 @@ class HostPause:
             raise Stopped("it was stopped")
 
     def _stop(self, _: str) -> None:
-        """M410, or a triggered endstop: discards the pause, because there is nothing to return
-        to."""
+        """Called after M410 or a triggered endstop: discards the pause, because the position is
+        lost."""
         self._stopped = True
         if self._printer.job.suspended and not self._printer.state.busy():
             self._printer.job.forget_suspended()
 
     def _heater_failed(self, fault: HeaterFault) -> None:
-        """The heater's policy is to pause the print. Running lines, such as one that homes, end
-        first; no other line is accepted."""
+        """Called for a failed heater whose policy is to pause the print. Lines in progress, such as
+        homing, end first; no other line is accepted."""
         printer = self._printer
         if printer.state.busy() or printer.halted or printer.state.host_paused:
             return
@@ -147,14 +149,15 @@ class HostPause:
             await printer.queue.until(
                 lambda: not printer.waits.busy or bool(printer.halted), idly=True
             )
-            mended = printer.connection.heaters[fault.heater].fault is None  # in another pause
+            # rearmed during another pause
+            mended = printer.connection.heaters[fault.heater].fault is None
             if not (printer.halted or mended):
                 printer.suspend_job()
                 pause = WaitForProcedure(lambda: self.stand_by(text, {}, rearms=True))
                 try:
                     await printer.waits.wait(pause, NullReply())
                 except Stopped:
-                    pass  # the source of the stop has been notified
+                    pass  # the source of the stop has reported it
                 except PassoError as error:
                     printer.halt(error, f"the print could not be paused: {error}")
         finally:

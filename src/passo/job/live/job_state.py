@@ -31,17 +31,17 @@ _S = JobState
 TRANSITIONS: dict[JobState, frozenset[JobState]] = {
     # M23 selects a file.
     _S.NONE: frozenset({_S.READY}),
-    # M22 releases it; M1000 selects it and approaches the position where its print resumes; M24
-    # starts.
+    # M22 releases the file; M1000 approaches the position at which its print resumes; M24 starts
+    # it.
     _S.READY: frozenset({_S.NONE, _S.APPROACHING, _S.PRINTING}),
-    # The machine has reached that position, or could not.
+    # The machine has reached the resume position, or could not.
     _S.APPROACHING: frozenset({_S.READY}),
-    # M25 or a failed heater pauses; the end, M524, or a failure ends it.
+    # M25 or a failed heater pauses the print; its end, M524 or a failure ends it.
     _S.PRINTING: frozenset({_S.PAUSED, _S.READY, _S.FAILED}),
     # M24 before the machine has braked, or after; M524; M999 after a halt.
     _S.PAUSED: frozenset({_S.PRINTING, _S.RETURNING, _S.READY, _S.FAILED}),
-    # The nozzle has returned; another pause, also if it cannot return; M524; a stop.
+    # The nozzle has returned; another pause, or the nozzle cannot return; M524; a stop.
     _S.RETURNING: frozenset({_S.PRINTING, _S.PAUSED, _S.READY, _S.FAILED}),
-    # Another file or M524; M22; M24 after the line that has failed.
+    # Another file or M524; M22; M24 continues after the failed line.
     _S.FAILED: frozenset({_S.READY, _S.NONE, _S.PRINTING}),
 }

@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     from passo.job.live.reader import Reader
     from passo.printer.printer import Printer
 
-_HEAD_BYTES = 1 << 16  # of the file, to recognise it
+_HEAD_BYTES = 1 << 16  # beginning of the file, to recognise it
 _LONGEST = 1 << 16  # maximum bytes of a record
-_CHANGE = "change"  # key of a record that is not a moment
-# Settings that change the meaning of a program; heaters, drivers and times do not.
+_CHANGE = "change"  # key of a record of a change
+# Settings that change the meaning of a program; those of heaters, drivers and timeouts do not.
 _MEANING = re.compile(
     "(?:M(?:92|20[0-9]|218|302|603)|SET_(?:VELOCITY_LIMIT|INPUT_SHAPER|PRESSURE_ADVANCE)) "
 )
 
 
-Change = tuple[int, list[str]]  # bytes of the file, and the commands that act after them
+Change = tuple[int, list[str]]  # bytes of the file, and the commands that apply after them
 
 
 def meaning(printer: Printer) -> list[str]:
-    """Commands for those of the printer's settings that change the meaning of a program."""
+    """Commands for the settings of the printer that change the meaning of a program."""
     return [line for line in printer.state.settings() if _MEANING.match(line)]
 
 
@@ -46,11 +46,12 @@ def crc_of_macros(machine: MachineConfig) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """The file that is printed: its path on the card, and marks to recognise it. Also the state at
-    its start: commands for the `settings` of the printer and for its `modes`, and the positions of
-    all axes: of the machine, with the offset of the tool in use, applied or not, and, with E, of
-    the program. `changes` are the settings and modes that consoles have changed since, each with
-    the bytes that were read before. `macros` is the `crc_of_macros` of the machine."""
+    """The file that is being printed: its path on the card, and marks to recognise it. It also has
+    the state at the start of the print: commands for the `settings` and the `modes` of the printer,
+    the machine positions of all axes, the offset of the active tool and whether it is applied, and
+    the program positions including E. `changes` are the later changes of settings and modes by
+    consoles, each with the number of bytes of the file that were read before it. `macros` is the
+    `crc_of_macros` of the machine."""
 
     machine: str
     path: str
@@ -65,7 +66,7 @@ class Program:
 
     @classmethod
     def of(cls, machine: str, path: str, reader: Reader) -> Self:
-        """The program that `reader` reads; it is at its beginning afterwards. Raises CardError."""
+        """The program of `reader`, which is at its beginning afterwards. Raises CardError."""
         reader.seek(0)
         crc, left = 0, _HEAD_BYTES
         while left and (piece := reader.read(left)):
@@ -74,7 +75,7 @@ class Program:
         return cls(machine, path, reader.size, crc)
 
     def begun(self, printer: Printer) -> Self:
-        """Sets its start state to that of the printer now."""
+        """A copy with the present state of the printer as start state."""
         job, axes = printer.job, len(printer.machine.axes)
         due = [*job.offset_due, *[0.0] * (axes - 3)]
         return replace(
@@ -89,10 +90,10 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """How far a print is: the line whose move runs at `print_s`, the Z of the machine then, and the
-    state that the file alone does not give: `babysteps_mm` are those that consoles have sent, by
-    axis; `overrides` are speed, flows and fans as they were when the print began, or as consoles
-    have set them since (see Overrides). Line 0: no move yet."""
+    """The progress of a print at `print_s`: the line of the current move (0: no move yet), the Z of
+    the machine, and the state that is not in the file. `babysteps_mm` are those that consoles have
+    sent, by axis. `overrides` are the speed, flow and fan factors at the start of the print, or
+    later ones of consoles (see Overrides)."""
 
     line: int
     print_s: float
@@ -105,7 +106,7 @@ class Moment:
 
 class Journal:
     """One print's journal in a directory. Each line of the file has its own checksum, so that a
-    line that a power cut has damaged is detected and ignored. Raises OSError."""
+    line that was damaged by a power cut is ignored. Raises OSError."""
 
     def __init__(self, directory: Path) -> None:
         self.path = directory / "journal"
@@ -117,14 +118,15 @@ class Journal:
         return self._file is not None
 
     def begin(self, program: Program, moment: Moment) -> None:
-        """A print begins, or resumes: replaces the previous record at once. Durable when it
-        returns. If it raises, nothing can be resumed, because the previous print is over."""
+        """Call this when a print begins or resumes: replaces the previous record at once. Durable
+        when it returns. If it raises, no print can be resumed, because the previous print has
+        ended."""
         self.leave()
         file: IO[bytes] | None = None
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with replaced(self.path) as new:
-                file = new.open("wb")  # continues under its final name
+                file = new.open("wb")  # write on under the final name
                 file.write(_line(asdict(replace(program, changes=[]))))
                 file.writelines(_line({_CHANGE: change}) for change in program.changes)
                 file.write(_line(asdict(moment)))
@@ -151,20 +153,20 @@ class Journal:
         os.fsync(self._file.fileno())
 
     def end(self) -> None:
-        """The print is over: nothing can be resumed. Durable when it returns."""
+        """Call this at the end of a print: removes the record. Durable when it returns."""
         self.leave()
         if self.path.exists():
             self.path.unlink()
             fsync_directory(self.path.parent)
 
     def leave(self) -> None:
-        """Stops recording, and keeps the record."""
+        """Stops recording, and keeps the record on disk."""
         if self._file is not None:
             _close(self._file)
             self._file = None
 
     def read(self) -> tuple[Program, Moment] | None:
-        """The interrupted print, and how far it was; None if there is none that can be read."""
+        """The interrupted print and its last moment; None if there is no readable record."""
         program: Program | None = None
         moment: Moment | None = None
         try:
@@ -190,14 +192,13 @@ def _line(content: dict[str, Any]) -> bytes:
 
 
 def _close(file: IO[bytes]) -> None:
-    """Closes the file. Records that a full disk refused are lost; that was reported when they were
-    written."""
+    """Closes the file. Errors are ignored here, because the write that failed has reported them."""
     with suppress(OSError):
         file.close()
 
 
 def _checked(line: bytes) -> dict[str, Any] | None:
-    """The content of a line with a right checksum."""
+    """The content of a line; None if its checksum is wrong or its content is invalid."""
     crc, _, text = line.removesuffix(b"\n").partition(b" ")
     try:
         if int(crc, 16) != zlib.crc32(text):

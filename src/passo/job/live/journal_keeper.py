@@ -1,4 +1,4 @@
-"""Keeps the journal of the prints of files, and resumes one that was interrupted."""
+"""Keeps the journal of prints from files, and resumes an interrupted print."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-EVERY_S = 1.0  # of print time between two records
-Z_MM = 0.02  # or earlier, if Z must be kept and has moved by a tenth of a usual layer
+EVERY_S = 1.0  # print time between two records
+Z_MM = 0.02  # record earlier if Z matters and has moved by a tenth of a usual layer
 _NO_WAY_MM = 1e-5
-# A board had 125 ms to execute a command that was sent so long ago; whether it has later ones is
-# unknown.
+# A command that was sent this long ago is executed, because a board receives it at most 125 ms
+# before it is due. It is unknown whether later ones are.
 _UNHEARD_S = 0.1
 
 
@@ -51,15 +51,16 @@ class JournalKeeper:
         self._seen_z_mm = 0.0
         self._settlings = 0
         self._interrupted = self._journal.read()
-        self._program: Program | None = None  # that was begun last
-        self.instead = ""  # reported with the offer: what was not done because of it
+        self._program: Program | None = None  # the last program that was begun
+        self.instead = ""  # reported with the offer: the action that was skipped because of it
         objects.watchers.append(self._object_cancelled)
         runner.watchers.append(self._job_changed)
         printer.watchers.append(self._time_passed)
         printer.closers.append(self._journal.leave)
 
     def offer(self) -> str:
-        """The greeting for a console: a print that was interrupted; empty if there is none."""
+        """The message about an interrupted print for a console that opens; empty if there is
+        none."""
         if self._interrupted is None:
             return ""
         program, moment = self._interrupted
@@ -75,7 +76,7 @@ class JournalKeeper:
         )
 
     def _by_hand(self) -> str:
-        """What the user has to do first for a machine that cannot find its position."""
+        """The manual steps before a resume, for a machine that cannot home all axes."""
         if self._printer.machine.homing:
             return ""
         x, y, _ = self._printer.machine.home_point
@@ -89,8 +90,8 @@ class JournalKeeper:
             self._over()
 
     def _over(self) -> None:
-        """No print is running. One that has stopped at a failed line can still be resumed, also
-        after a power cut; if nothing has moved yet, it restarts."""
+        """Called when no print is running any more. A print that has stopped at a failed line can
+        still be resumed, even after a power cut; without any move so far, it restarts."""
         if not self._journal.open or self._interrupted is not None:
             return
         if self._printer.halted:
@@ -100,13 +101,13 @@ class JournalKeeper:
             self._end()
 
     def _has_moved(self) -> bool:
-        """Whether a move of the print has begun, or will begin although it is stopped."""
+        """Whether a move of the print has started, or will start although the print is stopped."""
         printer = self._printer
         line = self._recorded.line or printer.job.line_at(printer.queue.passed)
         return line > 1 or not printer.queue.standing
 
     def _begin(self) -> None:
-        """Begins the journal before the first line of a print is read."""
+        """Starts the journal, before the first line of a print is read."""
         reader = self._runner.reader
         if reader is None:
             return
@@ -117,21 +118,21 @@ class JournalKeeper:
         self._settlings = self._printer.positions.settlings
         self._overrides.begin()
         self._settings.begin()
-        # A print that was stopped by a line continues after that line.
+        # A print that has stopped at a failed line continues after the line.
         line = self._printer.job.line_at(self._printer.queue.passed) or self._runner.first_line
         self._recorded = self._moment(line, self._seen_z_mm)
-        read = reader.tell()  # more than was planned of it
+        read = reader.tell()  # more bytes are read than planned
         try:
             printer, runner = self._printer, self._runner
             program = Program.of(printer.machine.uuid, runner.path, reader)
             if self._program is None or self._program != program or runner.offset == 0:
                 self._program = program.begun(printer)
-            elif not followed:  # a line has failed before anything moved
+            elif not followed:  # a line has failed before the first move
                 self._program.changes.append(self._settings.held())
-            program = self._program  # as it was begun, if it resumes
+            program = self._program  # a resumed print keeps its start state
             self._begin_journal(program, self._recorded)
         except CardError as error:
-            self._end()  # an older print is over in any case
+            self._end()  # the record of an older print is invalid in any case
             self._warn(f"No journal of this print: {error}")
         finally:
             reader.seek(read)
@@ -153,8 +154,8 @@ class JournalKeeper:
     def _follow_print(self) -> None:
         printer = self._printer
         queue = printer.queue
-        # The time up to which targets have been set: otherwise the line of a later move would be
-        # recorded with a heater's earlier target. Call it often: it drops past lines.
+        # Use the time up to which targets are set; otherwise the line of a later move would be
+        # recorded with an earlier target. This call drops past lines, so make it often.
         line = printer.job.line_at(queue.passed)
         before, self._seen_z_mm = self._seen_z_mm, self._z()
         settlings = printer.positions.settlings
@@ -164,7 +165,7 @@ class JournalKeeper:
             return
         last = self._recorded
         moment = self._moment(line or last.line, self._seen_z_mm)
-        # Heaters that are switched off meanwhile must heat again for the print.
+        # Heaters that are switched off during a pause must heat again for the print.
         if self._runner.state is JobState.PAUSED:
             moment = replace(moment, line=last.line, print_s=last.print_s, targets_c=last.targets_c)
         elif not self._runner.active:
@@ -174,8 +175,8 @@ class JournalKeeper:
             self._record(moment)
 
     def _keep_z(self, program: Program, moment: Moment) -> None:
-        """Z has moved while an interrupted print waits to be resumed: records Z, in case of another
-        interruption."""
+        """Records the Z of the machine if it moves before an interrupted print is resumed, in case
+        of another interruption."""
         if "z" not in self._printer.positions.known or self._printer.halted:
             return
         before, self._seen_z_mm = self._seen_z_mm, self._z()
@@ -186,7 +187,7 @@ class JournalKeeper:
         self._interrupted = program, moment
         if self._journal.open:
             self._record(moment)
-        elif self._journal.path.exists():  # not if it could not be written before
+        elif self._journal.path.exists():  # not if an earlier write has failed
             self._begin_journal(program, moment)
 
     def _begin_journal(self, program: Program, moment: Moment) -> None:
@@ -196,7 +197,8 @@ class JournalKeeper:
             self._warn(f"No journal of this print: {error.strerror}")
 
     def _follows(self) -> bool:
-        """Whether the recorded print is running, or has stopped at a failed line."""
+        """Whether the journal belongs to the current print, which runs or has stopped at a failed
+        line."""
         return self._journal.open and self._interrupted is None
 
     def _set_by_console(self, change: Change) -> None:
@@ -210,8 +212,8 @@ class JournalKeeper:
             self._set_by_console((self._runner.offset, [order]))
 
     def _z_matters(self, before_mm: float) -> bool:
-        """Whether Z has moved far since the last record, or has stopped at another position. A
-        print that resumes keeps Z without homing if Z moves alone."""
+        """Whether Z has moved far, or has stopped at another position, since the last record. If Z
+        moves independently, a resumed print uses this Z without homing it."""
         if self._printer.machine.geometry.lifts_together:
             return False
         way_mm = abs(self._seen_z_mm - self._recorded.z_mm)
@@ -225,7 +227,7 @@ class JournalKeeper:
         try:
             record()
         except OSError as error:
-            # Its content would soon be outdated.
+            # Remove the journal, which would soon be outdated.
             self._end()
             self._warn(f"This print cannot be resumed after a power cut: {error.strerror}")
 
@@ -256,17 +258,18 @@ class JournalKeeper:
         )
 
     def interrupted(self) -> tuple[Program, Moment] | None:
-        """The print that can be resumed, and its position."""
+        """The interrupted print that can be resumed, and its last moment."""
         return self._interrupted
 
     def forget(self) -> None:
-        """The interrupted print will not be resumed."""
+        """Discards the interrupted print."""
         self._interrupted = None
         self._end()
 
     async def resume(self, program: Program, moment: Moment) -> None:
-        """Brings the machine to where the print was interrupted, and starts it there; the caller
-        holds the motion lock. Raises CommandError, CardError, InputError, MachineError, Stopped."""
+        """Moves the machine to the position of the interruption, and starts the print there. Call
+        it with the motion lock held. Raises CommandError, CardError, InputError, MachineError,
+        Stopped."""
         self._library.open(program.path)
         reader = self._runner.reader
         assert reader is not None
@@ -276,13 +279,13 @@ class JournalKeeper:
             with self._runner.keep() as seek:
                 offset = await recovery.run()
                 seek(offset)
-            if offset == 0:  # seeking the beginning has reset which objects are cancelled
+            if offset == 0:  # the seek to the beginning has reset the cancelled objects
                 for line in (line for _, lines in program.changes for line in lines):
                     code, _, words = line.partition(" ")
                     if code == "M486":
                         self._printer.commands.run(Command(0, "M", 486, 0, "", words))
             # Settings that were made after more of the file had been read apply before the next
-            # line.
+            # line now.
             changes = [(min(at, offset), lines) for at, lines in program.changes]
             self._program = replace(program, changes=changes)
         except (PassoError, Stopped):

@@ -1,4 +1,4 @@
-"""The files that a printer prints: those of its card, and of this computer."""
+"""The files that a printer can print: on its card, and on this computer."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _DEEPEST = 8  # maximum depth of directories in a list
 
 
 class Library:
-    """The card of one printer and its selected file. `path` is the card; None: there is none.
-    `folder` is that of a card which is a folder. Paths are absolute on the card, or `file:///…` of
-    this computer."""
+    """The card of one printer, and the selected file. `path` is the path of the card, or None
+    without one; `folder` is the same if the card is a folder. Paths of files are absolute on the
+    card, or `file:///…` on this computer."""
 
     def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
         self._printer, self._runner, self._path = printer, runner, path
@@ -41,7 +41,7 @@ class Library:
 
     @property
     def card(self) -> Card:
-        """The card that is mounted. Raises CardError if there is none, or it was released."""
+        """The mounted card. Raises CardError if there is none, or if it was released."""
         if self._released:
             raise CardError.of("card.absent", value="M22 has released it (M21 mounts it)")
         if self._card is None:
@@ -55,7 +55,7 @@ class Library:
         return self._card is not None
 
     def mount(self) -> None:
-        """Opens the card again. A print that stopped because a line or the card has failed can
+        """Mounts the card again. A print that has stopped because a line or the card failed can
         still be resumed, if its file is unchanged. Raises CardError."""
         if not self._runner.stands:
             self._runner.release()
@@ -68,8 +68,8 @@ class Library:
             self._open_again()
 
     def release(self) -> None:
-        """Releases the card until it is mounted again. Raises CommandError while a file is
-        printed."""
+        """Releases the card until it is mounted again. Raises CommandError during a print from a
+        file."""
         self._runner.release()
         self._leave()
         self._released = True
@@ -93,10 +93,10 @@ class Library:
         self._printer.state.announce(_log, logging.WARNING, text)
         runner.release()
 
-    # -- its files --------------------------------------------------------------------------------
+    # -- files --------------------------------------------------------------------------------
 
     def there(self, path: str) -> bool:
-        """Whether the card has such a file or folder."""
+        """Whether the card has a file or folder with this path."""
         try:
             self.card.find(path)
         except CardError:
@@ -124,8 +124,8 @@ class Library:
             stack += reversed(inner)
 
     def open(self, path: str) -> None:
-        """Selects a file to print. Raises CardError or InputError, and CommandError while one is
-        printed."""
+        """Selects a file to print. Raises CardError or InputError, and CommandError during a print
+        from a file."""
         if is_local(path):
             self._runner.select(local_name(path), path, open_local(path))
             return
@@ -134,7 +134,7 @@ class Library:
         self._selected = entry
 
     def reader(self, path: str) -> CardReader:
-        """Opens a file to read it during a print. Raises CardError, InputError."""
+        """Opens a file for reading during a print. Raises CardError, InputError."""
         return open_local(path) if is_local(path) else self.card.open(path)
 
     def create(self, path: str) -> Writer:
@@ -148,8 +148,8 @@ class Library:
         self.card.remove(path)
 
     def let_go(self, path: str) -> None:
-        """Deselects the selected file because it, or a folder that holds it, will change. Raises
-        CardError while it is printed."""
+        """Deselects the selected file if it is `path` or in the folder `path`, which will change.
+        Raises CardError while it is being printed."""
         runner, changed = self._runner, split(path)
         if not runner.path or is_local(runner.path) or not (changed and self.there(path)):
             return
@@ -163,12 +163,12 @@ class Library:
             runner.release()
 
     def autostart(self) -> None:
-        """Starts `auto0.g` if the card holds it."""
+        """Starts `auto0.g` if it is on the card."""
         if self.starts_itself:
             self.open(AUTOSTART)
             self._runner.start()
 
     @property
     def starts_itself(self) -> bool:
-        """Whether the card holds `auto0.g`."""
+        """Whether `auto0.g` is on the card."""
         return self.there(AUTOSTART)

@@ -1,4 +1,4 @@
-"""Where the lines of a file begin, as the interpreter counts them."""
+"""Converts line numbers of a file, as counted by the interpreter, to byte offsets and back."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _END = re.compile(rb"\r\n?|\n")  # of a line
 
 
 def offset_of_line(reader: Reader, line: int) -> int:
-    """Bytes before a line, counted from 1. Raises PassoError if the card fails."""
+    """The number of bytes before a line, counted from 1. Raises PassoError if the card fails."""
     reader.seek(0)
     at, left, cut = 0, line - 1, False
     while left > 0:

@@ -1,4 +1,4 @@
-"""The objects of the file that is printed, and which of them are cancelled."""
+"""The objects of the file that is being printed, and their cancellation."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ if TYPE_CHECKING:
 
 
 class PrintObjects:
-    """The objects of one printer's print from a file. They are known once the file was scanned;
-    none is cancelled when a print begins. `watchers` are called with the number of each object that
-    a client cancels or restores, and whether it is cancelled."""
+    """The objects of one printer's print from a file. They are known after the scan of the file; no
+    object is cancelled when a print begins. `watchers` are called with the number of each object
+    that a client cancels or restores, and whether it is cancelled."""
 
     def __init__(self, printer: Printer, runner: Runner) -> None:
         self._printer, self._runner = printer, runner
         self._known: tuple[PrintObject, ...] = ()
-        self._of: tuple[_core.Job, int] | None = None  # the job and print that they were read from
+        # the job and the print from which `all` was read
+        self._of: tuple[_core.Job, int] | None = None
         self.watchers: list[Callable[[int, bool], None]] = []
 
     @property
@@ -47,12 +48,12 @@ class PrintObjects:
 
     @property
     def planned_to_line(self) -> int:
-        """The line up to which moves are planned; a cancellation has no effect on these moves."""
+        """The line up to which moves are planned; a cancellation does not affect these moves."""
         with self._printer.dispatch.file_selected() as job:
             return job.line
 
     def named(self, name: str) -> int:
-        """The number of the object of this name, in any case. Raises CommandError."""
+        """The number of the object with this name; case does not matter. Raises CommandError."""
         self._require_print()
         numbers = self._printer.job.find_objects(name)
         if not numbers:
@@ -63,8 +64,8 @@ class PrintObjects:
         return numbers[0]
 
     def cancel(self, number: int, *, cancelled: bool = True) -> bool:
-        """Skips the object's moves that are not planned yet, or stops skipping them. False if
-        nothing changes. Raises CommandError."""
+        """Skips the moves of the object that are not planned yet, or stops skipping. Returns False
+        if nothing changes. Raises CommandError."""
         self._require_print()
         if not 0 <= number < len(self.all):
             raise CommandError.of("job.no-object", value=str(number), limit=self._choice())
@@ -95,7 +96,7 @@ def objects_of(job: _core.Job) -> tuple[PrintObject, ...]:
 
 
 def _point(text: str) -> tuple[float, float] | None:
-    """X,Y; None if it is something else."""
+    """Parses X,Y; None for any other text."""
     try:
         x, y = map(float, text.split(","))
     except ValueError:
@@ -104,7 +105,7 @@ def _point(text: str) -> tuple[float, float] | None:
 
 
 def _outline(text: str) -> tuple[tuple[float, float], ...]:
-    """[[X,Y],...]; empty if it is something else."""
+    """Parses [[X,Y],...]; empty for any other text."""
     try:
         found = cast("list[Any]", json.loads(text))
         return tuple((float(x), float(y)) for x, y in found)

@@ -1,4 +1,4 @@
-"""Overrides of a print that are not in its file: speed, flow, fans."""
+"""Overrides of a print that are not in its file: factors of speed, flow and fans."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _SET_BY = ("M106", "M107", "M220", "M221")
 
 
 def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
-    """The factors for the lines read next: "speed", "flow" with the number of the extruder, "fan"
-    with its name."""
+    """The current factors for later lines, by name: "speed", "flow" with the number of the
+    extruder, "fan" with its name."""
     flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.flows)}
     fans = {
         f"fan {name}": commands.outputs.fans.get(name, 0.0)
@@ -31,7 +31,7 @@ def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
 
 
 def override(job: _core.Job, commands: Commands, name: str, factor: float) -> None:
-    """Sets one of them for the lines read next; nothing if the machine does not have it."""
+    """Sets a factor for later lines; does nothing if the machine does not have the part."""
     what, _, which = name.partition(" ")
     if what == "speed":
         job.set_speed_factor(factor)
@@ -42,8 +42,9 @@ def override(job: _core.Job, commands: Commands, name: str, factor: float) -> No
 
 
 class Overrides:
-    """The factors at the start of a print from the card, and those that consoles have set since;
-    each with the bytes of the file that were read before. Commands of the file are not included."""
+    """The factors at the start of a print from the card, and those that consoles have set since,
+    each with the number of bytes of the file that were read before. Commands of the file are not
+    included."""
 
     def __init__(self, printer: Printer, runner: Runner) -> None:
         self._printer, self._runner = printer, runner
@@ -52,7 +53,7 @@ class Overrides:
         printer.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
-        """A print begins, or resumes after an interruption."""
+        """Call this when a print begins, or resumes after an interruption."""
         self._seen = self._now()
         offset = self._runner.offset
         self.held = {name: (offset, factor) for name, factor in self._seen.items()}
@@ -72,8 +73,8 @@ class Overrides:
 
 
 class Settings:
-    """Settings and modes that consoles change during a print from the card: each such line is
-    passed to `changed`, while `watched`, as commands for the state after it."""
+    """Detects settings and modes that consoles change during a print from the card. While
+    `watched`, each change is passed to `changed` as commands for the new state."""
 
     def __init__(
         self,
@@ -89,11 +90,11 @@ class Settings:
         printer.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
-        """A print begins, or resumes: the current state counts as known."""
+        """Call this when a print begins or resumes: the current state is the reference."""
         self._seen = self._now()
 
     def held(self) -> Change:
-        """All settings and modes now in force."""
+        """All current settings and modes, as commands."""
         return self._change(self._now())
 
     def _now(self) -> list[str]:
@@ -103,14 +104,14 @@ class Settings:
         if not self._watched():
             return
         before, self._seen = self._seen, self._now()
-        # Modes of a pause end with it.
+        # Modes that are set during a pause end with the pause.
         now = meaning(self._printer) if self._printer.job.suspended else self._seen
         new = [line for line in now if line not in before]
         if done and new:
             self._tell(new)
 
     def _carried_out(self, command: Command, reply: Reply) -> None:
-        """M302 acts before its line has its turn."""
+        """Called with each executed command; M302 takes effect before its line ends."""
         if command.code == "M302" and self._watched() and not self._runner.printing_from(reply):
             self._tell([line for line in meaning(self._printer) if line.startswith("M302 ")])
 

@@ -23,8 +23,8 @@ _log = logging.getLogger(__name__)
 
 
 def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
-    """Raises CommandError for a word of M600, see `Park.leave`, that is not within the limits of
-    this machine, or of the amount that M701 pushes at once."""
+    """Raises CommandError for a word of M600, see `Park.leave`, that exceeds the limits of this
+    machine, or the maximum amount that M701 extrudes at once."""
     z = machine.axes["z"]
     longest = {"Z": z.max_mm - z.min_mm} | dict.fromkeys("ELU", _core.LONGEST_CHANGE_MM)
     ranges = {letter: (-mm, mm) for letter, mm in longest.items()}
@@ -36,14 +36,15 @@ def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
 
 class Park:
     """Lifts the nozzle, retracts a little filament and moves to the park position of the machine,
-    while the print is suspended. Callers hold the motion lock, and have suspended the job. The
-    nozzle returns to where the print stopped, or, with `here`, to where it is when it leaves."""
+    while the print is suspended. The caller must hold the motion lock, and have suspended the job.
+    The nozzle returns to the stop position of the print or, with `here`, to its position at
+    `leave`."""
 
     def __init__(self, printer: Printer, *, here: bool = False) -> None:
         self._printer, self._here = printer, here
-        self._left: list[float] | None = None  # its position then, with `here`
+        self._left: list[float] | None = None  # the position at `leave`, with `here`
         self._away = False
-        self._warm = False  # filament could move when the print was left
+        self._warm = False  # whether the hotend was warm at `leave`
         self._retracted_mm = 0.0
         self.owed_mm = 0.0  # mm of filament retracted by other parks during this pause
         self._load_mm = 0.0
@@ -53,16 +54,16 @@ class Park:
         self._celsius: float | None = None
 
     async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
-        """Moves to the parking position; without one, or if an axis is not homed, it stays. Words
-        of M600 replace the machine's values: E retracts and Z lifts by so many mm, X and Y are the
-        position; U unloads so many mm there, and L loads so many before it returns, with the hotend
-        at S, °C."""
+        """Moves the nozzle to the parking position. Without a parking position, or if an axis is
+        not homed, the nozzle stays. The words of M600 replace the machine's values: E is the
+        retraction, Z the lift, X and Y the position, U the length to unload there, L the length to
+        load before the return (all in mm), and S the temperature of the hotend for loading, °C."""
         printer = self._printer
         park = printer.machine.park
         self._away = False
         self._warm = (
             printer.can_extrude() and not printer.targets.cooled_c
-        )  # that has been read rightly
+        )  # a heater in `cooled_c` may have failed, so its reading does not count
         self._celsius = words.get("S")
         self._left = printer.job.machine_position if self._here else None
         if park is None or printer.job.locked_axes:
@@ -70,7 +71,7 @@ class Park:
         await printer.queue.until(lambda: printer.queue.standing or bool(printer.halted))
         printer.state.raise_if_halted()
         if not printer.job.suspended:
-            return  # cancelled meanwhile
+            return  # cancelled in the meantime
         self._take_tool()
         queue, at = printer.queue, self._place()
         extrudes = printer.can_extrude()
@@ -92,33 +93,34 @@ class Park:
         await self._wait_for_moves()
 
     def owe(self, other: Park) -> None:
-        """Takes over filament that another park has retracted in this pause without returning: this
-        park restores it."""
+        """Takes over the filament that another park has retracted during this pause without
+        restoring it."""
         if other._away:
             self.owed_mm += other._retracted_mm
 
     def _take_tool(self) -> None:
-        """Selects the tool of the print; only the tool in use leaves from `here`."""
+        """Selects the tool of the print; with `here`, the active tool stays selected."""
         if not self._here:
             self._printer.take_stopped_tool()
 
     def _place(self) -> list[float]:
-        """The position to return to, machine mm."""
+        """The position to which the nozzle returns, machine mm."""
         return self._left or self._printer.job.stop_position
 
     def _push(self, mm: float, speed_mm_s: float) -> None:
-        """Pushes so much filament out of the nozzle."""
+        """Moves filament by `mm`; a positive length extrudes."""
         if mm:
             at = self._printer.job.machine_position[E]
             self._printer.queue.move({E: at + mm}, speed_mm_s)
 
     async def come_back(self) -> None:
-        """Returns to the position that the nozzle left: first above it, then down. A babystep
-        meanwhile moves this position, also without parking. Raises CommandError if a heater fails,
-        or is off, or arms cannot reach the position; it may be tried again."""
+        """Returns the nozzle to the position that it left: first above it, then down. Babysteps
+        during the pause shift this position, even if the nozzle was not parked. Raises CommandError
+        if a heater fails or is off, or if the arms cannot reach the position; the caller may try
+        again."""
         printer = self._printer
         park = printer.machine.park
-        await self._wait_for_moves()  # also until a queued target has reached its heater
+        await self._wait_for_moves()  # this also waits until queued targets are set
         printer.state.raise_if_halted()
         if self._celsius is not None:
             await self._reach(self._celsius)
@@ -133,7 +135,7 @@ class Park:
         at: list[float] | None = None
         while job.suspended and at != self._place():
             at = self._place()
-            # Axes that are not homed stay. Homing that failed has moved them.
+            # Axes that are not homed stay where a failed homing has left them.
             unknown = job.locked_axes
             job.set_axes([(i, at[self._places[i]]) for i in unknown])
             for i in unknown:
@@ -148,8 +150,8 @@ class Park:
             await self._wait_for_moves()
 
     async def _melt(self) -> None:
-        """If the hotend was warm at the pause, waits until it is warm again, whatever is planned.
-        Raises CommandError if it is not heated."""
+        """Waits until a hotend that was warm at the pause is warm again. Raises CommandError if it
+        is not being heated."""
         printer = self._printer
         if not self._warm or not printer.job.suspended or printer.can_extrude():
             return
@@ -160,7 +162,7 @@ class Park:
             raise CommandError.of("input.cold")
 
     async def _reach(self, celsius: float) -> None:
-        """Heats the hotend of the tool in use to the new filament's temperature."""
+        """Heats the hotend of the active tool to the temperature for the new filament."""
         printer = self._printer
         hotend = printer.commands.set_points.heater("hotend")
         printer.targets.set_target(hotend, celsius, at_once=True)

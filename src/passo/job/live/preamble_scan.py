@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 16
-# Settings of the printer that no plan has. They mean the same for every tool.
+# Settings of the printer that a plan does not have. They do not depend on the tool.
 _OF_PRINTER = (
     *("M85", "M145", "M301", "M302", "M304", "M305", "M306", "M540", "M569", "M906"),
     *("M18", "M84"),  # with S
@@ -31,23 +31,23 @@ _OF_PRINTER = (
 
 
 class _Observed(Commands):
-    """Commands of a plan, each shown to `observer` first."""
+    """The commands of a plan; each is passed to `observer` first."""
 
     observer: Callable[[Command], None] | None = None
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
-        """See `Commands.run`."""
+        """As `Commands.run`."""
         if self.observer is not None:
             self.observer(command)
         return super().run(command, reply)
 
 
 class PreambleScan:
-    """The first `end` bytes of a program, interpreted without motion, with the settings of the
-    printer, the state at the start of the print, and the changes by consoles since. `job` has the
-    position and the modal state at the end. `settings` are commands for the printer settings that
-    the program has changed, other than home offsets: `homed_mm` are the home offsets when it homed,
-    `home_offset_mm` those at the end. Raises CardError."""
+    """Interprets the first `end` bytes of a program without motion. It starts with the settings of
+    the printer and the state at the start of the print, and applies the later changes by consoles.
+    `job` has the position and the modal state at the end. `settings` are commands for the printer
+    settings that the program has changed, without home offsets; `homed_mm` are the home offsets at
+    the last homing, `home_offset_mm` those at the end. Raises CardError."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class PreambleScan:
         self.settings: list[str] = []
         self.home_offset_mm = dict(printer.offsets.home_mm)
         self.homed_mm = dict(self.home_offset_mm)
-        self._known = set[str]()  # axes that were homed, and not switched off since
+        self._known = set[str]()  # axes that were homed, and whose motors have been on since
         self._set_up(program)
         self.commands.observer = self._observe
 
@@ -93,8 +93,8 @@ class PreambleScan:
         self.settings += (line for line in self.commands.filters.lines() if line not in held)
 
     def _read(self, pieces: Iterator[bytes], settle: Settle) -> bool:
-        """Reads to the end; False if a line fails. The print was stopped there, and continued after
-        it."""
+        """Reads to the end. Returns False at a failed line, at which the print was stopped and
+        later continued."""
         try:
             for _ in read_program(self.job, self.commands, pieces, "", settle):
                 pass
@@ -104,8 +104,8 @@ class PreambleScan:
         return True
 
     def _set_up(self, program: Program) -> None:
-        """Applies the printer's settings that change the meaning of a program, and the other start
-        state of this one."""
+        """Applies the printer's settings that change the meaning of a program, and the start state
+        of this program."""
         job = self.job
         for tool, offset in enumerate(self._printer.job.tool_offsets):
             for axis, mm in enumerate(offset):
@@ -113,7 +113,7 @@ class PreambleScan:
         letters = [name.upper() for name in axis_order(self._printer.machine.axes)]
         zero = zip([*letters, "E"], program.program_mm, strict=False)
         words = " ".join(letter + numeral(mm) for letter, mm in zero)
-        places = [f"G92 {words}"] if words else []  # alone it would set all to 0
+        places = [f"G92 {words}"] if words else []  # G92 without words would set all axes to 0
         self._take(*self._printer.state.settings(), *program.modes, "G21")
         job.set_axes(list(enumerate(program.machine_mm)))
         self._take(*places, *program.modes[-1:])  # again, in the program's own units
@@ -121,7 +121,7 @@ class PreambleScan:
     def _take(self, *lines: str) -> None:
         job = self.job
         job.select(True)
-        job.plain = True  # a setting is not a macro call
+        job.plain = True  # a setting must not call a macro
         for line in lines:
             job.feed(line.encode() + b"\n")
             while job.advance() == _core.JobStatus.EVENT:
@@ -132,8 +132,9 @@ class PreambleScan:
         job.select(False)
 
     def _pieces(self, changes: list[tuple[int, Callable[[], None]]]) -> Iterator[bytes]:
-        """The text, and each change by a console after the text that was read before it. A change
-        that was made after more had been read acts on all lines that were not printed yet."""
+        """The text of the program, interrupted by the changes of consoles. A change comes after the
+        text that was read before it, or at the end if more text was read: then it applies to all
+        lines that were not printed."""
         self._reader.seek(0)
         at = 0
         for offset, make in sorted(changes, key=lambda change: change[0]):
@@ -149,7 +150,7 @@ class PreambleScan:
             yield data
 
     def _observe(self, command: Command) -> None:
-        """Handles settings that only a printer has, not a plan. Raises CommandError."""
+        """Records settings that only a printer has, not a plan. Raises CommandError."""
         words, motion, job = command.words(), self._printer.motion, self.job
         if command.code == "M206":
             self.home_offset_mm |= motion.home_offsets(words)

@@ -1,4 +1,4 @@
-"""The files that will be printed next, in order; kept over a restart."""
+"""The queue of the files that will be printed next; it survives a restart."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ MAX_QUEUED = 200
 
 @dataclass(frozen=True, slots=True)
 class QueuedPrint:
-    """A file of the card that is to be printed; `number` stays the same while it waits."""
+    """A queued file of the card; `number` identifies it while it waits."""
 
     number: int
     path: str
 
 
 class PrintQueue:
-    """The queue of one printer. The next print starts when `start_next` is called, which confirms
-    that the bed is clear; with `automatic` also after a print that has succeeded. `directory` keeps
-    the queue; None: it ends with the program. Methods that change it return when the change is
-    durable. If it cannot be stored, they raise CommandError and leave the queue unchanged."""
+    """The queue of one printer. The next print starts when `start_next` is called, with which the
+    user confirms that the bed is clear, and, with `automatic`, after a successful print. The queue
+    is stored in `directory`; None keeps it only in memory. Methods that change it return when the
+    change is durable. If it cannot be stored, they raise CommandError and leave the queue
+    unchanged."""
 
     def __init__(
         self, printer: Printer, runner: Runner, library: Library, directory: Path | None
@@ -47,21 +48,21 @@ class PrintQueue:
 
     @property
     def entries(self) -> tuple[QueuedPrint, ...]:
-        """The prints that wait, the next one first."""
+        """The queued prints, the next one first."""
         return self._entries
 
     @property
     def automatic(self) -> bool:
-        """Whether the next print starts without confirmation after one that has succeeded: for
-        printers that clear their bed."""
+        """Whether the next print starts without confirmation after a successful print: for printers
+        that clear their bed."""
         return self._automatic
 
     def set_automatic(self, on: bool) -> None:
-        """Sets whether the next print starts without confirmation after one that has succeeded."""
+        """Sets whether the next print starts without confirmation after a successful print."""
         self._keep(self._entries, on)
 
     def add(self, path: str) -> QueuedPrint:
-        """Puts a file of the card at the end. Raises CardError."""
+        """Adds a file of the card at the end. Raises CardError."""
         if self._library.card.find(path).is_directory:
             raise CardError.of("card.directory", path)
         if len(self._entries) >= MAX_QUEUED:
@@ -72,7 +73,7 @@ class PrintQueue:
         return added
 
     def remove(self, number: int) -> None:
-        """Takes a print out."""
+        """Removes a print from the queue."""
         found = self._found(number)
         entries = tuple(entry for entry in self._entries if entry is not found)
         self._keep(entries, self._automatic)
@@ -86,8 +87,9 @@ class PrintQueue:
         self._keep(tuple(others), self._automatic)
 
     def start_next(self) -> None:
-        """Starts the next print, and removes it. If there is none, or the printer is printing,
-        raises CommandError; for its file, CardError and InputError: then it stays."""
+        """Starts the next print, and removes it from the queue. Raises CommandError if there is
+        none or if the printer is printing, and CardError or InputError if its file cannot be
+        opened; then it stays in the queue."""
         before = self._entries
         if not before:
             raise CommandError.of("queue.empty")

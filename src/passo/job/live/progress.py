@@ -1,4 +1,4 @@
-"""Progress of a print: time, layers and filament, from the card or from a host."""
+"""The progress of a print from the card or from a host: time, layers, filament."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_HOST = "(a host's)"  # name of a print that has no other
+_HOST = "(a host's)"  # name of a host's print without a name
 
 
 class Stopwatch:
@@ -32,26 +32,26 @@ class Stopwatch:
 
     @property
     def seconds(self) -> float:
-        """Time counted so far."""
+        """The counted time so far, in seconds."""
         running = 0.0 if self._since_s is None else self._printer.queue.now_s - self._since_s
         return self._sum_s + running
 
     def start(self) -> None:
-        """Starts counting, in addition to the time counted before."""
+        """Starts or continues to count."""
         if self._since_s is None:
             self._since_s = self._printer.queue.now_s
 
     def pause(self) -> None:
-        """Stops counting until it is started."""
+        """Stops counting until `start`."""
         self._sum_s, self._since_s = self.seconds, None
 
     def reset(self) -> None:
-        """Stops at 0."""
+        """Stops counting, and resets the time to 0."""
         self._sum_s, self._since_s = 0.0, None
 
 
 class Progress:
-    """The progress of the current or the last print: a file's, or a host's that reports it.
+    """The progress of the current or the last print, from a file or from a host that reports it.
 
     `percent` and `minutes_left` are the values from the file or the host (M73, M532), or None.
     """
@@ -66,16 +66,16 @@ class Progress:
         self._printer, self._runner, self._statistics = printer, runner, statistics
         self._open_again = open_again
         self._forecast: asyncio.Task[Forecast | None] | None = None
-        self._planned_s = 0.0  # before this print
+        self._planned_s = 0.0  # planned time before this print
         self._watch = Stopwatch(printer)
-        self._extrusion = Stopwatch(printer)  # since the first of the print
+        self._extrusion = Stopwatch(printer)  # since the first extrusion of the print
         self._has_extruded = False
         self._from_card: Print | None = None
         self._loop = asyncio.get_running_loop()
-        self._begun_s: float | None = None  # host time, of that
+        self._begun_s: float | None = None  # host time at the start of the print
         self._last = 0.0, 0.0  # elapsed s and filament mm of the last print
-        self._failed: Print | None = None  # the last print from the card, if it failed
-        self._from_host: Print | None = None  # a host's print that reports its begin and end
+        self._failed: Print | None = None  # the last print from the card, if it has failed
+        self._from_host: Print | None = None  # the print of a host that reports its start and end
         self.percent: float | None = None
         self.minutes_left: float | None = None
         runner.watchers.append(self._job_changed)
@@ -104,18 +104,18 @@ class Progress:
                 job, self._from_card, self._begun_s = self._from_card, None, None
                 self._statistics.ended(job, self._runner.ended)
                 if self._runner.ended != "done" and self._forecast is not None:
-                    self._forecast.cancel()  # otherwise the file would stay open
+                    self._forecast.cancel()  # closes the file
                 self._failed = job if self._runner.ended == "failed" else None
                 if self._failed is None:
                     self.percent = self.minutes_left = None
 
     def _begun(self) -> Print:
-        """The print from the card that begins, or continues after a failure."""
+        """The print from the card that starts now, or continues after a failure."""
         name, failed = self._runner.name, self._failed
         if failed is not None and failed.name == name and self._runner.offset > 0:
             return self._statistics.goes_on(failed)
         self.percent = self.minutes_left = None
-        meant, self._from_host = self._from_host, None  # a host has announced this one
+        meant, self._from_host = self._from_host, None  # a host has announced this print
         self._watch.reset()
         self._extrusion.reset()
         self._has_extruded = not self._printer.machine.extruders
@@ -136,8 +136,8 @@ class Progress:
         self._statistics.close()
 
     def _host_begins(self) -> None:
-        """A host's print begins. One that was announced, and has not begun yet, is the same print;
-        otherwise the earlier print was broken off."""
+        """Called when a host's print begins. If a print was announced and has not begun, it is this
+        one; otherwise an earlier print was interrupted."""
         before = self._from_host
         if before is not None and self._printer.filament_mm() > before.filament_mm:
             self._host_ends("interrupted")
@@ -147,14 +147,16 @@ class Progress:
         )
 
     def _host_ends(self, how: str) -> None:
-        """A host's print ends: the stopwatch stops, and is read until the next print."""
+        """Called when a host's print ends. The stopwatch stops, and keeps its time until the next
+        print."""
         job, self._from_host = self._from_host, None
         if job is not None:
             self._watch.pause()
             self._statistics.ended(job, how)
 
     def _stopped(self, _: str) -> None:
-        """The machine was stopped. M410 may be a host's own; after a halt no print continues."""
+        """Called when the machine is stopped. After M410, a print of a host may continue; after a
+        halt, none does."""
         if self._printer.halted:
             self._host_ends("failed")
 
@@ -173,42 +175,42 @@ class Progress:
         self._forecast.add_done_callback(self._foretell)
 
     def _foretell(self, task: asyncio.Task[Forecast | None]) -> None:
-        """Reports the load of the file on the board, when it is known."""
+        """Reports the load of the file on the board, when the forecast is ready."""
         found = None if task.cancelled() else task.result()
         for sentence in found.budget.told(self._runner.name) if found else ():
             self._printer.state.announce(_log, logging.INFO, sentence)
 
     @property
     def printed_s(self) -> float:
-        """Print time of the current or the last print, without pauses."""
+        """The print time of the current or the last print, in seconds, without pauses."""
         return self._watch.seconds
 
     @property
     def extruding_s(self) -> float:
-        """The part of `printed_s` since the first extrusion of the print; all of it on a machine
-        without filament."""
+        """The part of `printed_s` since the first extrusion of the print; equal to `printed_s` on a
+        machine without filament."""
         return self._extrusion.seconds
 
     @property
     def elapsed_s(self) -> float:
-        """Host time of the current or the last print, with its pauses."""
+        """The host time of the current or the last print, in seconds, including pauses."""
         return self._last[0] if self._begun_s is None else self._loop.time() - self._begun_s
 
     @property
     def filament_mm(self) -> float:
-        """The filament that all extruders have pushed for the current or the last print."""
+        """The filament of all extruders for the current or the last print, mm."""
         job = self._from_card
         return self._last[1] if job is None else self._printer.filament_mm() - job.filament_mm
 
     @property
     def layers(self) -> int | None:
-        """Layers of the file that is printed; None while unknown."""
+        """The number of layers of the file that is being printed; None while unknown."""
         found = self._found()
         return found.layers if found else None
 
     @property
     def left_s(self) -> float | None:
-        """Print time that the rest of the file's moves takes; None while unknown."""
+        """The print time of the remaining moves of the file, in seconds; None while unknown."""
         times = self.times()
         return None if times is None else times[1] - times[0]
 
@@ -219,7 +221,7 @@ class Progress:
         return task.result()
 
     def times(self) -> tuple[float, float] | None:
-        """Seconds of motion done and in total; None if unknown."""
+        """The seconds of motion, done and in total; None if unknown."""
         found = self._found()
         if not found or not found.seconds:
             return None
@@ -229,8 +231,8 @@ class Progress:
         return min(max(done, 0.0), total), total
 
     def share_done(self) -> float | None:
-        """The fraction of the print that is done, 0 to 1, by the best source: its time, the values
-        of the file or the host (M73, M532), its bytes. None without any of these."""
+        """The fraction of the print that is done, 0 to 1, from the best available source: print
+        time, values of the file or the host (M73, M532), or bytes. None without a source."""
         times = self.times()
         if times is not None:
             return times[0] / times[1]
@@ -239,7 +241,7 @@ class Progress:
     # -- prints of a host, and the stopwatch ------------------------------------------------------
 
     def host_print(self, *, begins: bool) -> None:
-        """A host reports that its print begins or ends."""
+        """Handles the report of a host that its print begins or ends."""
         self.percent = self.minutes_left = None
         if self._from_card is None and begins:
             self._host_begins()
@@ -248,12 +250,13 @@ class Progress:
             self._host_ends("done")
 
     def name_host_print(self, name: str) -> None:
-        """A host reports the name of its print."""
+        """Handles the report of a host with the name of its print."""
         if self._from_host is not None:
             self._from_host.name = name or _HOST
 
     def timer(self, *, runs: bool) -> None:
-        """Starts or pauses the stopwatch of a host's print. A file's print has its own timer."""
+        """Starts or pauses the stopwatch of a host's print. A print from a file has its own
+        stopwatch."""
         if self._from_card is not None:
             return
         if runs:
@@ -264,7 +267,7 @@ class Progress:
             self._watch.pause()
 
     def stop_timer(self) -> None:
-        """Ends the stopwatch of a host's print, and the print with it."""
+        """Ends a host's print, and stops its stopwatch."""
         if self._from_card is None:
             self._host_ends("done")
             self._watch.reset()

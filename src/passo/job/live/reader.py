@@ -1,4 +1,4 @@
-"""The source of a print's program: a file of the card or of the computer."""
+"""The interface of an open file to print, on the card or on this computer."""
 
 from __future__ import annotations
 

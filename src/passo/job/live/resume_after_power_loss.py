@@ -1,5 +1,5 @@
-"""Resumes a print after a power cut or a crash: home, heat, approach the position, and read the
-file from there."""
+"""Resumes a print after a power cut or a crash: homes, heats, approaches the position, and finds
+the offset in the file."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 
 class Recovery:
-    """One interrupted print, of a printer that is idle and not homed. The caller holds the motion
-    lock. Raises CommandError, MachineError, Stopped."""
+    """The recovery of one interrupted print, on a printer that is idle. The caller must hold the
+    motion lock. Raises CommandError, MachineError, Stopped."""
 
     def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:
         self._printer, self._program = printer, program
@@ -42,8 +42,8 @@ class Recovery:
             raise CommandError.of("job.no-part", program.path, value=", ".join(sorted(wanted)))
 
     async def run(self) -> int:
-        """Brings the machine to the position where the print resumes; returns the offset to read
-        from."""
+        """Moves the machine to the position at which the print resumes. Returns the offset in the
+        file from which to read."""
         printer = self._printer
         for line in self._program.settings:
             printer.dispatch.take_setting(line, NullReply())
@@ -68,7 +68,8 @@ class Recovery:
         printer.offsets.home_mm |= past.home_offset_mm
         await self._warm(past.commands.outputs.fans)
         if state.tool != printer.job.tool:
-            printer.dispatch.take_setting(f"T{state.tool}", NullReply())  # its nozzle is filled
+            # select the tool first, because its nozzle is primed
+            printer.dispatch.take_setting(f"T{state.tool}", NullReply())
         await self._approach(at)
         printer.job.adopt(state)
         printer.commands.set_points.follow_tool()
@@ -80,9 +81,9 @@ class Recovery:
         return offset
 
     async def _lift_and_home(self) -> None:
-        """Lifts first, if the position is unknown. A machine whose Z moves alone keeps Z, and homes
-        the other axes; one whose arms move together homes upwards. Axes that were homed since the
-        interruption, or placed by an earlier try, are at the printer's position."""
+        """Lifts and homes. A machine with an independent Z takes Z from the journal, and homes the
+        other axes after a lift; a machine whose arms move together homes upwards. Axes that were
+        homed after the interruption, or by an earlier attempt, keep their positions."""
         printer, machine = self._printer, self._printer.machine
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         if printer.positions.restore(self._moment.origins):
@@ -97,7 +98,7 @@ class Recovery:
         known = printer.positions.known
         offset_mm, was_mm = printer.offsets.home_mm["z"], printer.homer.offset_mm
         z = self._moment.z_mm
-        if "z" in known:  # the program's coordinates start from its own homing
+        if "z" in known:  # the program's coordinates refer to its own homing
             z = printer.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
         printer.job.set_axes([(Z, z)])
         known.add("z")
@@ -124,7 +125,7 @@ class Recovery:
             printer.rig.set_fan(fan, fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:
-        """Moves over the position, pushes a little filament to fill the nozzle, and lowers."""
+        """Moves above the position, primes the nozzle with a little filament, and lowers it."""
         park = self._printer.machine.park
         speed = park.speed_mm_s if park else math.inf
         if self._printer.machine.axes_of_arms == ("x", "y"):

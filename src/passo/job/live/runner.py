@@ -32,13 +32,13 @@ _log = logging.getLogger(__name__)
 _CHUNK = 1 << 14  # bytes read at a time
 _AS_IT_IS = "print it as it is (M24 U1)"
 _ADVICE = f"Change the file, or {_AS_IT_IS}"
-_AHEAD_S = 4.0  # of planned print time in one step
-_MAX_MESSAGES = 4096  # and so many for the board
+_AHEAD_S = 4.0  # maximum planned print time in one step
+_MAX_MESSAGES = 4096  # maximum messages for the board in one step
 
 
 class Runner:
-    """Prints one file at a time, while all consoles stay in use. To be used within the event loop
-    of the printer. `reply` receives the answers of commands of the file."""
+    """Prints one file at a time; all consoles stay usable. Use it within the event loop of the
+    printer. `reply` receives the answers to commands of the file."""
 
     def __init__(self, printer: Printer, reply: Reply) -> None:
         self._printer, self._reply = printer, reply
@@ -47,23 +47,26 @@ class Runner:
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
         self._resumed = asyncio.Event()
-        self.first_line = 1  # number of the first line fed
-        self._begin = 0  # offset of the first byte fed since the source was restarted
+        self.first_line = 1  # number of the first line that was fed
+        self._begin = 0  # offset of the first byte that was fed since the restart of the source
         self._suspended = False  # the rest of the print is suspended, in a pause or until its end
-        self._macro_left = False  # a macro has asked for the pause, and is carried out during it
+        # the rest of the macro that asked for the pause has to run during it
+        self._macro_left = False
         self._waits_for: Wait | None = None  # the unfinished wait of the last command
         self._parked = False
-        self._locked = set[int]()  # axes that were not homed when it began
-        self._again = False  # to be started as soon as the last print has ended
+        self._locked = set[int]()  # axes that were not homed when the pause began
+        self._again = False  # start again as soon as the last print has ended
         self._failed = ""
-        self.problems: tuple[Problem, ...] = ()  # of the last print, if known
+        self.problems: tuple[Problem, ...] = ()  # problems of the last print, if known
         self._pauses = False  # a print that is APPROACHING will pause as soon as it resumes
         self._skips = printer.skips
-        self._surveyed: tuple[Reader, _core.Job] | None = None  # and given its sub-programs
+        # the job that has the sub-programs of this file
+        self._surveyed: tuple[Reader, _core.Job] | None = None
         self._state = JobState.NONE
-        self.watchers: list[Callable[[JobState, JobState], None]] = []  # of what was, and is
+        # called with the old and the new state
+        self.watchers: list[Callable[[JobState, JobState], None]] = []
         self.name = self.path = ""
-        self.ended = ""  # done, cancelled or failed: the last print of the selected file
+        self.ended = ""  # result of the last print of the selected file: done, cancelled or failed
         printer.state.busy = lambda: self.active
         printer.lateness.program = lambda: self.name if self.active else ""
         printer.state.stop_listeners.append(self._stopped)
@@ -75,7 +78,7 @@ class Runner:
         return self._state
 
     def _enter(self, state: JobState) -> None:
-        """Enters another state and notifies all watchers; nothing if it is the same."""
+        """Changes the state and notifies all watchers; does nothing if the state stays the same."""
         was = self._state
         if state is was:
             return
@@ -85,7 +88,7 @@ class Runner:
         for watcher in self.watchers:
             watcher(was, state)
 
-    # -- what may be asked ------------------------------------------------------------------------
+    # -- queries ------------------------------------------------------------------------
 
     @property
     def reader(self) -> Reader | None:
@@ -94,54 +97,54 @@ class Runner:
 
     @property
     def failed(self) -> str:
-        """Why the last print failed; empty if it did not."""
+        """The reason why the last print failed; empty if it did not."""
         return self._failed
 
     @property
     def size(self) -> int:
-        """Bytes of the selected file."""
+        """The size of the selected file in bytes."""
         return self._reader.size if self._reader else 0
 
     @property
     def offset(self) -> int:
-        """Bytes of it that were read and planned."""
+        """The number of its bytes that are read and planned."""
         with self._printer.dispatch.file_selected() as job:
             return self._begin + job.offset
 
     @property
     def progress(self) -> float | None:
-        """Fraction of the print that is done, 0 to 1; None if none is running."""
+        """The fraction of the print that is done, 0 to 1; None if no print is running."""
         return self.offset / self.size if self.active and self.size else None
 
     def printing_from(self, reply: Reply) -> bool:
-        """Whether a command comes from the file that is printed."""
+        """Whether a command comes from the file that is being printed."""
         return self.state.prints and reply is self._reply
 
     @property
     def active(self) -> bool:
-        """A print is under way, or paused."""
+        """Whether a print is running or paused."""
         return self.state.active
 
     @property
     def engaged(self) -> bool:
-        """A print is running, paused, or about to resume."""
+        """Whether a print is running, paused, or about to resume."""
         return self.active or self.state is JobState.APPROACHING
 
     @property
     def over(self) -> bool:
-        """No print is running or paused, and none has failed that can be resumed."""
+        """Whether no print is running or paused, and no failed print can be resumed."""
         return not (self.engaged or self.state is JobState.FAILED)
 
     @property
     def stands(self) -> bool:
-        """A line or the card has failed in the middle of the print, which can continue after it."""
+        """Whether a line or the card has failed during the print, which can continue after it."""
         return self.state is JobState.FAILED and self.offset > 0
 
-    # -- what may be done -------------------------------------------------------------------------
+    # -- actions -------------------------------------------------------------------------
 
     def select(self, name: str, path: str, reader: Reader) -> None:
-        """The file to print next, and its path on the card. Raises CommandError while one is
-        printed."""
+        """Selects the file to print next; `path` is its path on the card. Raises CommandError
+        during a print."""
         self._refuse_if_active()
         self._again = False
         if self._reader:
@@ -151,7 +154,7 @@ class Runner:
         self._rewind(0)
 
     def release(self) -> None:
-        """No file is selected any more. Raises CommandError while one is printed."""
+        """Deselects the file. Raises CommandError during a print."""
         self._refuse_if_active()
         self._again = False
         if self._reader:
@@ -160,7 +163,7 @@ class Runner:
         self._enter(JobState.NONE)
 
     def exchange(self, reader: Reader) -> None:
-        """Continues reading the same file from where it is, after its card was mounted again."""
+        """Continues to read the same file with a new reader, after its card was mounted again."""
         assert self._reader is not None
         reader.seek(self._reader.tell())
         self._reader.close()
@@ -169,7 +172,7 @@ class Runner:
         self._reader = reader
 
     def seek(self, offset: int) -> None:
-        """Sets the byte at which the next start begins. Raises CommandError, and CardError."""
+        """Sets the byte from which the next `start` prints. Raises CommandError, and CardError."""
         self._refuse_if_active()
         self._seek(offset)
 
@@ -181,8 +184,8 @@ class Runner:
 
     @contextmanager
     def keep(self) -> Generator[Callable[[int], None]]:
-        """Keeps the selected file while the machine moves to the resume position; yields a function
-        that seeks that byte."""
+        """Locks the selected file within the block, while the machine moves to the resume position.
+        Yields a function that sets the byte from which to print."""
         self._refuse_if_active()
         self._pauses = False
         self._enter(JobState.APPROACHING)
@@ -196,7 +199,7 @@ class Runner:
 
     def start(self, *, skips: Skips | None = None) -> None:
         """Starts the selected file at its offset, or ends a pause. `skips` are commands that the
-        print may leave out, by default those of the printer. Raises CommandError."""
+        print may skip, by default those of the printer. Raises CommandError."""
         if self.state is JobState.PAUSED:
             if self._suspended:
                 self._require_places()
@@ -214,15 +217,15 @@ class Runner:
         self._skips = self._printer.skips if skips is None else skips
         self._again = self._task is not None and not self._task.done()
         if self._again:
-            return  # when the cancelled print has released the machine
+            return  # starts when the cancelled print has released the machine
         self._failed = ""
         self.problems = ()
         self._suspended = False
         self._waits_for = None
-        # The task exists before the watchers are called, and runs after that.
+        # Create the task before the watchers are called; it runs only afterwards.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
-        self._task = task  # the loop keeps only a weak reference
+        self._task = task  # the event loop has only a weak reference
         self._resumed.clear()
         self._enter(JobState.PRINTING)
         if self._pauses:
@@ -232,10 +235,10 @@ class Runner:
     def pause(
         self, words: Mapping[str, float] = MappingProxyType({}), *, by_file: bool = False
     ) -> None:
-        """Brakes to a stop on the path at once; `start` resumes from there. `words` control the
-        park, see `Park.leave`. A print that is approaching its resume position pauses when it gets
-        there. `by_file`: a command of the file asks for it. The rest of the macro with that command
-        is carried out during the pause."""
+        """Brakes to a stop on the path at once; `start` resumes from there. `words` are those of
+        `Park.leave`. A print that is approaching its resume position pauses when it has reached it.
+        `by_file`: a command of the file requests the pause. If the command is in a macro, the rest
+        of the macro runs during the pause."""
         self._again = False
         if self.state is JobState.APPROACHING and not self._pauses:
             self._pauses, self._park_words = True, words
@@ -245,13 +248,13 @@ class Runner:
             self._park_words = words
             self._enter(JobState.PAUSED)
             self._resumed.clear()
-            # Homing is not interrupted: its moves are not the program's.
+            # Homing is not interrupted, because its moves are not those of the program.
             if not self._printer.homer.active:
                 self._suspend(hand_over_macro=by_file)
                 self._macro_left = by_file
 
     def _suspend(self, *, hand_over_macro: bool = False) -> None:
-        """Brakes and suspends the rest of the print, if it is not suspended since the last
+        """Brakes and suspends the rest of the print, unless it is still suspended from the last
         pause."""
         if not self._suspended:
             self._suspended = True
@@ -259,25 +262,26 @@ class Runner:
             self.park.owed_mm = 0.0
             self._locked = set(self._printer.job.locked_axes)
             if self._printer.dispatch.in_console_line:
-                self._printer.job.abandon()  # the rest does not belong to the print
+                self._printer.job.abandon()  # the suspended rest does not belong to the print
             self._printer.suspend_job(hand_over_macro=hand_over_macro)
 
     def _require_places(self) -> None:
-        """Raises CommandError for an axis that is not homed any more since the pause began."""
+        """Raises CommandError if an axis that was homed when the pause began is not homed any
+        more."""
         if lost := set(self._printer.job.locked_axes) - self._locked:
             axis = axis_order(self._printer.machine.axes)[min(lost)].upper()
             raise CommandError.of("input.not-homed", axis=axis)
 
     def is_suspended(self) -> bool:
-        """True while the job is suspended, in a pause or before its end. The caller holds the
-        motion lock."""
+        """True while the job is suspended, in a pause or before its end. Call it with the motion
+        lock held."""
         if self.state is JobState.PAUSED:
             self._suspend()
         return self.active and self._suspended
 
     def cancel(self) -> None:
-        """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, at its
-        beginning. A failed print cannot be resumed after that."""
+        """Ends the print: brakes to a stop, and switches heaters and fans off. The file stays
+        selected, at its beginning. A failed print cannot be resumed afterwards."""
         self._again = False
         printer = self._printer
         if not self.active:
@@ -330,7 +334,7 @@ class Runner:
                 await printer.motion_lock.acquire()
                 try:
                     ended = await self._stretch()
-                    # Other tasks cannot run in the middle of a line.
+                    # Other tasks never run within a line.
                     while not (ended or printer.job.at_boundary):
                         ended = await self._stretch(rest_of_line=True)
                 finally:
@@ -343,14 +347,14 @@ class Runner:
         self._end()
 
     async def _look_through(self) -> None:
-        """Scans the file for its sub-programs. Raises InputError, before any move, for a file whose
-        print must not begin."""
+        """Scans the file for its sub-programs. Raises InputError, before any move, for a file that
+        must not be printed."""
         reader, at = self._reader, self._reader.tell() if self._reader else 0
         if reader is None:
             return
         begins, job = self.offset == 0, self._printer.job
         if not begins and self._surveyed == (reader, job):
-            return  # it continues after a line that has failed
+            return  # the print continues after a failed line
         try:
             found = await survey_beside(self._printer.machine, reader, lambda: self.active)
         except CardError as error:
@@ -369,7 +373,8 @@ class Runner:
             raise InputError([first])
 
     def _over(self, task: asyncio.Task[None]) -> None:
-        """Ends a print. One that ends by a fault of the program must not leave heaters on."""
+        """Called when the task of a print has ended. A fault of the program must not leave heaters
+        on."""
         fault = None if task.cancelled() else task.exception()
         if fault is not None:
             self._failed = f"{type(fault).__name__}: {fault}"
@@ -379,9 +384,9 @@ class Runner:
             self.start(skips=self._skips)
 
     def _stopped(self, reason: str) -> None:
-        """The machine was stopped during the print. The plan is lost, so the file can only be
-        printed from its beginning."""
-        revived = self.active and bool(self._printer.halted)  # a pause has nothing to return to
+        """Called when the machine is stopped during the print. The plan is lost, so the file can
+        only be printed from its beginning."""
+        revived = self.active and bool(self._printer.halted)  # a pause cannot resume
         if self.state.prints or revived:
             self._failed = reason
             self._suspended = False
@@ -404,7 +409,7 @@ class Runner:
             printer.tell("Done printing file")
 
     async def _pause_print(self) -> None:
-        """Parks, and waits until the pause is over."""
+        """Parks the nozzle, and waits until the pause has ended."""
         printer = self._printer
         await printer.motion_lock.acquire()
         try:
@@ -430,8 +435,8 @@ class Runner:
         )
 
     async def _stretch(self, *, rest_of_line: bool = False) -> bool:
-        """Plans as far ahead as is useful; True at the end of the file. The caller holds the motion
-        lock."""
+        """Plans as far ahead as useful. Returns True at the end of the file. Call it with the
+        motion lock held."""
         printer = self._printer
         job, queue = printer.job, printer.queue
         printer.state.raise_if_halted()
@@ -452,12 +457,12 @@ class Runner:
         finally:
             queue.after_moves()
         if found == _core.JobStatus.FULL and not rest_of_line and not queue.full:
-            await asyncio.sleep(TICK_S)  # the link does not keep up
+            await asyncio.sleep(TICK_S)  # the link is slower than the planner
         return await self._answer(found)
 
     async def _come_back(self) -> bool:
-        """Ends a pause; False if there is another one. If the nozzle cannot return, the print stays
-        paused and suspended until the user has fixed that."""
+        """Ends a pause. Returns False if the print pauses again. If the nozzle cannot return, the
+        print stays paused until the user has removed the cause."""
         printer = self._printer
         try:
             self._require_places()
@@ -486,19 +491,20 @@ class Runner:
             try:
                 data = self._reader.read(_CHUNK)
             except CardError as error:
-                raise CardError(self._placed(error, job.line + 1)) from None  # the next one
+                # the error is in the next line
+                raise CardError(self._placed(error, job.line + 1)) from None
             if data:
                 job.feed(data)
             else:
                 job.finish()
-            await asyncio.sleep(0)  # long parts may plan nothing: skipped objects, comments
+            await asyncio.sleep(0)  # long parts without moves: skipped objects, comments
         elif found == status.MACRO:
             command = Command(*job.event)
             try:
                 printer.dispatch.expand(command, self._reply)
             except CommandError as error:
                 raise InputError(self._placed(error, command.line)) from None
-            await asyncio.sleep(0)  # macros may run for long and plan nothing
+            await asyncio.sleep(0)  # a macro may run for long without moves
         elif found == status.EVENT:
             command = Command(*job.event)
             try:
@@ -515,8 +521,8 @@ class Runner:
         return False
 
     async def _wait(self) -> bool:
-        """Waits for the condition of the last command; later, if a pause suspends moves before it.
-        True at the end of the program."""
+        """Waits for the condition of the last command. If a pause suspends the moves before it, the
+        wait is repeated later. Returns True at the end of the program."""
         printer = self._printer
         wait = self._waits_for
         if wait is not None:
@@ -535,7 +541,7 @@ class Runner:
                 text = f"Print of {self.name} is paused: {error}"
                 printer.state.announce(_log, logging.WARNING, text, error.problems[0])
                 self.pause()
-                return False  # it waits again when the pause is over
+                return False  # the wait is repeated after the pause
             self._waits_for = None
             await self._finish_macro()
         if printer.commands.ended:
@@ -544,8 +550,8 @@ class Runner:
         return False
 
     async def _finish_macro(self) -> None:
-        """Carries out the rest of the macro that has asked for a pause. The caller holds the motion
-        lock."""
+        """Executes the rest of the macro that has requested a pause. Call it with the motion lock
+        held."""
         left, self._macro_left = self._macro_left, False
         if not left:
             return
@@ -569,15 +575,15 @@ class Runner:
         return [replace(p, file=self.name, line=line) for p in error.problems]
 
     async def _finish(self) -> bool:
-        """Waits until the last moves end, and the laser is off with them; a pause during them still
-        takes effect."""
+        """Waits until the last moves are done, and then switches the laser off. A pause during
+        these moves still takes effect."""
         queue = self._printer.queue
         self._printer.laser.off()
         queue.flush()
         await queue.until(
             lambda: (
                 queue.standing
-                or self.state is not JobState.PRINTING  # the pause may be over by now
+                or self.state is not JobState.PRINTING  # the pause may have ended in the meantime
                 or bool(self._printer.halted)
             )
         )

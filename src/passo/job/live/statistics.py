@@ -1,4 +1,4 @@
-"""M78: totals of prints from the card and by hosts, and how long the printer was on."""
+"""M78: totals of prints from the card and by hosts, and the time for which the printer was on."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-STORE_EVERY_S = 600.0  # the time that the printer was on
-_PRINT_EVERY_S = 60.0  # progress of a print, in case of an interruption
+STORE_EVERY_S = 600.0  # interval at which the on-time is stored
+# interval at which the progress of a print is stored, in case of an interruption
+_PRINT_EVERY_S = 60.0
 _SHOWN = 5
 
 
@@ -34,18 +35,18 @@ def spoken(seconds: float) -> str:
 
 @dataclass(slots=True)
 class Print:
-    """A print in progress; `filament_mm` was pushed before it, and `seconds` returns its duration
-    so far."""
+    """A print in progress. `filament_mm` is the filament total before it; `seconds` returns its
+    duration so far."""
 
     name: str
     size: int
     filament_mm: float
     seconds: Callable[[], float]
-    row: int | None = None  # of the history
+    row: int | None = None  # its row in the history
 
 
 class Statistics:
-    """The history of one printer in `directory`; None: nothing is remembered."""
+    """Keeps the history of one printer in `directory`; None keeps nothing."""
 
     def __init__(self, printer: Printer, directory: Path | None) -> None:
         self._printer = printer
@@ -68,8 +69,8 @@ class Statistics:
     def begun(
         self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None
     ) -> Print:
-        """A print begins, or is the one that was announced. If the program is killed, the history
-        says that it was interrupted."""
+        """Records that a print has begun, or that an announced one continues under `instead`. If
+        the program is killed, the history shows the print as interrupted."""
         self._printer.lateness.begin()
         row = instead.row if instead is not None else None
         _log.info("Print of %s started", name, extra={"file": name})
@@ -78,14 +79,14 @@ class Statistics:
         return self._job
 
     def goes_on(self, job: Print) -> Print:
-        """A failed print is resumed: it stays the same print."""
+        """Records that a failed print has resumed; it stays the same print."""
         self._job = job
         _log.info("Print of %s resumed", job.name, extra={"file": job.name})
         self._note(job, "interrupted")
         return job
 
     def ended(self, job: Print, how: str) -> None:
-        """A print is over: done, cancelled or failed."""
+        """Records the end of a print: done, cancelled or failed."""
         self._job = None
         filament_mm = self._printer.filament_mm() - job.filament_mm
         _log.info(
@@ -130,12 +131,13 @@ class Statistics:
         if self._history is not None:
             if self._job is not None:
                 self._note(self._job, "interrupted")
-            with suppress(sqlite3.Error):  # no console is left; the last minutes are missing
+            # no console can show the error; the last minutes are lost
+            with suppress(sqlite3.Error):
                 self._store()
             self._history.close()
 
     def last(self, most: int) -> list[PrintRow]:
-        """The newest prints that are over. Raises CommandError."""
+        """The last finished prints, newest first. Raises CommandError."""
         if self._history is None:
             raise self._missing
         try:
@@ -152,7 +154,7 @@ class Statistics:
         kind=Kind.QUIET,
     )
     def _statistics(self, command: Command, reply: Reply) -> Wait | None:
-        """Runs a query. An error must not break a print that ends."""
+        """M78: reports the totals, or deletes the history."""
         if self._history is None:
             reply.say(f"echo:{self._missing}")
             return None

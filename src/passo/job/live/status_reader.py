@@ -37,7 +37,7 @@ _SPEED_OVER_S = 0.02  # the current speed is the mean over this time
 
 
 class StatusReader:
-    """The status of one printer; reading it asks no board and lets no time pass."""
+    """Reads the status of one printer, without asking a board and without letting time pass."""
 
     def __init__(
         self,
@@ -52,11 +52,11 @@ class StatusReader:
         self._letters = axis_order(printer.machine.axes)
         self._ended: EndedJob | None = None
         self._moves_since_s: float | None = None
-        self.unsaved: Callable[[], dict[str, dict[str, str]]] = dict  # as `Status.unsaved`
+        self.unsaved: Callable[[], dict[str, dict[str, str]]] = dict  # gives `Status.unsaved`
         runner.watchers.append(self._job_changed)
 
     def read(self) -> Status:
-        """The printer now."""
+        """The current status."""
         printer, job = self._printer, self._printer.job
         shown = {k.lower(): mm for k, mm in printer.positions.shown().items()}
         homed, state = _homed_axes(printer), self._state()
@@ -98,8 +98,8 @@ class StatusReader:
         )
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:
-        """Since the first reading at which the machine printed or moved, at `now_s` of print
-        time."""
+        """The print time since the machine began to print or move without a break; `now_s` is the
+        print time now."""
         if state not in (PrinterState.PRINTING, PrinterState.BUSY):
             self._moves_since_s = None
             return 0.0
@@ -177,7 +177,7 @@ class StatusReader:
     def _job_status(self) -> JobStatus:
         runner, progress = self._runner, self._progress
         job, now = self._printer.job, self._printer.queue.passed
-        line = job.line_at(now)  # past lines are dropped
+        line = job.line_at(now)  # drops past lines
         return JobStatus(
             file=runner.name,
             fraction=progress.share_done() or 0.0,
@@ -225,7 +225,7 @@ def _heater_status(printer: Printer, name: str) -> HeaterStatus:
     return HeaterStatus(
         None if celsius == ABSOLUTE_ZERO_C else celsius,
         heater.target,
-        # The board's last report of a heater is from before the halt.
+        # The board's last report of a heater is older than the halt.
         0.0 if printer.halted or heater.fault else heater.power,
         heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
         printer.heat.cold.min_c_of(name),
@@ -233,6 +233,6 @@ def _heater_status(printer: Printer, name: str) -> HeaterStatus:
 
 
 def _homed_axes(printer: Printer) -> frozenset[str]:
-    """The axes that may move: homed, or of a machine that does not require homing."""
+    """The axes that may move: the homed ones, or all on a machine that does not require homing."""
     axes, locked = axis_order(printer.machine.axes), printer.job.locked_axes
     return frozenset(name for i, name in enumerate(axes) if i not in locked)
