@@ -1,4 +1,4 @@
-"""A controller board as its file describes it. Made by `passo.config.load` and `load_board`."""
+"""A controller board, as described by its file. `passo.config.load` and `load_board` make it."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class CurrentSetter(Model):
     """Positions, of 255, per mA of peak current."""
 
     def word(self, channel: int, ampere: float) -> bytes:
-        """The bytes that it receives: the address, then the position."""
+        """The bytes to send for a channel's peak current in A: the address, then the position."""
         return bytes([channel, round(ampere * 1000 * self.steps_per_ma)])
 
 
@@ -121,13 +121,11 @@ class Function(Model):
 
 class Board(Model):
     """A controller board. `base` names a shipped board whose values apply unless given here.
-    Machines name `sockets` and pins; once loaded, `pins` holds *all* names (printed numbers,
-    `outputs`, `thermistors`, `endstops`, `X_STEP` and the like) with their pins of the
-    microcontroller.
-
-    Without a `budget` the planner takes the board to be fast enough; a board with the firmware of
-    Klipper has the one that its clock suggests. A real board runs the firmware of Passo unless
-    `firmware` is "klipper".
+    Machine files use the names of `sockets` and pins. After loading, `pins` maps *all* names
+    (printed numbers, `outputs`, `thermistors`, `endstops`, `X_STEP` and so on) to pins of the
+    microcontroller. Without a `budget` the planner assumes that the board is fast enough; for a
+    board with the firmware of Klipper, the budget follows from the clock. A real board runs the
+    firmware of Passo unless `firmware` is "klipper".
     """
 
     base: str | None = None
@@ -137,7 +135,7 @@ class Board(Model):
     description: str = ""
     """One line about the board."""
     notes: list[str] = []
-    """What the user of this board should know."""
+    """Notes for the user of this board."""
     mcu: str
     """The microcontroller: a file of `src/passo/config/chips/`, without its ending."""
     link: Literal["simulated", "serial", "tcp"] = "simulated"
@@ -150,7 +148,7 @@ class Board(Model):
     """The firmware of the board. A simulated board is a model (`virtual`) or runs the firmware
     itself (`passo`): the same to the tick, but slower."""
     drift_ppm: Annotated[float, Field(ge=-500, le=500)] = 0.0
-    """How much faster the clock of a further simulated board runs."""
+    """The deviation of the clock of a further simulated board."""
     start_s: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """The clock at which a further simulated board starts."""
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
@@ -161,14 +159,14 @@ class Board(Model):
     """The maximum distance of a step from its ideal time. Where the budget is short, it widens up
     to 25 µs."""
     budget: Budget | None = None
-    """What processor and link can take. If not given for a board with the firmware of Klipper, it
-    follows from `clock_hz`."""
+    """The maximum load of processor and link. If not given for a board with the firmware of
+    Klipper, it follows from `clock_hz`."""
     numbering: str | None = None
     """The numbers that are printed beside the pins: a file of `src/passo/config/numberings/`."""
     dictionary: str | None = None
     """The data dictionary of a firmware of Klipper, a file relative to the machine file."""
     console: Console | None = None
-    """The port that the host is connected to."""
+    """The port for the host."""
     flash: Flash | None = None
     """How firmware gets onto the board."""
     sockets: dict[str, Socket] = {}
@@ -196,19 +194,19 @@ class Board(Model):
     status_led: Pin | None = None
     """An LED that blinks once a second while the board is configured."""
     fitted: list[str] = []
-    """What is plugged in: `card`, or a name of `displays`."""
+    """Parts that are plugged in: `card`, or a name of `displays`."""
     variant: str | None = None
     """The name of the variant whose `functions` apply."""
     variants: dict[str, dict[str, Function]] = {}
-    """Which output is for which part, by variant."""
+    """The output and the sensor input of each part, by variant."""
     functions: dict[str, Function] = {}
     """Which output and input are for which part: `hotend0`, `bed`, `fan0`, …"""
 
     def budget_spec(self, pulse_us: float = 0.0) -> dict[str, Any] | None:
         """The budget for the core: rates per second of all motors together, a burst in commands.
-        `bound` is what limits the rate of commands: the link, the processor's time for "commands",
-        or the move queue. `pulse_us` is the longest pulse of its motors. None if nothing limits
-        either rate."""
+        `bound` names the limit of the rate of commands: the link, the processor's time for
+        "commands", or the move queue. `pulse_us` is the longest step pulse of its motors. None if
+        neither rate has a limit."""
         steps_s, by_board = self._processor_rates(pulse_us)
         by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
         burst_s = COMMIT_BURST_S if self.survives else LINK_BURST_S
@@ -227,8 +225,8 @@ class Board(Model):
 
     def _processor_rates(self, pulse_us: float) -> tuple[float, float]:
         """Steps and commands per second that the processor can take; infinite without a budget. The
-        processor waits during a step pulse. Klipper's firmware instead ends each longer pulse in an
-        event of its own, which costs as much as a step."""
+        processor waits during a step pulse. Klipper's firmware instead ends a long pulse in a
+        separate event, which costs as much as a step."""
         budget = self.budget
         if budget is None:
             return inf, inf
@@ -247,15 +245,15 @@ class Board(Model):
 
     @property
     def survives(self) -> bool:
-        """Whether motion is sent in commits, because the board can stop by itself: it runs, or is
-        assumed to run, Passo's firmware."""
+        """Whether motion is sent in commits, because the board can brake without the host: it runs,
+        or is assumed to run, Passo's firmware."""
         if self.link == "simulated":
             return self.firmware == "passo"
         return not self.is_klippers
 
     @property
     def ahead_s(self) -> float:
-        """How far ahead commands are on the board, in seconds."""
+        """The print time, in seconds, for which commands are on the board in advance."""
         return COMMITTED_S if self.survives else AHEAD_S
 
     @property
@@ -270,28 +268,29 @@ class Board(Model):
 
     @property
     def commit_bytes_s(self) -> float:
-        """The part of that rate for commits without their tails, in bytes/s: at most half."""
+        """The part of the link's rate that commits use without their tails, in bytes/s: at most
+        half."""
         return min(COMMIT_BYTES / COMMIT_S, self.link_bytes_s / 2) if self.survives else 0.0
 
     @property
     def chip(self) -> Chip | None:
-        """The microcontroller, if Passo knows it."""
+        """The microcontroller; None if Passo does not support it."""
         return chip(self.mcu) if self.mcu in chip_names() else None
 
     @property
     def incomplete(self) -> str:
-        """What Passo lacks for a real board of this kind: `usb`, or nothing."""
+        """The feature that Passo's firmware lacks for this board: `usb`, or an empty text."""
         return "usb" if self.console and self.console.connector == "usb" else ""
 
     def pin(self, name: str) -> str:
-        """The microcontroller's pin for a name, with the marks of both in front; two inversions
+        """The microcontroller's pin for a name, with the marks of both as prefix; two inversions
         cancel."""
         return pin_behind(self.pins, name)
 
 
 def pin_behind(names: Mapping[str, object], written: str) -> str:
-    """The microcontroller's pin for a name on a board with these names, with the marks of both in
-    front; two inversions cancel."""
+    """The microcontroller's pin for a name on a board with these names, with the marks of both as
+    prefix; two inversions cancel."""
     name = bare(written)
     return joined_marks(written, str(names.get(name, name)))
 

@@ -1,4 +1,4 @@
-"""The purpose that the makers of a board gave each pin, and the pins that a machine uses."""
+"""The default purpose of each pin of a board, and the pins that a machine uses."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _TOWERS = {"a": "X", "b": "Y", "c": "Z"}
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """A part of a machine and its pin: `name` as the machine file writes it, `pin` the
-    microcontroller's. `original_name` and `original` are the board's default for such a part, or
+    """A part of a machine and its pin: `name` is the pin in the machine file, `pin` the pin of the
+    microcontroller. `original_name` and `original` are the same for the board's default, or
     None."""
 
     key: str
@@ -39,7 +39,7 @@ class Binding:
 
     @property
     def rebound(self) -> bool:
-        """Whether the machine uses another pin than the board's default, or another inversion."""
+        """Whether the machine uses a pin or an inversion that differs from the board's default."""
         if self.original is None:
             return False
         pins = (self.pin, self.original)
@@ -48,8 +48,8 @@ class Binding:
 
 
 def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
-    """Gives heaters and fans of a raw machine file that name no pin the board's default; reports
-    those without a default."""
+    """Fills in the board's default pin for heaters and fans of a raw machine file without a pin;
+    reports those without a default."""
     board = table(data, "board")
     functions, chosen = table(board, "functions"), board.get("variant")
     whose = "the board" if chosen is None else f"the board's variant {chosen}"
@@ -68,13 +68,13 @@ def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
 
 
 def _missing(whose: str, other: str, key: str) -> str:
-    """Why a pin has to be given; nothing for a part of unknown kind."""
+    """The reason why a pin has to be given; empty for a part of unknown kind."""
     return "" if key == "None" else f": {whose} has no {other} for {key}"
 
 
 def put_pullups(data: dict[str, Any]) -> None:
-    """Gives resistive sensors of a raw machine file that name no pull-up resistor the value of
-    their board, if the board's file has one."""
+    """Fills in the pull-up resistor of the board for resistive sensors of a raw machine file
+    without one, if the board's file has a value."""
     for _, heater in tables(data, "heaters"):
         board = table(data, *section(placed(str(heater.get("sensor_pin")))[0]))
         sensor = table(heater, "sensor") if "sensor" in heater else {"kind": "thermistor"}
@@ -105,14 +105,16 @@ def put_driver_wires(data: dict[str, Any]) -> None:
 
 
 def put_probe_home(data: dict[str, Any]) -> None:
-    """Gives Z of a raw machine file, if the probe homes it, the probe's trigger height."""
+    """Fills in the trigger height of the probe as the home position of Z in a raw machine file, if
+    the probe homes Z."""
     homing, probe = table(data, "homing", "z"), table(data, "probe")
     if homing.get("probe") is True and "position" not in homing and isinstance(homing, dict):
         homing["position"] = probe.get("trigger_height_mm", 0.0)
 
 
 def _selects(heater: Mapping[str, Any]) -> bool:
-    """Whether its sensor's pin selects a converter: the default pin is that of a thermistor."""
+    """Whether the sensor pin of a heater selects a converter; then the default pin, that of a
+    thermistor, does not apply."""
     return table(heater, "sensor").get("kind") in CONVERTERS
 
 
@@ -149,7 +151,7 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         if name is None:
             return
         on = placed(name)[0]
-        # Elsewhere there is no binding for this part.
+        # A part that the board does not have gets no binding.
         if original is not None and placed(original)[0] != on:
             original = None
         own = None if original is None else machine.pin(original)

@@ -1,5 +1,5 @@
-"""Shipped boards, and the boards of machine files, as plain tables: which board extends which, and
-which pin has which name."""
+"""Shipped boards and the boards of machine files as plain tables: merges the boards that extend
+others, and resolves pin names."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ Tables = dict[str, Any]
 
 _BOARDS = FilePath(__file__).parent / "boards"
 _NAMED = ("outputs", "thermistors", "endstops", "pins")
-_ANY_CLOCK_HZ = 16_000_000  # in place of an unknown clock, so that it is reported once
+# instead of an unknown clock, so that the missing clock is reported only once
+_ANY_CLOCK_HZ = 16_000_000
 _RESERVES = "RESERVE_PINS_"
 _SOCKET_PINS = {
     "step": "STEP",
@@ -41,8 +42,8 @@ _SOCKET_PINS = {
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Source: A file that the board at `path` of the machine file came from; in this file, keys of
-    the board have no such path."""
+    """Source: A file from which the board at `path` of the machine file comes. In that file, keys
+    of the board do not have this prefix."""
 
     file: str
     text: str
@@ -55,7 +56,7 @@ def shipped_boards() -> list[str]:
 
 
 def meant_board(base: object) -> str | None:
-    """The shipped board of that name, or of the nearest one; None if none is near."""
+    """The shipped board of this name, or of the most similar name; None if no name is similar."""
     return next(iter(get_close_matches(str(base), shipped_boards(), 1)), None)
 
 
@@ -65,7 +66,7 @@ def load_board(name: str) -> Board:
     if name not in shipped_boards():
         raise KeyError(name)
     data = shipped_tables(name)[0] | {"base": name}
-    data.setdefault("clock_hz", 16_000_000)  # of `klipper`, whose boards say it themselves
+    data.setdefault("clock_hz", 16_000_000)  # for `klipper`, whose boards report their clock
     _put_klippers_budget(data, {})
     resolve_names(data)
     return Board.model_validate(data)
@@ -95,8 +96,8 @@ def _merged(beneath: Mapping[str, Any], above: Mapping[str, Any]) -> Tables:
 
 
 def put_boards(data: Tables, folder: FilePath, sources: list[Source]) -> Iterator[Finding]:
-    """Puts the values of shipped boards under those of the machine file `data`, and replaces pin
-    names by pins of the microcontroller. Appends the shipped files to `sources`."""
+    """Fills in the values of shipped boards that the machine file `data` does not give, and
+    replaces pin names by pins of the microcontroller. Appends the shipped files to `sources`."""
     if own := table(data, "board"):
         data["board"] = board = dict(own)
         yield from _put_board(board, ("board",), folder, sources)
@@ -116,14 +117,16 @@ def _put_board(
         if base not in shipped_boards():
             hint, limit = did_you_mean(base, shipped_boards()), "the name of a shipped board"
             yield Finding("config.value", (*place, "base"), base, limit, hint)
-            # With any board the other checks can continue without reporting its keys as missing.
+            # With a substitute board, the other checks can continue without reporting its keys as
+            # missing.
             base = meant_board(base) or "ramps"
         beneath, files = shipped_tables(base)
         sources += [replace(file, path=place) for file in files]
         board.update(_merged(beneath, own))
     console = table(board, "console")
     if "baud" in own and "baud" in console and "baud" not in table(own, "console"):
-        board["console"] = {**console, "baud": own["baud"]}  # the firmware is built for it
+        # the firmware is built for this baud rate
+        board["console"] = {**console, "baud": own["baud"]}
     elif "baud" in console:
         board.setdefault("baud", console["baud"])
     printed = board.get("numbering")
@@ -132,7 +135,7 @@ def _put_board(
         yield Finding("config.value", (*place, "numbering"), printed, limit, hint)
     if "dictionary" in board:
         if "clock_hz" not in own:
-            board.pop("clock_hz", None)  # the dictionary's counts
+            board.pop("clock_hz", None)  # the clock of the dictionary applies
         yield from _read_dictionary(board, (*place, "dictionary"), folder)
     elif _is_klippers(board) and "clock_hz" not in board:
         limit = "the file of the data dictionary that the firmware's build has left, or clock_hz"
@@ -155,19 +158,19 @@ def _put_board(
 
 
 def _is_klippers(board: Tables) -> bool:
-    """Whether it runs Klipper's firmware."""
+    """Whether the board runs Klipper's firmware."""
     return "klipper" in (board.get("base"), board.get("mcu"), board.get("firmware"))
 
 
 def _put_klippers_budget(board: Tables, own: Mapping[str, Any]) -> None:
-    """Adds the default budget of Klipper's firmware under the budget of the machine file; the
-    budget of a shipped board holds for Passo's firmware."""
+    """Fills in the default budget of Klipper's firmware where the machine file does not give one.
+    The budget of a shipped board applies only to Passo's firmware."""
     clock_hz, stated = number(board, "clock_hz"), own.get("budget", {})
     if _is_klippers(board) and clock_hz is not None and isinstance(stated, Mapping):
         board["budget"] = {**klippers_budget(clock_hz), **table(own, "budget")}
 
 
-# What reading something else in its place raises.
+# Exceptions of reading a file that is not a dictionary.
 _NO_DICTIONARY = (
     ValueError,
     LookupError,
@@ -234,7 +237,7 @@ def _dictionary_pins(names: Mapping[str, Any]) -> dict[str, str]:
 def _dictionary_reserves(
     constants: Mapping[str, Any], pins: Mapping[str, str]
 ) -> dict[str, list[str]]:
-    """What a constant such as RESERVE_PINS_USB keeps for the board itself."""
+    """The pins that constants such as RESERVE_PINS_USB reserve for the board itself."""
     return {
         key.removeprefix(_RESERVES): [pin for pin in value.split(",") if pin in pins]
         for key, value in constants.items()
@@ -243,8 +246,9 @@ def _dictionary_reserves(
 
 
 def resolve_names(board: Tables) -> None:
-    """Fills `pins` with all names of a board, replaces every pin by the microcontroller's, and puts
-    the chosen variant into `functions`. The models report values of the wrong type."""
+    """Fills `pins` with all names of a board, replaces every pin by that of the microcontroller,
+    and sets `functions` to those of the chosen variant. Values of the wrong type are skipped here;
+    the models report them."""
     names: dict[str, str] = {}
     printed = board.get("numbering")
     if isinstance(printed, str) and printed in numberings():
@@ -292,7 +296,7 @@ def _pin_behind(names: Mapping[str, str], name: str) -> str:
 
 
 def _resolved(value: Any, names: Mapping[str, str]) -> Any:
-    """The same tables and lists with the microcontroller's pins in place of names."""
+    """A copy of tables and lists, with names replaced by pins of the microcontroller."""
     if isinstance(value, str):
         bare = value.lstrip("!^~")
         return joined_marks(value, names[bare]) if bare in names else value

@@ -127,7 +127,7 @@ def _named(board: Board) -> Iterator[str]:
 
 
 def _abilities(board: Board, pin: str) -> str:
-    """What a pin can do besides being on or off."""
+    """The functions of a pin other than on and off."""
     chip, bare = board.chip, pin.lstrip("!^~")
     if chip is None:
         return ""

@@ -1,4 +1,4 @@
-"""The load that a board's processor and its link can take, for the planner."""
+"""The maximum load of a board's processor and link, for the planner."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from passo.config.types import Model
 # 8.28 on sliced files of 1.6 million commands.
 COMMAND_BYTES = 8.3
 BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or late
-COMMIT_S = 0.075  # of print time in a commit
-COMMIT_BYTES = 20.0  # on the wire, without its brake tails: those are commands
-# A burst of so many seconds of commands may come ahead, but at most half of the move queue.
+COMMIT_S = 0.075  # print time in a commit
+COMMIT_BYTES = 20.0  # of a commit on the link, without its brake tails, which are commands
+# Commands of a burst of this many seconds may be sent ahead, but at most half of the move queue.
 BURST_S = 0.1
-# Commands for so long ahead are on the board; the second value if motion is sent in commits.
+# Commands are on the board this long in advance; the second value applies if motion is sent in
+# commits.
 AHEAD_S = 0.15
 COMMITTED_S = 0.2
 # The maximum time of a link to transmit one command: commands leave 125 ms before their time and
@@ -33,9 +34,9 @@ _Cycles = Annotated[float, Field(gt=0, le=1_000_000)]
 
 
 class Budget(Model):
-    """What the processor of a board and its link take; the planner stays within it. The figures
-    are rates at which a board was measured to keep up with steps and commands together, not costs
-    of their own."""
+    """The maximum load of a board's processor and link, which the planner respects. The figures are
+    fitted to measurements of steps and commands together; they are not the costs of single
+    operations."""
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
     """The clock of the processor. If not given, `clock_hz`."""
@@ -56,7 +57,7 @@ class Budget(Model):
 # The budget of Klipper's firmware. On an ATmega2560 it was measured to need 491 ticks for a step of
 # each of three motors, and 655 for four. On chips with an ARM core a step with a pulse is two
 # events. Klipper's docs/Benchmarks.md has 60 to 102 cycles an event, but of its quickest kind,
-# which these are not. A command is assumed to cost the same as with Passo's firmware on an AVR.
+# which steps are not. A command is assumed to cost the same as with Passo's firmware on an AVR.
 _AVR_HZ = 20_000_000  # the fastest clock of an AVR
 _AVR_CYCLES_PER_STEP = 164
 _CYCLES_PER_STEP = 300
@@ -66,8 +67,8 @@ _RP2040_CPU_HZ = 120_000_000  # and its minimum processor clock
 
 
 def klippers_budget(clock_hz: float) -> dict[str, float]:
-    """The budget, as a machine file holds it, of a board with Klipper's firmware of which only the
-    clock is known."""
+    """The budget, in the form of a machine file, of a board with Klipper's firmware for which only
+    the clock is known."""
     if clock_hz == _RP2040_HZ:
         return klippers_budget(_RP2040_CPU_HZ) | {"cpu_hz": _RP2040_CPU_HZ}
     avr = clock_hz <= _AVR_HZ

@@ -1,4 +1,4 @@
-"""How a machine finds its geometry: a delta's, the tilt of its gantry, and its bed screws."""
+"""Calibration of a machine: the geometry of a delta, the tilt of a gantry, and bed screws."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Thread = Literal["M3 cw", "M3 ccw", "M4 cw", "M4 ccw", "M5 cw", "M5 ccw", "M6 cw
 
 
 class DeltaCalibration(Model):
-    """How G33 calibrates a delta: where it probes, and what may change at most."""
+    """The settings of G33 for a delta: where it probes, and the maximum changes."""
 
     radius_mm: Positive | None = None
-    """The distance of the outermost points from the middle. If not given, what nozzle and probe
-    reach."""
+    """The distance of the outermost points from the middle. If not given, the maximum that nozzle
+    and probe reach."""
     max_radius_mm: Positive = 5.0
     """The maximum change of the radius."""
     max_angle_deg: Positive = 3.0
@@ -37,11 +37,11 @@ class Place(Model):
 
 
 class ZMotors(Model):
-    """How G34 levels the gantry, or the bed, by the motors of Z, each of which turns by itself."""
+    """The settings of G34, which levels the gantry or the bed with independent Z motors."""
 
     pivots: Annotated[dict[Name, Pair], Field(min_length=2, max_length=4)]
-    """X and Y where each motor of Z carries the gantry, in mm. Four motors: front left, back left,
-    back right, front right."""
+    """X and Y of the point at which each Z motor carries the gantry, in mm. Four motors: front
+    left, back left, back right, front right."""
     points: Annotated[list[Place], Field(min_length=2, max_length=100)]
     """The points that G34 measures. For four motors: four points in the order of the motors."""
     max_adjust_mm: Positive = 2.0
@@ -49,14 +49,14 @@ class ZMotors(Model):
     tolerance_mm: Positive = 0.01
     """The tilt between the motors at which G34 is done."""
     retries: Annotated[int, Field(ge=0, le=30)] = 5
-    """How often G34 measures and adjusts again."""
+    """The number of times that G34 repeats the measurement and the adjustment."""
 
 
 class BedScrew(Model):
     """A screw of the bed."""
 
     name: Annotated[str, Field(min_length=1, max_length=40)]
-    """What reports call it."""
+    """The name of the screw in reports."""
     x: Position
     """X of the probe above the screw, in mm."""
     y: Position
@@ -78,7 +78,7 @@ _Rods = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 
 
 class SimulatedDelta(Model):
-    """What a simulated delta measures really, where the machine file has it otherwise."""
+    """The true dimensions of a simulated delta, where they differ from the machine file."""
 
     radius: Positive | None = None
     """The distance from a tower to the middle, in mm."""

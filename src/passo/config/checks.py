@@ -1,7 +1,7 @@
 """Checks between the parts of a machine file.
 
-They read the raw tables, not the models, so that one wrong number elsewhere never hides them:
-whatever has the wrong type is skipped here and reported by the models.
+They read the raw tables, not the models, so that a wrong value elsewhere does not hide their
+findings. Values of the wrong type are skipped here; the models report them.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
 
 
 def check_link(data: Raw) -> Iterator[Finding]:
-    """A board that is not simulated has a valid address, and all boards are real or none is. Only a
-    further, simulated board has a clock that differs from the machine's."""
+    """Checks that a real board has a valid address, that all boards are real or all are simulated,
+    and that only a further, simulated board has a different clock."""
     main = table(data, "board")
     for key in ("drift_ppm", "start_s"):
         if number(main, key):
@@ -53,7 +53,8 @@ def _check_port(board: Raw, place: tuple[str, ...]) -> Iterator[Finding]:
 
 
 def check_axes(data: Raw, actuators: tuple[str, ...]) -> Iterator[Finding]:
-    """X, Y and Z are there, further axes are few and named apart, and ranges are ranges."""
+    """Checks that X, Y and Z exist, that further axes are at most four with different names, and
+    that minima are below maxima."""
     axes = table(data, "axes")
     for name in "xyz":
         if name not in axes:
@@ -76,7 +77,7 @@ def check_axes(data: Raw, actuators: tuple[str, ...]) -> Iterator[Finding]:
 
 
 def _check_extruder_axis(data: Raw, name: str, axis: Raw) -> Iterator[Finding]:
-    """A further axis that pushes filament has a hotend, and neither limits nor a switch."""
+    """Checks that a further axis for filament has a hotend, and neither limits nor an endstop."""
     path, heater = ("axes", name), axis.get("heater")
     if axis.get("extruder") is not True:
         if heater is not None:
@@ -110,7 +111,8 @@ def _check_range(path: tuple[str, ...], content: Raw, unit: str) -> Iterator[Fin
 def check_steppers(
     data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...]
 ) -> Iterator[Finding]:
-    """Each motor drives something, in the right unit; each thing that moves has a motor."""
+    """Checks that each motor drives a part, in the right unit, and that each moving part has a
+    motor."""
     drivable = Drivable(actuators, axis_order(table(data, "axes")), table(data, "extruders"))
     driven_names: set[Driven] = set()
     for name, stepper in tables(data, "steppers"):
@@ -155,7 +157,7 @@ def _check_scale(path: tuple[str, ...], stepper: Raw, turns: bool) -> Iterator[F
 
 
 def check_references(data: Raw) -> Iterator[Finding]:
-    """Tools name extruders and heaters that exist."""
+    """Checks that tools name existing extruders and heaters."""
     for index, tool in enumerate(array(data, "tools")):
         for key in ("extruder", "heater"):
             word, known = table(tool).get(key), table(data, f"{key}s")
@@ -166,7 +168,7 @@ def check_references(data: Raw) -> Iterator[Finding]:
 
 
 def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -> Iterator[Finding]:
-    """What is homed exists and has either one switch or one for each of its motors."""
+    """Checks that each homed part exists, and has one endstop or one for each of its motors."""
     axes = axis_order(table(data, "axes"))
     drivable = Drivable(actuators, axes, table(data, "extruders"))
     names = [*arms, *axes[2:]] if arms else axes
@@ -200,7 +202,7 @@ def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -
 def check_all(
     data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], arms: tuple[str, ...] = ()
 ) -> Iterator[Finding]:
-    """All checks; those that need the geometry are skipped where it is not known."""
+    """Runs all checks; without a known geometry, skips those that need it."""
     parts: list[Callable[[Raw], Iterator[Finding]]] = [
         check_references,
         check_heaters,

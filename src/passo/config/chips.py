@@ -1,6 +1,5 @@
-"""Microcontrollers: their pins and what each pin can do, from `chips/*.toml`.
-
-`numberings/*.toml` hold the numbers that makers print beside the pins of their boards.
+"""Microcontrollers: their pins and the functions of each pin, from `chips/*.toml`. The files
+`numberings/*.toml` have the numbers that are printed next to pins on boards.
 """
 
 from __future__ import annotations
@@ -23,8 +22,8 @@ _RANGE = re.compile(r"(.*?)(\d+)(?:-(\d+))?")
 
 
 class Timer(Model):
-    """A timer with the pins that each of its channels could pulse. `firmware` says what the
-    firmware uses it for instead."""
+    """A timer with the pins that each of its channels can pulse. `firmware` is the use of the timer
+    by the firmware, if any."""
 
     bits: Literal[8, 16, 32]
     firmware: str = ""
@@ -113,13 +112,13 @@ def expanded(items: Iterable[str]) -> list[str]:
 
 
 def chip_names() -> list[str]:
-    """The chips that Passo knows, sorted."""
+    """The names of the supported chips, sorted."""
     return sorted(path.stem for path in (_HERE / "chips").glob("*.toml"))
 
 
 @cache
 def chip(name: str) -> Chip:
-    """The chip that boards call `name` in their `mcu`. KeyError if it is not known."""
+    """The chip with the name that boards have in `mcu`. KeyError if it is not supported."""
     if name not in chip_names():
         raise KeyError(name)
     data = _Data.model_validate(tomllib.loads((_HERE / "chips" / f"{name}.toml").read_text()))
@@ -148,13 +147,14 @@ def chip(name: str) -> Chip:
 
 
 def numberings() -> list[str]:
-    """The ways of printing numbers beside pins that Passo knows, sorted."""
+    """The names of the known numberings of pins, sorted."""
     return sorted(path.stem for path in (_HERE / "numberings").glob("*.toml"))
 
 
 @cache
 def numbering(name: str) -> dict[str, str]:
-    """Printed number → pin of the chip, such as D54 → PF0. KeyError if this name is unknown."""
+    """The pin of the chip for each printed number, such as D54 → PF0. KeyError if the numbering is
+    unknown."""
     if name not in numberings():
         raise KeyError(name)
     text = (_HERE / "numberings" / f"{name}.toml").read_text()

@@ -1,5 +1,5 @@
-"""Checks that the chip of a board has the console of the firmware: its UART, the pins of that UART,
-and the baud rates."""
+"""Checks that the chip of a board can have the configured console: the UART, its pins, and the baud
+rate."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from passo.config.chips import Chip, Uart, chip
 from passo.config.findings import Finding, array, number, table
 from passo.config.toml_lines import Path
 
-_AVR_CYCLES = 8  # a bit lasts so many of an AVR's clock, times its divisor
+_AVR_CYCLES = 8  # clock cycles of an AVR per bit, times the divisor
 
 
 def check_console(
     board: Mapping[str, Any], own: Mapping[str, Any], place: Path
 ) -> Iterator[Finding]:
-    """Checks the console of a board that runs Passo's firmware on a known chip; its pins are the
-    chip's. `own` is the part of the machine file about the board, at `place`."""
+    """Checks the console of a board that runs Passo's firmware on a supported chip. Pins of `board`
+    are those of the chip. `own` is the board's table in the machine file, at the path `place`."""
     if not (console := table(board, "console")):
         return
     it, name = chip(str(board["mcu"])), console.get("uart")
@@ -57,13 +57,13 @@ def _check_bauds(
 
 
 def makes(hz: int, least: int, baud: int) -> bool:
-    """Whether a UART that divides `hz` by whole numbers, at least `least`, can make the rate as the
-    firmware sets it up."""
+    """Whether a UART that divides `hz` by a whole number of at least `least` can make the baud
+    rate, as set up by the firmware."""
     divisor = (2 * hz + baud) // (2 * baud)
     return divisor >= least and abs(hz // divisor - baud) < baud // 40
 
 
 def rates_near(hz: int, least: int, baud: int) -> list[int]:
-    """The rates of the UART next to `baud`, slower and faster, or the fastest of all."""
+    """The possible rates of the UART next to `baud`, slower and faster, or the fastest rate."""
     divisor = hz // baud
     return [hz // (divisor + 1), hz // divisor] if divisor >= least else [hz // least]

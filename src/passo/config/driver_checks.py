@@ -35,7 +35,7 @@ class _Wire:
 
 
 def check_drivers(data: Raw) -> Iterator[Finding]:
-    """All motors with a table `tmc`."""
+    """Checks all motors with a table `tmc`."""
     uarts: list[tuple[Path, ChipName, Raw]] = []
     for name, stepper in tables(data, "steppers"):
         if "tmc" not in stepper:
@@ -57,7 +57,8 @@ def check_drivers(data: Raw) -> Iterator[Finding]:
 
 
 def _check_uarts(data: Raw, uarts: list[tuple[Path, ChipName, Raw]]) -> Iterator[Finding]:
-    """Those on one wire are TMC2209s, describe it alike and have addresses of their own."""
+    """Checks that drivers on one UART are TMC2209, have equal descriptions of it, and different
+    addresses."""
     wires: dict[tuple[str, str], _Wire] = {}
     senders: dict[tuple[str, str], _Wire] = {}
     addresses: dict[tuple[tuple[str, str], float], Path] = {}
@@ -120,7 +121,7 @@ def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
 
 
 def check_thresholds(stepper: Raw, path: Path, turns: bool) -> Iterator[Finding]:
-    """The speed of stealthChop is in the motor's unit."""
+    """Checks that the stealthChop threshold is in the unit of the motor."""
     right, wrong = ("deg", "mm") if turns else ("mm", "deg")
     key = f"stealthchop_below_{wrong}_s"
     value = table(stepper, "tmc").get(key)

@@ -1,4 +1,4 @@
-"""Stepper drivers and the times that their inputs ask for."""
+"""Stepper drivers, and the minimum times of their inputs."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Literal, NamedTuple
 
 
 class DriverTimes(NamedTuple):
-    """Shortest step pulse, minimum time between a direction change and a step before or after it,
-    and maximum step rate."""
+    """The minimum step pulse, the minimum times between a step and a direction change before or
+    after it, and the maximum step rate."""
 
     pulse_us: float
     direction_us: float

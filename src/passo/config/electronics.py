@@ -1,5 +1,4 @@
-"""The electrical parts of a board besides motors and heaters: fans, a laser, the power supply, a
-beeper."""
+"""Electrical parts other than motors and heaters: fans, a laser, the power supply, a beeper."""
 
 from __future__ import annotations
 
@@ -14,7 +13,7 @@ class Fan(Model):
     """A fan. The board pulses its output in software."""
 
     pin: Pin
-    """The output. If not given, the one that the board has for such a fan."""
+    """The output. If not given, the output that the board has for such a fan."""
     number: Annotated[int, Field(ge=0, le=255)] = 0
     """P of M106 and M107."""
     min_power: Fraction = 0.0

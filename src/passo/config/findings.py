@@ -1,4 +1,4 @@
-"""The findings of the checks of a machine file, before they have a file and a line."""
+"""The findings of the checks of a machine file, without file and line."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _PART = re.compile(r"(?:^|\.)([^.\[\]]+)|\[(\d+)\]")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """`path` leads to the key; `limit` is the value that was expected there. `owner` leads to the
-    key that already has the value; messages name its position too."""
+    """One problem. `path` is the path of the key; `limit` is the expected value. `owner` is the
+    path of the key that already has the value; messages name its position too."""
 
     code: str
     path: Path
@@ -29,12 +29,12 @@ class Finding:
 
     @property
     def key(self) -> str:
-        """The path as the machine file writes it."""
+        """The path in the form of the machine file."""
         return key_text(self.path)
 
 
 def key_text(path: Path) -> str:
-    """A path as the machine file writes it: `tools[1].extruder`."""
+    """A path in the form of the machine file: `tools[1].extruder`."""
     text = ""
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
@@ -42,12 +42,12 @@ def key_text(path: Path) -> str:
 
 
 def path_of(key: str) -> Path:
-    """The path of a key that is written as `key_text` writes it."""
+    """The path of a key in the form of `key_text`."""
     return tuple(int(index) if index else name for name, index in _PART.findall(key))
 
 
 class _Written(str):
-    """A value as the file has it: a text without its quotes."""
+    """A value in the form of the file: a text without its quotes."""
 
     __slots__ = ()
 
@@ -56,7 +56,7 @@ class _Written(str):
 
 
 def as_written(value: object) -> object:
-    """A value for messages and for JSON; a value that they write in another way than TOML becomes
+    """A value for messages and for JSON. A value with another form in JSON than in TOML becomes
     text."""
     if value is None:
         return _Written("missing")
@@ -75,7 +75,8 @@ def as_written(value: object) -> object:
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """A hint naming the closest known word, or all of them if few; empty if neither helps."""
+    """A hint with the most similar known word, or with all known words if there are few; otherwise
+    empty."""
     names = sorted(known)
     folded = {name.casefold(): name for name in names}
     close = get_close_matches(str(word).casefold(), folded, n=1, cutoff=0.6)
@@ -85,8 +86,8 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
 
 
 def table(data: object, *keys: str) -> Mapping[str, Any]:
-    """The table at `keys`, empty if it is missing or is not a table: the models report type errors
-    once, and these must not hide other errors."""
+    """The table at `keys`; empty if it is missing or not a table. The models report type errors,
+    which must not hide other errors here."""
     for key in keys:
         data = cast("Mapping[str, Any]", data).get(key) if isinstance(data, Mapping) else None
     return cast("Mapping[str, Any]", data) if isinstance(data, Mapping) else {}

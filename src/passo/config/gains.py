@@ -20,8 +20,8 @@ _NAMES = {"hotend": "a hotend", "bed": "a bed", "chamber": "a chamber"}
 
 
 class Doubt(NamedTuple):
-    """A gain that no heater of its kind has; `meant` are the gains in the usual unit, if another
-    unit explains the value."""
+    """A gain that is implausible for its kind of heater; `meant` are the gains in the usual unit,
+    if another unit explains the value."""
 
     key: str
     value: float
@@ -30,7 +30,7 @@ class Doubt(NamedTuple):
 
     @property
     def hint(self) -> str:
-        """The gains that were probably meant, as a question; empty if no other unit explains the
+        """A question with the gains that were probably meant; empty if no other unit explains the
         value."""
         if not self.meant:
             return ""
@@ -40,7 +40,8 @@ class Doubt(NamedTuple):
 
 
 def doubt(kind: str, gains: Mapping[str, float]) -> Doubt | None:
-    """The first of these gains (kp, ki, kd) that is not plausible for a heater of this kind."""
+    """The first of the gains (kp, ki, kd) that is implausible for a heater of this kind, or
+    None."""
     bounds = _HOTEND if kind == "hotend" else _SLOW
     for key, (least, most) in bounds.items():
         value = gains.get(key, 0.0)

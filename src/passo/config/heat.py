@@ -41,7 +41,7 @@ class BangBangControl(Model):
     kind: Literal["bang-bang"] = "bang-bang"
     """On-off control."""
     hysteresis_c: NotNegative = 1.0
-    """The heater goes on below the target by this, and off above it by this."""
+    """The heater is switched on this far below the target, and off this far above it."""
     interval_s: NotNegative = 5.0
     """The minimum time between two switchings."""
 
@@ -77,32 +77,35 @@ class HeatModel(Model):
 
 
 class Protection(Model):
-    """What switches a heater off besides `min_c` and `max_c`; 0 switches a protection off. The
-    figures and what they are for: docs/explanation/heat.md."""
+    """Protections that switch a heater off, in addition to `min_c` and `max_c`. The value 0
+    disables one. See docs/explanation/heat.md."""
 
     jump_c: NotNegative = 10.0
     """The sensor is erratic if it jumps by more than this, four times in a few seconds. 0: off."""
     watch_rise_c: NotNegative = 2.0
-    """At full power on its way up the heater must become warmer by this in each `watch_s`. 0:
-    off."""
+    """While the heater heats up at full power, its temperature must rise by this in each `watch_s`.
+    0: off."""
     watch_s: Positive | None = None
     """The time of `watch_rise_c`. If not given, 20 s, and 90 s for a bed or a chamber."""
     runaway_c: NotNegative = 4.0
-    """At its target the heater must not stay below it by this for `runaway_s`. 0: off."""
+    """After it has reached its target, the heater must not stay this far below it for `runaway_s`.
+    0: off."""
     runaway_s: Positive = 40.0
     """The time of `runaway_c`."""
     stuck_on_c: NotNegative = 10.0
-    """Without power the heater must not become warmer by this in `stuck_on_s`. 0: off."""
+    """Without power, the temperature of the heater must not rise by this in `stuck_on_s`. 0:
+    off."""
     stuck_on_s: Positive = 60.0
     """The time of `stuck_on_c`."""
     deviation: NotNegative = 0.25
-    """The fraction of full power that the model may leave unexplained for `deviation_s`. 0: off."""
+    """The maximum fraction of full power by which the heater may deviate from the model for
+    `deviation_s`. 0: off."""
     deviation_s: Positive = 30.0
     """The time of `deviation`."""
 
 
 class Arrival(Model):
-    """When a command that waits for a heater continues."""
+    """The condition under which a command stops waiting for a heater."""
 
     window_c: Positive = 1.0
     """The heater has arrived when it stays this close to the target for `seconds`."""
@@ -113,9 +116,9 @@ class Arrival(Model):
 
 
 class SimulatedHeat(Model):
-    """How a heater behaves on a simulated printer: a first-order body, and a first-order sensor
-    after it. Without this table a heater is like its `model`; without that, too, it is a hotend of
-    40 W, a bed of 200 W or a chamber of 300 W."""
+    """A heater of a simulated printer: a first-order body, and a first-order sensor after it.
+    Without this table, the heater behaves like its `model`; without a model, like a hotend of 40 W,
+    a bed of 200 W or a chamber of 300 W."""
 
     full_power_rise_c: Positive
     """The final temperature at full power, above the ambient temperature of 25 °C."""
@@ -141,7 +144,7 @@ _USUAL_HEAT = {
 
 
 def _simulated_heat(heater: dict[str, Any]) -> SimulatedHeat:
-    """The simulated heater without a table of its own; the other fields of the heater are these."""
+    """The simulated heater for a heater without a table `simulated`, from its other fields."""
     model = heater.get("model")
     if isinstance(model, HeatModel):
         return SimulatedHeat(
@@ -154,17 +157,17 @@ def _simulated_heat(heater: dict[str, Any]) -> SimulatedHeat:
 
 
 class Heater(Model):
-    """A heater with its sensor. The board pulses the output in software. A cycle starts with each
-    reading of the sensor, every 0.25 s: two whole cycles fit between them at 8 Hz."""
+    """A heater with its sensor. The board pulses the output in software. A pulse cycle starts with
+    each reading of the sensor, every 0.25 s; at 8 Hz, two whole cycles fit in between."""
 
     kind: Literal["hotend", "bed", "chamber"]
-    """Which commands set it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a
-    chamber."""
+    """The kind, which determines the commands: M104 and M109 for a hotend, M140 and M190 for the
+    bed, M141 and M191 for a chamber."""
     pin: Pin
-    """The output. If not given, the one that the board has for such a heater."""
+    """The output. If not given, the output that the board has for such a heater."""
     sensor_pin: Pin
-    """The analog input of the sensor, or the chip select of a converter. If not given, the one that
-    the board has."""
+    """The analog input of the sensor, or the chip select of a converter. If not given, the input
+    that the board has."""
     sensor: AnySensor = Field(default_factory=Thermistor)
     """The sensor: a [name](sensors.md) or a table. If not given, a thermistor of 100 kΩ."""
     fan: Name | None = None
@@ -180,16 +183,16 @@ class Heater(Model):
     control: AnyControl = Field(default_factory=PidControl)
     """How the heater is controlled."""
     model: HeatModel | None = None
-    """How the heater heats, as a tune has found it."""
+    """The thermal model of the heater, which a tune can find."""
     protection: Protection = Field(default_factory=Protection)
-    """What switches the heater off besides `min_c` and `max_c`."""
+    """Protections that switch the heater off, in addition to `min_c` and `max_c`."""
     arrival: Arrival = Field(default_factory=Arrival)
-    """When a command that waits for this heater continues."""
+    """The condition under which a command stops waiting for this heater."""
     on_fault: Literal["machine", "job", "heater"] = "machine"
-    """What else stops when a protection has switched this heater off."""
+    """The parts that also stop when a protection has switched this heater off."""
     simulated: SimulatedHeat = Field(default_factory=_simulated_heat)
-    """How the heater heats on the simulated printer. If not given, as its `model`, or as usual for
-    its `kind`."""
+    """The behaviour of the heater on the simulated printer. If not given, that of its `model`, or
+    the usual one for its `kind`."""
 
     @property
     def known_model(self) -> bool:

@@ -1,4 +1,4 @@
-"""Checks of the heaters and fans of a machine file, between their keys and with the rest of it."""
+"""Checks the heaters and fans of a machine file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ _MIN_CYCLE_TICKS = 64_000
 
 
 def check_heaters(data: Raw) -> Iterator[Finding]:
-    """Checks that ranges are ranges, fans exist, and tables of sensors are monotonic."""
+    """Checks that minima are below maxima, that fans exist, and that tables of sensors are
+    monotonic."""
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)
         low, high = number(heater, "min_c"), number(heater, "max_c")
@@ -46,8 +47,8 @@ def check_heaters(data: Raw) -> Iterator[Finding]:
 
 
 def check_fans(data: Raw) -> Iterator[Finding]:
-    """Checks that fans that take commands have different numbers, and that the others follow
-    heaters and motors that exist."""
+    """Checks that fans for commands have different numbers, and that other fans follow existing
+    heaters and motors."""
     owners: dict[float, str] = {}
     heaters, steppers = table(data, "heaters"), table(data, "steppers")
     for name, fan in tables(data, "fans"):
@@ -78,7 +79,7 @@ def check_fans(data: Raw) -> Iterator[Finding]:
 
 
 def check_pulses(data: Raw) -> Iterator[Finding]:
-    """Checks that heaters and fans are pulsed no faster than their boards can do it in software."""
+    """Checks that the boards can pulse heaters and fans at the configured frequency in software."""
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
             pin, wanted = content.get("pin"), number(content, "pwm_hz")
@@ -116,7 +117,7 @@ def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:
 
 
 def _pairs(raw: object) -> Iterator[tuple[float, float]]:
-    """The point, if it is one; the models report one that is invalid."""
+    """The valid points of a table; the models report the others."""
     match raw:
         case [int() | float() as celsius, int() | float() as share]:
             yield float(celsius), float(share)

@@ -1,4 +1,4 @@
-"""Checks of home and parking positions, which need a machine file without other errors."""
+"""Checks of home and parking positions. They need a machine file without other errors."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from passo.geometry.skewable import SkewableModel
 
 
 def check_home(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that the nozzle can reach the home position: arms and axes at their endstops, axes
-    without one where the file says."""
+    """Checks that the nozzle can reach the home position: all arms and axes at their endstops, and
+    axes without one at their position in the file."""
     try:
         machine.geometry.inverse(machine.home_point)
     except (Unreachable, ArithmeticError) as error:
@@ -34,11 +34,11 @@ def check_home(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def check_home_sides(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that each home is on its endstop's half of the axis or carriage: from the other half
-    most moves would lead through the endstop. It may be beyond the limit on its own side, or in the
-    middle, as for an axis that turns. Two arms may have to meet at home, far from their limits: for
-    an arm that turns, only angles near its other limit are on the wrong side. An angle far beyond
-    that limit is on the right side, counted from another turn."""
+    """Checks that each home position is on the endstop's half of the axis or carriage; otherwise
+    most moves would pass the endstop. It may be beyond the limit on its side, or in the middle, as
+    for a rotary axis. Two arms may have to meet at home, far from their limits, so for a rotary arm
+    only angles near the opposite limit are errors. An angle far beyond the opposite limit is
+    correct if a full turn is added."""
     geometry = machine.geometry
     for name, homing in machine.homing.items():
         arm, turns = name in geometry.arms, name in geometry.rotary
@@ -66,8 +66,8 @@ def _range_of_axis(machine: MachineConfig, name: str) -> tuple[float, float]:
 
 
 def _range_of_arm(machine: MachineConfig, name: str) -> tuple[float, float]:
-    """The limits of an actuator's motors. If one is missing and the arms lift together, the range
-    that the ends and middles of the axes need, as far as the arm reaches them; otherwise infinite.
+    """The limits of an actuator's motors. If a limit is missing and the arms lift together, it is
+    the range that the reachable ends and middles of the axes need; otherwise it is infinite.
     """
     geometry = machine.geometry
     index = geometry.actuators.index(name)
@@ -86,7 +86,7 @@ def _range_of_arm(machine: MachineConfig, name: str) -> tuple[float, float]:
 
 
 def check_offsets(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that offsets of endstops are of motors with an endstop of their own."""
+    """Checks that endstop offsets belong to motors with their own endstop."""
     for name, homing in machine.homing.items():
         for motor, mm in homing.offsets_mm.items():
             if motor not in homing.stepper_pins:
@@ -95,8 +95,8 @@ def check_offsets(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def check_skew(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that carriages which skew moves beyond their axes have limits of their own: those of
-    their motors, or of crossed belts `reach_x_mm` and `reach_y_mm`."""
+    """Checks that motors that skew can move beyond the limits of their axes have their own
+    limits, and crossed belts `reach_x_mm` and `reach_y_mm`."""
     geometry = machine.geometry
     if isinstance(geometry, CoreBelts):
         yield from _check_belts(machine, geometry)
@@ -143,7 +143,7 @@ def check_park(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def check_scales(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that each motor's scale, from whichever keys it follows, is valid."""
+    """Checks that the steps per unit of each motor are valid."""
     for name, stepper in machine.steppers.items():
         if not MIN_SCALE <= stepper.steps_per_unit <= MAX_SCALE:
             key = "gear_ratio" if stepper.rotation_distance_mm is None else "rotation_distance_mm"

@@ -1,4 +1,4 @@
-"""How axes are homed: endstops, directions, speeds and distances."""
+"""Homing of axes: endstops, directions, speeds and distances."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from passo.config.types import Model, Name, Pair, Pin, Position, Positive, Speed
 
 
 class Homing(Model):
-    """How an axis, a carriage of a delta, or an arm is homed. It moves `fast` towards its endstop,
-    back by `retract`, and `slow` to the endstop again, which is then at `position`: on the
-    `direction` half of the axis, perhaps a little beyond its limit."""
+    """Homing of an axis, a carriage of a delta, or an arm. It moves fast towards its endstop,
+    retracts, and moves slowly to the endstop again. Its position is then `position_mm` or
+    `position_deg`, which must be on the `direction` half of the axis, or a little beyond its
+    limit."""
 
     direction: Literal["min", "max"]
     """The end of the axis that has the endstop."""
@@ -21,15 +22,15 @@ class Homing(Model):
     pin: Pin | None = None
     """The endstop, which stops all motors of the axis. `!` inverts it, `^` asks for the pull-up."""
     probe: bool = False
-    """Whether the probe is the endstop, in place of a `pin`. X and Y are homed before that, and the
-    nozzle goes to where the probe is above `probe_at_mm`. The position is the trigger height."""
+    """Whether the probe is the endstop, instead of a `pin`. X and Y must be homed first; then the
+    nozzle moves so that the probe is above `probe_at_mm`. The position is the trigger height."""
     probe_at_mm: Pair | None = None
-    """X and Y of the probe while it homes the axis. If not given, the middle of the bed."""
+    """X and Y of the probe for homing. If not given, the middle of the bed."""
     stepper_pins: dict[Name, Pin] = {}
     """An endstop for each motor of the axis, by the name of the motor."""
     offsets_mm: dict[Name, Position] = {}
-    """How much higher than `position` the endstop of a motor in `stepper_pins` triggers: homing
-    levels the motors by it. G34 finds these offsets."""
+    """The height above the home position at which the endstop of a motor in `stepper_pins`
+    triggers. Homing levels the motors with these offsets, which G34 can measure."""
     fast: Speed = 40.0
     """The speed towards the endstop, in mm/s or degrees/s."""
     retract: Positive = 3.0

@@ -1,4 +1,5 @@
-"""What a key of a machine file is, which value it has on a machine, and where the value is set."""
+"""Facts about a key of a machine file: its description, its value on a machine, and the source of
+the value."""
 
 from __future__ import annotations
 
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class KeyFacts:
-    """A key as the machine file writes it, its description, its value as TOML (None if it has
-    none), and the file and line that set the value (None of a default)."""
+    """A key in the form of the machine file, its description, its value as TOML (None without one),
+    and the file and line that set the value (None for a default)."""
 
     key: str
     described: Key
@@ -32,8 +33,8 @@ class KeyFacts:
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """A place in a machine: its path, the value there, the models that a table there may have, and
-    the key that it is, or is within."""
+    """A place in a machine: its path, its value, the possible models of a table there, and the key
+    of the place."""
 
     path: Path
     value: object
@@ -41,7 +42,8 @@ class _Place:
     key: Key | None = None
 
     def inner(self, part: str | int) -> _Place:
-        """The place of a key, a name or an index in it. KeyError if a machine file has none."""
+        """The place of a key, a name or an index within this place. KeyError if a machine file
+        cannot have it."""
         path = (*self.path, part)
         if isinstance(self.value, BaseModel) or (self.value is None and self.models):
             models = self.models if self.value is None else [type(self.value)]
@@ -51,12 +53,12 @@ class _Place:
                     below = models_of(model.model_fields[str(part)].annotation)
                     return _Place(path, value, below, key_of(model, str(part)))
             raise KeyError(part)
-        if self.value in ({}, []) and self.models:  # a part that the machine does not have
+        if self.value in ({}, []) and self.models:  # the machine does not have this part
             return _Place(path, None, self.models, self.key)
         return _Place(path, cast("Any", self.value)[part], self.models, self.key)
 
     def names(self) -> list[str | int]:
-        """What may follow: keys, names or indices; nothing after a value."""
+        """The possible keys, names or indices within this place; empty for a value."""
         if isinstance(self.value, BaseModel):
             return [*type(self.value).model_fields]
         if self.value is None:

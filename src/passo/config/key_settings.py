@@ -1,4 +1,4 @@
-"""The keys of a machine file whose values commands set, too."""
+"""The keys of a machine file whose values commands can set too."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SETTINGS = (
 
 
 def setting_of(key: str) -> tuple[str, str] | None:
-    """The command and the word that set the value of a key too; None of most keys."""
+    """The command and the word that also set the value of a key; None for most keys."""
     for pattern, command, word in _SETTINGS:
         if match := pattern.fullmatch(key):
             return command, word or match[1].upper()

@@ -55,7 +55,7 @@ def shipped_machines() -> list[str]:
 
 
 def shipped_text(name: str) -> str:
-    """The machine file of a shipped machine, which users copy for their own. Raises ConfigError."""
+    """The text of the machine file of a shipped machine, for users to copy. Raises ConfigError."""
     if name not in shipped_machines():
         hint = did_you_mean(name, shipped_machines())
         raise ConfigError.of("config.unknown-machine", hint=hint, value=name)
@@ -63,14 +63,14 @@ def shipped_text(name: str) -> str:
 
 
 def machine_path(name_or_path: str) -> FilePath | None:
-    """The machine file that `load` reads; None for the name of a shipped machine."""
+    """The path of the machine file that `load` reads; None for the name of a shipped machine."""
     is_path = name_or_path.endswith(".toml") or os.sep in name_or_path
     return FilePath(name_or_path) if is_path else None
 
 
 class Loaded(NamedTuple):
-    """A machine, the values of its file that are allowed but are probably wrong, and the files that
-    it came from."""
+    """A machine, questions about allowed values of its file that are probably wrong, and the files
+    from which it was loaded."""
 
     machine: MachineConfig
     questions: tuple[Problem, ...]
@@ -78,7 +78,7 @@ class Loaded(NamedTuple):
 
 
 def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
-    """The machine of that name, or of that TOML file.
+    """Loads the machine of this name, or from this TOML file.
 
     A word without a path separator and without the ending .toml is the name of a shipped machine.
     Raises ConfigError with *every* problem of the file, each with its line.
@@ -88,7 +88,7 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 
 def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
     """As `load`, with a question for each value that is probably wrong, each with its line, and
-    with the files that values come from."""
+    with the files from which values come."""
     name = os.fspath(name_or_path)
     path = machine_path(name)
     if path is not None:
@@ -126,7 +126,7 @@ def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
     """As `load_text`, with all that `load_and_question` returns."""
     try:
         return _machine(text, file)
-    except RecursionError:  # in the parser, or in the functions that walk through its tables
+    except RecursionError:  # in the parser, or in functions that walk through nested tables
         raise ConfigError.of("config.syntax", file, value="it is nested too deeply") from None
 
 
@@ -139,7 +139,7 @@ def _machine(text: str, file: str) -> Loaded:
         at = int(line) if line else text.rstrip("\n").count("\n") + 1
         message += _odd_character(text.splitlines()[at - 1 : at])
         raise ConfigError.of("config.syntax", file, at, value=message) from None
-    except ValueError:  # Python's limit of decimal digits
+    except ValueError:  # a number exceeds Python's limit of decimal digits
         reason = "an integer has too many digits"
         raise ConfigError.of("config.syntax", file, value=reason) from None
     if beyond := [*_beyond_64_bits(data)]:
@@ -186,7 +186,7 @@ def _machine(text: str, file: str) -> Loaded:
 
 
 def _odd_character(lines: list[str]) -> str:
-    """The character in a line, not ASCII, that a word processor put in place of an ASCII one."""
+    """The non-ASCII character in a line that a word processor has inserted for an ASCII one."""
     for line in lines:
         if found := _NOT_ASCII.search(line):
             name = unicodedata.name(found[0], "character").lower()
@@ -197,7 +197,8 @@ def _odd_character(lines: list[str]) -> str:
 
 
 def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:
-    """Integers that TOML does not allow, so that later code need not check for them."""
+    """Findings for integers of more than 64 bits, which TOML does not allow; later code need not
+    check for them."""
     if isinstance(value, dict):
         for key, item in cast("dict[str, object]", value).items():
             yield from _beyond_64_bits(item, (*path, key))
@@ -210,7 +211,7 @@ def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:
 
 
 def _problems(findings: Iterable[Finding], origins: Origins) -> list[Problem]:
-    """Problems in the order of the lines, each path once."""
+    """The findings as problems, in the order of lines; one for each path."""
     problems: dict[tuple[object, ...], Problem] = {}
     for finding in findings:
         limit, at = finding.limit, line_of(origins.lines, finding.path)

@@ -56,22 +56,21 @@ class Bed(Model):
 
 
 class MachineConfig(Model):
-    """A printer as its machine file describes it. Made by `passo.config.load`.
-
-    `unhomed_moves` decides what happens to moves of an axis that has an endstop and is not homed.
+    """A printer, as described by its machine file. `passo.config.load` makes it. `unhomed_moves`
+    decides about moves of an axis that has an endstop and is not homed.
     """
 
     name: Name
-    """The name of the machine, as M115 and the reports show it."""
+    """The name of the machine in M115 and in reports."""
     uuid: Uuid
     """A number that identifies this machine; `uuidgen` prints one. Stored settings and journals of
     another machine are refused."""
     author: str
     """Who wrote the file."""
     description: str = ""
-    """One line about the machine, as `passo machines` shows it."""
+    """One line about the machine for `passo machines`."""
     geometry: AnyGeometry
-    """How the motors move the nozzle."""
+    """The geometry, which relates motor positions to the nozzle position."""
     axes: dict[AxisName, Axis]
     """X, Y, Z, and at most four further axes."""
     steppers: Steppers
@@ -85,24 +84,23 @@ class MachineConfig(Model):
     shaping: dict[ShapedAxis, Shaping] = {}
     """The input shapers of X, Y and Z."""
     homing: dict[Name, Homing] = {}
-    """How an axis, a carriage or an arm is homed. An axis without this table has no endstop."""
+    """Homing of an axis, a carriage or an arm. An axis without this table has no endstop."""
     park: Park | None = Field(default_factory=Park)
-    """Where the nozzle waits during a pause."""
+    """The position of the nozzle during a pause."""
     moves: dict[Name, PredefinedMove] = {}
     """Moves to places, by name, which MOVE_TO, homing or probing makes."""
     idle: Idle = Field(default_factory=Idle)
-    """What is switched off when the machine is idle."""
+    """Timeouts after which parts of an idle machine are switched off."""
     unhomed_moves: Literal["refuse", "allow"] = "refuse"
-    """What happens to a move of an axis that has an endstop and is not homed: an error, or the
-    move."""
+    """Whether a move of an axis that has an endstop and is not homed is an error or allowed."""
     bed: Bed | None = None
     """The printable area."""
     probe: AnyProbe | None = None
-    """What measures the bed."""
+    """The probe that measures the bed."""
     levelling: Levelling = Field(default_factory=Levelling)
-    """How the bed is measured and corrected."""
+    """The measurement and correction of the bed."""
     simulated: Simulated = Field(default_factory=Simulated)
-    """What surrounds the simulated boards."""
+    """The mechanics around the simulated boards."""
     heaters: Heaters = {}
     """The heaters, by name."""
     fans: Fans = {}
@@ -114,17 +112,17 @@ class MachineConfig(Model):
     beeper: Beeper | None = None
     """The buzzer of M300."""
     macros: dict[CommandName, Macro] = {}
-    """Commands of your own, and in place of built-in ones."""
+    """Your own commands, which may replace built-in ones."""
     delayed_gcode: dict[Name, DelayedGcode] = {}
-    """G-code that a served printer carries out after a time."""
+    """G-code that a served printer executes after a delay."""
     board: Board
     """The main board. Print time is its clock."""
     boards: dict[Name, Board] = {}
-    """Further boards. Their names stand before their pins, as in `tool:PA1`."""
+    """Further boards. Their names are the prefix of their pins, as in `tool:PA1`."""
 
     @property
     def all_boards(self) -> dict[str, Board]:
-        """The main board, which has no name, then those of `boards`."""
+        """All boards by name: the main board, whose name is empty, and those of `boards`."""
         return {MAIN: self.board, **self.boards}
 
     def pin(self, written: str) -> str:
@@ -133,7 +131,7 @@ class MachineConfig(Model):
         return self.all_boards[board].pin(name)
 
     def socket(self, stepper: str) -> Socket | None:
-        """The socket that a motor's driver sits in, if it has one."""
+        """The socket of a motor's driver; None without one."""
         written = self.steppers[stepper].socket
         if written is None:
             return None
@@ -141,18 +139,18 @@ class MachineConfig(Model):
         return self.all_boards[board].sockets[name]
 
     def board_of_stepper(self, name: str) -> str:
-        """The board that a motor is on."""
+        """The name of the board to which a motor is wired."""
         stepper = self.steppers[name]
         return placed(stepper.step_pin or stepper.socket or name)[0]
 
     def pin_of_stepper(self, name: str, written: str) -> str:
-        """The microcontroller's pin for a name, on the board that a motor is on."""
+        """The microcontroller's pin for a name, on the board of a motor."""
         return self.all_boards[self.board_of_stepper(name)].pin(placed(written)[1])
 
     @property
     def bed_area_mm(self) -> tuple[float, float, float, float]:
-        """X and Y of the first corner of the bed, then of the opposite one; without `bed` what the
-        axes reach."""
+        """X and Y of the first corner of the bed and of the opposite one, mm; without `bed`, the
+        area that the axes reach."""
         if self.bed is None:
             x, y = self.axes["x"], self.axes["y"]
             return x.min_mm, y.min_mm, x.max_mm, y.max_mm
@@ -170,13 +168,13 @@ class MachineConfig(Model):
 
     @property
     def size_mm(self) -> tuple[float, float, float]:
-        """Travel in X, Y, Z between the soft limits."""
+        """The travel in X, Y, Z between the soft limits, mm."""
         x, y, z = (self.axes[name].max_mm - self.axes[name].min_mm for name in "xyz")
         return x, y, z
 
     @property
     def axes_of_arms(self) -> tuple[str, ...]:
-        """The axes whose positions depend only on the arms; none if arms are not homed."""
+        """The axes whose positions depend only on the arms; empty if arms are not homed."""
         if not any(name in self.geometry.arms for name in self.homing):
             return ()
         return ("x", "y", "z") if self.geometry.lifts_together else ("x", "y")
@@ -198,8 +196,8 @@ class MachineConfig(Model):
         return dict(zip("xyz", point, strict=True)) | further
 
     def _home_of(self, name: str) -> float:
-        """The home of an axis or an arm: its endstop; without one the position that the file
-        gives."""
+        """The home position of an axis or an arm: at its endstop or, without one, the position in
+        the file."""
         if name in self.homing:
             return self.homing[name].position
         given = self.axes[name].home_mm
@@ -217,25 +215,26 @@ class MachineConfig(Model):
 
     @property
     def all_tools(self) -> list[Tool]:
-        """What T0, T1, … select: without a table of tools, each extruder."""
+        """The tools T0, T1, …; without a table of tools, one for each extruder."""
         return self.tools or [Tool(extruder=name) for name in self.extruders]
 
     @property
     def timed_outputs(self) -> dict[str, str]:
-        """Outputs on the timeline and their pins as written, by number: heaters, fans, laser."""
+        """The names of the outputs on the timeline with their pins as written, in the order of
+        their numbers: heaters, fans, laser."""
         parts = {**self.heaters, **self.fans, **({"laser": self.laser} if self.laser else {})}
         return {name: part.pin for name, part in parts.items()}
 
     def facing_its_middle(self) -> MachineConfig:
-        """The same machine, with the angles of its arms counted as its axes and motors have
-        them."""
+        """A copy whose arm angles are counted so that they fit the axes and the limits of the
+        motors."""
         x, y, z = ((axis.min_mm + axis.max_mm) / 2 for axis in (self.axes[n] for n in "xyz"))
         geometry = self.geometry.facing((x, y, z), self.actuator_limits)
         return self.model_copy(update={"geometry": geometry})
 
     @property
     def actuator_limits(self) -> list[tuple[float, float]]:
-        """The range of positions that the limits of the motors leave each actuator, mm or degrees;
+        """For each actuator, the range of positions within the limits of its motors, mm or degrees;
         infinite without a limit."""
         limits = [(-inf, inf)] * len(self.geometry.actuators)
         for row in self._steppers_spec():
@@ -283,7 +282,7 @@ class MachineConfig(Model):
 
     @property
     def budget_specs(self) -> dict[str, dict[str, Any]]:
-        """The budgets of the boards that have one, as `Board.budget_spec` gives them, by name."""
+        """The results of `Board.budget_spec` for the boards that have a budget, by name."""
         return {
             name: spec
             for name, board in self.all_boards.items()
@@ -291,8 +290,7 @@ class MachineConfig(Model):
         }
 
     def _budget_spec(self) -> dict[str, Any] | None:
-        """The minimum of all boards for each figure, so that no board gets more than it can
-        take."""
+        """The minimum of all boards for each figure, so that no board is overloaded."""
         specs = self.budget_specs.values()
         if not specs:
             return None
@@ -385,7 +383,8 @@ class MachineConfig(Model):
 
 
 def half_smooth_s(extruder: Extruder) -> float:
-    """Half of the width over which an advance is smoothed, s; 0 if the file gives no advance."""
+    """Half of the smoothing time of an extruder's pressure advance, s; 0 if the file gives no
+    advance."""
     given = extruder.advance_s is not None or extruder.advance_smooth_s is not None
     return (extruder.advance_smooth_s or SMOOTH_TIME_S) / 2 if given else 0.0
 

@@ -1,5 +1,5 @@
 """The reference page of the machine file, made from its models: each key with its unit, range,
-default and help. The help is the text after a field in the source of its model."""
+default and help. The help of a key is the docstring after the field in its model."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ in `[board.pins]`. Before it stands `!` to invert it, `^` for a pull-up, and the
 board (`tool:PA1`).
 """
 
-# Endings of keys and their units; the first that fits.
+# Endings of keys and their units; the first match is used.
 _UNITS = (
     ("_mm_s2", "mm/s²"),
     ("_deg_s2", "°/s²"),
@@ -64,7 +64,7 @@ _IN_UNIT = re.compile(r", in (mm(?:/s)?(?: or degrees(?:/s)?)?|degrees|steps|com
 
 
 class Key(NamedTuple):
-    """A key of a table, as the page shows it."""
+    """A key of a table, in the form for the page."""
 
     name: str
     unit: str
@@ -74,7 +74,7 @@ class Key(NamedTuple):
 
 
 class Table(NamedTuple):
-    """A table of the machine file: its heading, what it is, its keys."""
+    """A table of the machine file: its heading, its description, its keys."""
 
     heading: str
     text: str
@@ -118,7 +118,7 @@ def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
 
 
 def key_of(model: type[BaseModel], name: str) -> Key:
-    """A key of a model, in Markdown. KeyError if it has none of that name."""
+    """A key of a model, in Markdown. KeyError if the model does not have it."""
     field, text = model.model_fields[name], field_help(model)[name]
     return Key(name, unit_of(name, text), _range(field), _default(field), _text(text))
 
@@ -147,7 +147,7 @@ def _texts_after_fields(tree: ast.ClassDef) -> Iterator[tuple[str, str]]:
 
 
 def unit_of(name: str, text: str) -> str:
-    """The unit of a key by its name and its help; empty of a number without one."""
+    """The unit of a key, from its name and its help; empty for a number without a unit."""
     if found := _IN_UNIT.search(text):
         return found[1]
     return next((unit for ending, unit in _UNITS if name.endswith(ending)), "")
@@ -239,7 +239,7 @@ def _some(annotation: Any) -> list[Any]:
 
 
 def models_of(annotation: Any) -> list[type[BaseModel]]:
-    """The models that a field holds, in its own tables."""
+    """The models of the tables within a field."""
     kind, _ = _unwrapped(annotation)
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return [kind]

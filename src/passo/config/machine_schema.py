@@ -1,4 +1,4 @@
-"""The JSON schema of the machine file, with what editors show of each key."""
+"""The JSON schema of the machine file, with the texts that editors show for each key."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from passo.config.machine_reference import field_help, models_of, unit_of
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-# Where a table is, in keys of which `setting_of` knows; others act after a restart.
+# The paths of tables with keys that `setting_of` knows; changes of other keys take effect after a
+# restart.
 _PATHS = {
     "Axis": "axes.x",
     "Extruder": "extruders.e",
@@ -30,7 +31,8 @@ _OF_THE_BOARD = ((Heater, ("pin", "sensor_pin")), (Fan, ("pin",)))
 def schema() -> dict[str, Any]:
     """The schema (JSON Schema 2020-12) of a machine file as a user writes it. Beyond types, ranges
     and defaults each key has its help as `description`, its unit as `x-unit` if it has one, and
-    `x-acts`: `live` if a change may act at once, `restart` if the printer has to be restarted."""
+    `x-acts`: `live` if a change can take effect at once, `restart` if the printer has to be
+    restarted."""
     described = MachineConfig.model_json_schema()
     described["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     described["title"] = "Machine file of Passo"
@@ -71,7 +73,7 @@ def _relax(tables: dict[str, Any]) -> None:
 def _models(
     model: type[BaseModel], found: dict[str, type[BaseModel]]
 ) -> dict[str, type[BaseModel]]:
-    """A model and those within it, by name."""
+    """Collects a model and all models within it, by name."""
     if model.__name__ not in found:
         found[model.__name__] = model
         for field in model.model_fields.values():

@@ -1,4 +1,4 @@
-"""A loaded machine as text without secrets, which may be shown to others."""
+"""A loaded machine as text without secrets, which users may publish."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ _USER_IN_URL = re.compile(r"(?<=://)[^/@\s]*@")
 
 
 def is_secret(key: str | int) -> bool:
-    """Whether the value of a key, the last one of a path, is secret."""
+    """Whether the value of a key is secret, by the last part of its path."""
     return _SECRET_KEY.search(str(key).lower()) is not None
 
 
 def machine_text(machine: MachineConfig) -> str:
-    """Each value that is not a default as a line of TOML, `key.key = value`, those of the files of
-    boards and sensors included. Passwords, tokens, users in URLs and the UUID are not shown."""
+    """A line of TOML, `key.key = value`, for each value that is not a default, including values
+    from the files of boards and sensors. Passwords, tokens, users in URLs and the UUID are not
+    shown."""
     values = machine.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
     _add_kinds(values, machine.model_dump(mode="json"))
     for name, axis in machine.axes.items():
@@ -33,7 +34,7 @@ def machine_text(machine: MachineConfig) -> str:
 
 
 def _add_kinds(values: dict[str, object], whole: Mapping[str, object]) -> None:
-    """Adds `kind` to a table where it has its default: it decides which keys the table has."""
+    """Adds a default `kind` to each table, because it determines the keys of the table."""
     for key, value in values.items():
         if isinstance(value, dict):
             content = cast("dict[str, object]", value)
@@ -70,5 +71,5 @@ def toml_value(value: object) -> str:
         )
         return f"{{ {', '.join(shown)} }}" if content else "{}"
     if isinstance(value, float):
-        return str(value)  # TOML has inf and nan
+        return str(value)  # TOML supports inf and nan
     return json.dumps(value, ensure_ascii=False)

@@ -9,23 +9,50 @@ from typing import Any
 from passo.config.findings import Finding, tables
 from passo.gcode.registry import row_of
 
-# Commands that a macro may not replace: moves, which are planned without Python; commands that act
-# before their line's turn, or belong to the line protocol; commands that end a program or call its
-# parts; labels of objects, which are read ahead.
-# fmt: off
-KEPT = frozenset({
-    "G0", "G1", "G2", "G3", "M2", "M30", "M98", "M99", "EOF", "M28", "M29", "M108", "M110",
-    "M112", "M410", "M486", "M876", "M922", "M932", "M933", "M999", "RESTART",
-    "FIRMWARE_RESTART", "SAVE_VARIABLE", "EXCLUDE_OBJECT", "EXCLUDE_OBJECT_DEFINE",
-    "EXCLUDE_OBJECT_START", "EXCLUDE_OBJECT_END", "SET_GCODE_VARIABLE", "UPDATE_DELAYED_GCODE",
-})
+# Commands that a macro must not replace: moves, which are planned without Python; commands that act
+# before their line is reached, or belong to the line protocol; commands that end a program or call
+# its parts; labels of objects, which are read ahead. fmt: off
+KEPT = frozenset(
+    {
+        "G0",
+        "G1",
+        "G2",
+        "G3",
+        "M2",
+        "M30",
+        "M98",
+        "M99",
+        "EOF",
+        "M28",
+        "M29",
+        "M108",
+        "M110",
+        "M112",
+        "M410",
+        "M486",
+        "M876",
+        "M922",
+        "M932",
+        "M933",
+        "M999",
+        "RESTART",
+        "FIRMWARE_RESTART",
+        "SAVE_VARIABLE",
+        "EXCLUDE_OBJECT",
+        "EXCLUDE_OBJECT_DEFINE",
+        "EXCLUDE_OBJECT_START",
+        "EXCLUDE_OBJECT_END",
+        "SET_GCODE_VARIABLE",
+        "UPDATE_DELAYED_GCODE",
+    }
+)
 # fmt: on
-_LONGEST = 65_536  # characters of a template
+_LONGEST = 65_536  # maximum characters of a template
 LETTERED = re.compile(r"[GMT]\d")
 
 
 def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
-    """Checks the raw tables, as all checks do."""
+    """Checks the macros in the raw tables of a machine file."""
     macros = dict(tables(data, "macros"))
     taken = dict.fromkeys(macros, "")
     for name, macro in macros.items():
@@ -70,7 +97,8 @@ def _check_template(path: tuple[str, ...], content: Mapping[str, Any]) -> Iterat
         limit = f"a template of at most {_LONGEST:,} characters"
         yield Finding("config.value", (*path, "gcode"), f"{len(text):,} characters", limit)
         return
-    from passo.gcode.template import Template, TemplateFault  # 50 ms, for machines with macros
+    # takes 50 ms, so import it only for machines with macros
+    from passo.gcode.template import Template, TemplateFault
 
     try:
         Template(text)

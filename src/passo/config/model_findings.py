@@ -1,4 +1,4 @@
-"""Turns pydantic's errors into findings with our own texts and hints."""
+"""Converts pydantic's errors to findings with texts and hints of the catalogue."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _QUOTED = re.compile(r"'([^']*)'")
 
 
 def _members(place: Any) -> list[Any]:
-    """The models that are allowed at a place, or the place itself."""
+    """The allowed models at a place, or the place itself."""
     place = get_args(place)[0] if get_origin(place) is Annotated else place
     if get_origin(place) in (Union, UnionType):
         return [member for member in get_args(place) if member is not NoneType]
@@ -47,7 +47,7 @@ def _members(place: Any) -> list[Any]:
 
 
 def _kinds(place: Any) -> dict[str, Any]:
-    """Models by their `kind`, where a table may be one of several; else empty."""
+    """The models by `kind`, if a table may be one of several; else empty."""
     members = _members(place)
     if len(members) < 2 or not all(_is_model(member) for member in members):
         return {}
@@ -59,7 +59,7 @@ def _kinds(place: Any) -> dict[str, Any]:
 
 
 def _one(place: Any) -> Any:
-    """The type at a place that may be empty, or the place itself."""
+    """The type of an optional place, or the place itself."""
     members = _members(place)
     return members[0] if len(members) == 1 else place
 
@@ -80,8 +80,8 @@ def _below(place: Any, part: str | int) -> Any:
 
 
 def _place(path: Path) -> tuple[Path, Any]:
-    """The path as the file writes it, and its type: pydantic adds the kind after the key of a table
-    that may be one of several."""
+    """The path in the file and its type. In pydantic's path, a table that may be one of several
+    models has its kind after the key."""
     place: Any = MachineConfig
     written: list[str | int] = []
     for part in path:
@@ -95,7 +95,7 @@ def _place(path: Path) -> tuple[Path, Any]:
 
 
 def _missing(model: Any, key: str) -> str:
-    """The value that is expected for the missing key."""
+    """The expected value of a missing key."""
     place = _one(model.model_fields[key].annotation) if _is_model(model) else None
     if get_origin(place) is Literal:
         return f"one of {', '.join(map(str, get_args(place)))}"
@@ -111,7 +111,7 @@ def _missing(model: Any, key: str) -> str:
 
 
 def expected(error: ErrorDetails) -> str:
-    """The value that was expected in place of the refused one."""
+    """The expected value, for an error of pydantic."""
     words = _EXPECTED.get(error["type"])
     return words(error.get("ctx", {})) if words is not None else error["msg"]
 
@@ -128,7 +128,7 @@ def _hint_of(key: str, known: Iterable[str], model: Any) -> str:
 
 
 def _is_plain(place: Any) -> bool:
-    """Whether the value there is a text or a number."""
+    """Whether the value at a place is a text or a number."""
     return _one(place) is str or get_origin(_one(place)) is Literal
 
 
@@ -159,6 +159,6 @@ def _finding(error: ErrorDetails) -> Finding:
 def model_findings(error: ValidationError) -> Iterator[Finding]:
     """One finding for each error of the models."""
     for detail in error.errors(include_url=False):
-        # A default that depends on wrong keys: only those keys are reported.
+        # If a default depends on wrong keys, only those keys are reported.
         if detail["type"] != "default_factory_not_called":
             yield _finding(detail)

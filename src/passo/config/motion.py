@@ -1,4 +1,4 @@
-"""What moves: axes, steppers, extruders, tools and the limits of motion."""
+"""Axes, steppers, extruders, tools, and the limits of motion."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ Damping = Annotated[float, Field(ge=0, le=0.99)]
 
 
 class Axis(Model):
-    """A direction of the nozzle, X, Y or Z, or a further linear axis with motors of its own. A
-    further axis may be an `extruder`, as APrinter has them."""
+    """An axis: a direction of the nozzle, X, Y or Z, or a further linear axis with its own motors.
+    A further axis may be an `extruder`, as in APrinter."""
 
     extruder: bool = False
     """Whether a further axis moves filament. Then it has no limits and no home, and M82 and M83
@@ -83,16 +83,16 @@ class Extruder(Model):
     jerk_mm_s: Jerk = 1.0
     """The maximum instant change of speed at a corner."""
     advance_s: Advance | None = None
-    """Pressure advance (M900, M572): how far ahead of its position the filament is, in mm for each
-    mm/s of its speed. If neither this nor `advance_smooth_s` is given, the first M900 of a print
-    waits until the moves before it are done."""
+    """Pressure advance (M900, M572): the distance by which the filament leads its position, in mm
+    for each mm/s of its speed. If neither this nor `advance_smooth_s` is given, the first M900 of a
+    print waits until the moves before it are done."""
     advance_smooth_s: SmoothTime | None = None
     """The time over which the advance is smoothed, as Klipper's smooth time: the width of a
     triangle. If not given, 0.04 s."""
 
 
 class Shaping(Model):
-    """The input shaper of an axis, which cancels the vibration of what the axis moves (M593)."""
+    """The input shaper of an axis, which cancels vibration of the moved parts (M593)."""
 
     type: ShaperType = DEFAULT_TYPE
     """The type: a longer one tolerates a wrong frequency better, and rounds corners more."""
@@ -103,8 +103,8 @@ class Shaping(Model):
 
 
 class Tool(Model):
-    """A tool of T0, T1, …. Several tools may share an extruder. The machine moves by `offset_mm`
-    the other way, so that the nozzle of this tool is at the position of the program."""
+    """A tool of T0, T1, …. Several tools may share an extruder. The machine subtracts `offset_mm`,
+    so that the nozzle of this tool is at the position of the program."""
 
     extruder: str | None = None
     """The extruder of this tool. A laser or a spindle has none."""
@@ -114,15 +114,15 @@ class Tool(Model):
     """The hotend of this tool."""
 
 
-_PulseUs = Annotated[float, Field(ge=0, le=30)]  # no board makes longer pulses
+_PulseUs = Annotated[float, Field(ge=0, le=30)]  # the longest pulse of any board
 _DirectionUs = Annotated[float, Field(ge=0, le=10_000)]
-_RateHz = Annotated[float, Field(ge=1)]  # so that its interval fits in a board's clock
+_RateHz = Annotated[float, Field(ge=1)]  # so that the step interval fits in a board's clock
 
 
 class Stepper(Model):
-    """A motor with its driver. Its scale is `steps_per_mm` (`steps_per_degree` on arms), or
-    follows from rotation distance, full steps, microsteps and gear ratio. Limits are those of the
-    position of the motor itself: the carriage of a tower, the angle of an arm."""
+    """A motor with its driver. Its scale is `steps_per_mm` (`steps_per_degree` on arms), or follows
+    from rotation distance, full steps, microsteps and gear ratio. Limits apply to the position of
+    the motor itself: the carriage of a tower, the angle of an arm."""
 
     drives: str | None = None
     """The actuator, axis or extruder that this motor moves. If not given, the one with the name of
@@ -160,7 +160,7 @@ class Stepper(Model):
     max_rate_hz: _RateHz | None = None
     """The maximum step rate, in place of the value of the driver."""
     socket: str | None = None
-    """The socket of the board that the driver is in."""
+    """The socket of the driver on the board."""
     step_pin: Pin | None = None
     """The step pin of a motor without a `socket`."""
     direction_pin: Pin | None = None
@@ -196,46 +196,46 @@ class Stepper(Model):
 
     @property
     def shortest_pulse_us(self) -> float:
-        """The driver's value, or the value of the file in its place."""
+        """The minimum step pulse, µs: the value of the file, or else of the driver."""
         return self.times.pulse_us if self.pulse_us is None else self.pulse_us
 
     @property
     def times(self) -> DriverTimes:
-        """The driver's own times; single values of this motor may override them."""
+        """The times of the driver; single values of this motor may override them."""
         return DRIVERS[self.driver]
 
 
-_PushedMm = Annotated[float, Field(ge=0, le=1000)]  # of filament, at once
+_PushedMm = Annotated[float, Field(ge=0, le=1000)]  # filament in one move
 
 
 class Park(Model):
-    """Where the nozzle waits while a print is paused: `raise_mm` above the print, then at X and Y
-    of `position_mm`, with the filament retracted."""
+    """The parking of the nozzle while a print is paused: it rises by `raise_mm` and moves to X and
+    Y of `position_mm`, with the filament retracted."""
 
     position_mm: Pair | None = None
-    """X and Y of the nozzle during a pause. If not given, it stays over the print."""
+    """X and Y of the nozzle during a pause. If not given, the nozzle stays above the print."""
     raise_mm: NotNegative = 10.0
-    """How far Z rises before the nozzle moves to X and Y."""
+    """The rise of Z before the nozzle moves to X and Y."""
     speed_mm_s: Speed = 100.0
     """The speed in X, Y and Z."""
     retract_mm: _PushedMm = 2.0
-    """How much filament is retracted."""
+    """The retracted filament."""
     retract_mm_s: Speed = 30.0
     """The speed of this retraction."""
     prime_mm: _PushedMm = 5.0
-    """How much filament M1000 extrudes before a print resumes."""
+    """The filament that M1000 extrudes before a print resumes."""
     prime_mm_s: Speed = 5.0
     """The speed of this filament."""
 
 
 class Idle(Model):
-    """What goes off when the machine is idle. Motors stay on while a heater has a target."""
+    """Timeouts of an idle machine. Motors stay on while a heater has a target."""
 
     motors_off_s: NotNegative = 600.0
-    """The motors go off after this time without a move or a command; never with 0, or while a
-    heater has a target."""
+    """The motors are switched off after this time without a move or a command; never with 0, or
+    while a heater has a target."""
     heaters_off_s: NotNegative = 1800.0
-    """The heaters go off after this time without a move or a command; never with 0."""
+    """The heaters are switched off after this time without a move or a command; never with 0."""
 
 
 class Limits(Model):
@@ -257,9 +257,9 @@ class Limits(Model):
     junction_deviation_mm: Positive = 0.02
     """The maximum distance between the corner and the arc of the law `deviation`."""
     minimum_cruise_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    """This fraction of a move is not used to accelerate and brake, as Klipper has it."""
+    """At least this fraction of a move is at constant speed, as in Klipper."""
     least_speed_gain: Fraction = 0.0
-    """A move that could become faster than its ends by less than this fraction keeps their
+    """A move that could exceed the speed at its ends by less than this fraction keeps that
     speed."""
 
 

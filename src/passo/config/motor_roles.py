@@ -1,5 +1,5 @@
-"""Which stepper drives which actuator, axis or extruder; the same rule for checks and for the
-core."""
+"""The actuator, axis or extruder that each stepper drives; checks and the core use the same
+rule."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ Drive = Literal["actuator", "axis", "extruder"]
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """What a motor drives, and its index among its kind."""
+    """The part that a motor drives, and its index among parts of its kind."""
 
     drive: Drive
     index: int
 
 
 class Drivable:
-    """All that a motor of this machine may drive, by name.
-
-    `actuators` are the geometry's, `axes` all axes in the order of the core (x, y, z first).
+    """All parts that a motor of this machine can drive, by name. `actuators` are those of the
+    geometry; `axes` are all axes in the order of the core (x, y, z first).
     """
 
     def __init__(
@@ -37,8 +36,8 @@ class Drivable:
             self.by_name[name] = Driven("actuator", index)
 
     def of(self, stepper: str, drives: object) -> Driven | None:
-        """The part that the motor called `stepper` drives; None if its `drives` or its name matches
-        none."""
+        """The part that the motor `stepper` drives; None if neither its `drives` nor its name
+        matches a part."""
         if drives is not None:
             return self.by_name.get(drives) if isinstance(drives, str) else None
         return self.by_name.get(stepper) or self.by_name.get(stepper.rstrip("0123456789"))

@@ -1,5 +1,5 @@
-"""The notes of `passo check` about a machine file besides its problems: what could not be checked,
-what is assumed, and the notes of a board's file."""
+"""The notes of `passo check` about a valid machine file: skipped checks, assumptions, and the notes
+of a board's file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ _ASSUMED = {"hotend": "a hotend of 40 W", "bed": "a bed of 200 W", "chamber": "a
 
 
 def unchecked_boards(machine: MachineConfig) -> list[str]:
-    """The tables of boards whose pins are unknown: neither chip nor dictionary is known."""
+    """The tables of boards with unknown pins, because neither their chip nor their dictionary is
+    known."""
     return [
         key_text(section(name))
         for name, board in machine.all_boards.items()

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Origins:
-    """The machine file `file` with its text, and the files of the boards that it names, the file
-    whose values win first."""
+    """The machine file `file` with its text, and the files of its boards; a file that overrides
+    another comes before it."""
 
     file: str
     text: str
@@ -28,7 +28,7 @@ class Origins:
         return key_lines(self.text)
 
     def place(self, path: Path) -> str | None:
-        """File and line of a key, `FILE:LINE`; None if no file holds the key."""
+        """The file and line of a key, `FILE:LINE`; None if no file contains the key."""
         return next(self._places(path), None)
 
     def _places(self, path: Path) -> Iterator[str]:

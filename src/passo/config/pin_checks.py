@@ -1,4 +1,4 @@
-"""Checks of pins: each is known, has the needed function, and has one owner; timers have one owner,
+"""Checks of pins: each is known, has the needed function, and has one owner. Timers have one owner
 too."""
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Need = Literal[
 # Drivers that are set up over SPI: each needs the chip select of its socket.
 _SPI_DRIVERS = ("TMC2130", "TMC2660", "TMC5160")
 _MOTOR_PINS: dict[str, Need] = {"step": "digital", "direction": "digital", "enable": "enable"}
-# Wires to several drivers or sensors at once.
+# Functions of pins that several drivers or sensors may share.
 _WIRES: dict[str, Need] = {
     "uart_pin": "receive",
     "tx_pin": "send",
@@ -44,7 +44,7 @@ _WIRES: dict[str, Need] = {
     "miso_pin": "from-device",
 }
 _SHARED = ("enable", *_WIRES.values())
-# The marks with an effect; other pins allow none.
+# The marks with an effect, by function; pins of other functions allow none.
 _MARKS: dict[Need, str] = {
     "digital": "!",
     "enable": "!",
@@ -59,7 +59,7 @@ _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 @dataclass(frozen=True, slots=True)
 class Claim:
     """A part of the machine, at `path`, claims `pin` for the function that it needs. `written` is
-    the value in the file: the pin, or the socket that has it."""
+    the value in the file: the pin, or the socket that contains it."""
 
     path: Path
     pin: str
@@ -127,7 +127,7 @@ def _board(data: Raw, name: str) -> Raw:
 
 
 def _of_socket(path: Path, stepper: Raw, pin: object, need: Need = "digital") -> Iterator[Claim]:
-    """One of the pins of the socket that a motor is in."""
+    """The claim of a motor for a pin of its socket."""
     written = str(stepper.get("socket"))
     if isinstance(pin, str):
         yield Claim((*path, "socket"), named_on(placed(written)[0], pin), need, written)
@@ -148,7 +148,8 @@ def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Fi
 
 
 def _check_parts(data: Raw) -> Iterator[Finding]:
-    """A motor has all its pins on one board, and a heater's sensor and fan are on its own."""
+    """Checks that a motor has all its pins on one board, and that the sensor and the fan of a
+    heater are on the heater's board."""
     for name, stepper in tables(data, "steppers"):
         keys = ("step_pin", "socket", "direction_pin", "enable_pin")
         yield from _check_together(("steppers", name), stepper, keys)
@@ -234,7 +235,7 @@ def _check_microsteps(stepper: Raw, path: Path, board: Raw, socket: str) -> Iter
 
 
 def _check_current(stepper: Raw, path: Path, board: Raw, socket: str) -> Iterator[Finding]:
-    """Checks that the board can set the motor's current to this value."""
+    """Checks that the board can set the current of the motor."""
     ampere = stepper.get("peak_current_a")
     if ampere is None:
         return
@@ -272,13 +273,13 @@ class _Owners:
         self.known = known_pins(self.board)
         mcu = self.board.get("mcu")
         self.chip: Chip | None = chip(mcu) if mcu in chip_names() else None
-        # Klipper's firmware uses its chip in its own way, and reports itself what it cannot do.
+        # Klipper's firmware uses the chip in another way, and reports conflicts itself.
         self.klippers = "klipper" in (self.board.get("base"), self.board.get("firmware"))
         self.pins: dict[str, Claim] = {}
         self.units: dict[str, Path] = {}
 
     def check(self) -> Iterator[Finding]:
-        """A finding for each claim that the board cannot fulfil, in the order of the claims."""
+        """The findings for claims that the board cannot fulfil, in the order of the claims."""
         owned: list[Claim] = []
         for claim in (*board_claims(self.board, section(self.name)), *self.claims):
             pin = bare(self._pin(claim))
@@ -327,8 +328,8 @@ class _Owners:
         return _claim(place, self.board.get("status_led"))
 
     def _check_level(self, claim: Claim) -> Iterator[Finding]:
-        """Checks that an output that is active low is not used as active high: a heater would then
-        heat while it is off. Its name says which it is, and so does a mark."""
+        """Checks that an active-low output is not used as active high: a heater would heat while it
+        is off. The name or a mark of the output shows its level."""
         pin = self._pin(claim)
         if claim.path[0] not in _LOADS or claim.need not in ("digital", "pwm") or "!" in pin:
             return
@@ -404,13 +405,13 @@ class _Owners:
 
 
 def _may_share(owner: Claim, claim: Claim) -> bool:
-    """Whether parts may share the pin: buses may, and the machine's beeper may be that of a
-    display."""
+    """Whether two parts may share the pin: parts on a bus may, and the machine's beeper may be that
+    of a display."""
     if claim.path == ("beeper", "pin") and owner.path[-1:] == ("beeper",):
         return True
     return owner.need == claim.need and claim.need in _SHARED
 
 
 def _free(ways: tuple[Pulse, ...], chip: Chip) -> bool:
-    """Whether the firmware leaves one of these timers alone."""
+    """Whether one of these timers is not used by the firmware."""
     return any(not chip.timers[pulse.timer].firmware for pulse in ways)

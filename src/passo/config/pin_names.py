@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-MAIN = ""  # the name of the main board, which no pin has in front
+MAIN = ""  # the name of the main board, which pins do not have as a prefix
 
 
 def bare(pin: str) -> str:
@@ -11,8 +11,7 @@ def bare(pin: str) -> str:
 
 
 def placed(written: str) -> tuple[str, str]:
-    """The board that a pin or a socket is on, and the same without the board's name; marks stay in
-    front."""
+    """The board of a pin or a socket, and the pin without the board's name; marks stay."""
     name = bare(written)
     marks = written[: len(written) - len(name)]
     board, colon, rest = name.partition(":")
@@ -20,12 +19,12 @@ def placed(written: str) -> tuple[str, str]:
 
 
 def section(board: str) -> tuple[str, ...]:
-    """Where the machine file describes a board."""
+    """The path of a board's table in the machine file."""
     return ("board",) if board == MAIN else ("boards", board)
 
 
 def named_on(board: str, pin: str) -> str:
-    """A board's pin as a machine file writes it."""
+    """A pin of a board in the form of the machine file."""
     if board == MAIN:
         return pin
     name = bare(pin)

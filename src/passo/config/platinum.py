@@ -1,4 +1,4 @@
-"""Platinum resistors: the equation of Callendar and Van Dusen, as IEC 60751 gives it."""
+"""Platinum resistors: the equation of Callendar and Van Dusen, from IEC 60751."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ def ohm(celsius: float, r0_ohm: float) -> float:
 
 
 def celsius(ohm_: float, r0_ohm: float) -> float:
-    """The inverse: in closed form above 0 °C, by Newton's method below."""
+    """The temperature, °C, for a resistance: in closed form above 0 °C, by Newton's method
+    below."""
     x = ohm_ / r0_ohm - 1
     t = (-A_PER_C + sqrt(A_PER_C * A_PER_C + 4 * B_PER_C2 * x)) / (2 * B_PER_C2)
     if t >= 0:

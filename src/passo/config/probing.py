@@ -15,33 +15,35 @@ PROBE = "probe"
 SERVO = "probe-servo"
 """The name of the output of its servo."""
 SERVO_CYCLE_S = 0.02
-"""Of the signal of a servo."""
+"""The frequency of a servo signal."""
 UNKNOWNS = {"linear": 3, "quadratic": 6}
-"""How many points each surface needs at least."""
+"""The minimum number of points for each kind of surface."""
 MIN_DISTANCE_MM = 1.0
-"""Points closer together than this count as one; points that deviate less from a line are on it."""
+"""Points that are closer together count as one; points that deviate less from a line count as on
+it."""
 
 Area = Annotated[list[Position], Field(min_length=4, max_length=4)]
 
 
 class ProbePoint(Model):
-    """A point of the bed, as the probe gets to it."""
+    """A point of the bed that the probe measures."""
 
     x: Position
     """X of the probe, in mm."""
     y: Position
     """Y of the probe, in mm."""
     offset: HeightOffset = 0.0
-    """What is added to the height that is measured here, in mm."""
+    """A correction that is added to the measured height, in mm."""
     enabled: bool = True
     """Whether G32 measures this point."""
 
 
 class Levelling(Model):
-    """How the bed is measured and corrected."""
+    """The measurement and correction of the bed."""
 
     method: Literal["none", "linear", "quadratic", "mesh"] = "none"
-    """What is made of the measured points: nothing, a plane, a second-degree surface, or a mesh."""
+    """The correction that is made from the measured points: none, a plane, a second-degree surface,
+    or a mesh."""
     points: Annotated[list[ProbePoint], Field(max_length=100)] = []
     """The points that G32 measures, in this order; their numbers begin at 1."""
     area: Area | None = None
@@ -54,26 +56,26 @@ class Levelling(Model):
     ]
     """The points of a mesh in X and in Y."""
     interpolation: Literal["bicubic", "bilinear"] = "bicubic"
-    """The surface between the points of a mesh."""
+    """The interpolation between the points of a mesh."""
     margin_mm: Annotated[float, Field(ge=0, le=100)] = 5.0
-    """How much further than the objects of a print an adaptive mesh goes."""
+    """The margin of an adaptive mesh around the objects of a print."""
     reference: Pair | None = None
-    """X and Y of the place where a mesh is 0, so that Z 0 is there as the endstop has it. If not
-    given, a mesh has the heights that the probe finds."""
+    """X and Y of the place where the mesh is 0, so that Z 0 there is that of the endstop. If not
+    given, the mesh has the heights that the probe measures."""
     avoid: list[Area] = []
-    """Rectangles where the probe measures nothing useful: X and Y of two corners, in mm. A point
-    of a mesh in one gets the mean of what is measured around it."""
+    """Rectangles in which the probe cannot measure: X and Y of two corners, in mm. A mesh point in
+    such a rectangle gets the mean of heights measured around it."""
     max_correction_mm: Positive = 2.0
     """A larger correction is refused."""
     max_slope: Positive = 0.02
     """A steeper correction is refused; in mm of height for each mm of bed."""
     dialect: Literal["marlin", "rrf"] = "marlin"
-    """Whose meaning the words have that differ between Marlin and RepRapFirmware: the signs of
-    M666, and `G29 S`, which in RepRapFirmware is S0 measure, S1 load, S2 forget, S3 store."""
+    """The dialect of words that differ between Marlin and RepRapFirmware: the signs of M666, and
+    `G29 S`, which in RepRapFirmware is S0 measure, S1 load, S2 forget, S3 store."""
     delta: DeltaCalibration = Field(default_factory=DeltaCalibration)
-    """How a delta finds its geometry."""
+    """The calibration of a delta."""
     motors: ZMotors | None = None
-    """How the motors of Z level the gantry."""
+    """The levelling of the gantry by Z motors."""
     screws: Screws | None = None
     """The screws of the bed."""
 
@@ -94,7 +96,7 @@ class SimulatedBed(Model):
     noise_mm: Annotated[float, Field(ge=0, le=10)] = 0.0
     """The standard deviation of the height at which the probe triggers."""
     seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 1
-    """A number for the noise: the same number makes the same noise."""
+    """The seed of the noise: equal seeds give equal noise."""
 
 
 class SimulatedProbe(Model):
@@ -103,9 +105,9 @@ class SimulatedProbe(Model):
     hysteresis_mm: NotNegative = 0.0
     """A triggered probe opens this much above the height at which it triggers."""
     jammed: bool = False
-    """The pin of a BLTouch, the arm of a servo, or the probe in its dock does not move."""
+    """Whether the pin of a BLTouch, the arm of a servo, or a probe in its dock is stuck."""
     stuck: Literal["open", "triggered"] | None = None
-    """The probe is open, or triggered, at any height."""
+    """A constant state of the probe: open or triggered at any height."""
     dead_areas: list[Area] = []
     """Rectangles where the probe does not trigger: X and Y of two corners of the nozzle, in mm."""
     touchy_areas: list[Area] = []
@@ -113,13 +115,13 @@ class SimulatedProbe(Model):
 
 
 class Simulated(Model):
-    """What surrounds the simulated boards."""
+    """The mechanics around the simulated boards."""
 
     bed: SimulatedBed = Field(default_factory=SimulatedBed)
     """The simulated bed."""
     probe: SimulatedProbe = Field(default_factory=SimulatedProbe)
     """Faults of the simulated probe."""
     endstops_mm: dict[Name, Position] = {}
-    """How much higher than `homing.z.position` the endstop of a motor really triggers."""
+    """The true height above the home position at which the endstop of a Z motor triggers."""
     delta: SimulatedDelta | None = None
     """The true geometry of a simulated delta."""

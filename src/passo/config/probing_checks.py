@@ -1,4 +1,4 @@
-"""Checks of the probe and of levelling, which need a machine file without other errors."""
+"""Checks of the probe and of levelling. They need a machine file without other errors."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _check_sensor(machine: MachineConfig, probe: SensingProbe) -> Iterator[Findi
 
 
 def _check_dock(machine: MachineConfig, probe: DockProbe) -> Iterator[Finding]:
-    """The nozzle gets to the dock, and high enough over the bed."""
+    """Checks that the nozzle can reach the dock, at a sufficient height above the bed."""
     if probe.dock_height_mm < probe.start_mm:
         limit = f"at least start_mm, which is {probe.start_mm:g}"
         yield Finding("config.value", ("probe", "dock_height_mm"), probe.dock_height_mm, limit)
@@ -87,7 +87,8 @@ def _check_descent(probe: SensingProbe) -> Iterator[Finding]:
 
 
 def _check_home(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding]:
-    """Where the probe homes Z is within reach, and its height is the probe's."""
+    """Checks that the probe can reach the place where it homes Z, and that the home position is the
+    trigger height."""
     homing = machine.homing.get("z")
     if homing is None or not homing.probe:
         return
@@ -102,7 +103,7 @@ def _check_home(machine: MachineConfig, probe: SensingProbe) -> Iterator[Finding
 
 
 def _check_points(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that the points are apart, on the bed, within reach of the nozzle, and enough for the
+    """Checks that the points are different, on the bed, reachable, and sufficient for the
     method."""
     probe, levelling = machine.probe, machine.levelling
     assert probe is not None
@@ -160,7 +161,7 @@ def _check_place(
 
 
 def _check_motors(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that each motor of Z has a pivot, and the points suit them."""
+    """Checks that each Z motor has a pivot, and that the points fit the number of motors."""
     motors = machine.levelling.motors
     if motors is None:
         return
@@ -184,7 +185,7 @@ def _check_motors(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def _check_screws(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that the probe gets to each screw, and that their names differ."""
+    """Checks that the probe can reach each screw, and that the names of screws differ."""
     screws = machine.levelling.screws
     if screws is None:
         return

@@ -1,4 +1,4 @@
-"""Tables of sensors in files of their own beside the machine file."""
+"""Reads tables of sensors from files that the machine file names."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from typing import Any
 from passo.config.companion_files import read_companion
 from passo.config.findings import Finding, table, tables
 
-_ANY_POINTS = [[0.0, 1.0], [300.0, 0.0]]  # keep the models from reporting what was reported here
+# a substitute, so that the models do not report the same error again
+_ANY_POINTS = [[0.0, 1.0], [300.0, 0.0]]
 
 
 def with_sensor_files(data: dict[str, Any], folder: Path) -> Iterator[Finding]:
-    """Puts the points of each `file` of a sensor into `data`; paths begin at `folder`."""
+    """Replaces each `file` of a sensor in `data` by its points; paths are relative to `folder`."""
     for name, heater in list(tables(data, "heaters")):
         sensor = table(heater, "sensor")
         file = sensor.get("file")
@@ -33,7 +34,7 @@ def with_sensor_files(data: dict[str, Any], folder: Path) -> Iterator[Finding]:
 
 
 def _points(text: str) -> list[list[float]]:
-    """Lines `°C, fraction`; empty lines and text after a # are ignored. Raises ValueError."""
+    """Parses lines `°C, fraction`; ignores empty lines and text after a #. Raises ValueError."""
     points: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), 1):
         words = line.partition("#")[0].split(",")

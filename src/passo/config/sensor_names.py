@@ -1,4 +1,4 @@
-"""Sensors by the names in Klipper's and Marlin's tables."""
+"""Named sensors, from the tables of Klipper and Marlin."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _MAX_NEAR = 6
 
 
 class NamedSensor(NamedTuple):
-    """A sensor of a table: its `values` as a machine file writes them, the `data` that they come
-    from, and the project whose table has it."""
+    """A sensor of a table: its `values` in the form of a machine file, the `data` from which they
+    come, and the project that has it."""
 
     name: str
     values: _Values
@@ -54,8 +54,9 @@ def _table(
     fit: str,
     pullup_ohm: int = 0,
 ) -> NamedSensor:
-    """A thermistor from one of Marlin's tables, fitted by least squares over a range. `fit` is the
-    range and the largest deviation from the table, °C; `pullup_ohm` if it is not 4700."""
+    """A thermistor from one of Marlin's tables, fitted by least squares over a range. `fit` has the
+    range and the largest deviation from the table, °C; `pullup_ohm` is the pull-up resistor if it
+    is not 4700 Ω."""
     values = dict(_thermistor(r25_ohm, beta_k, c_per_k))
     if pullup_ohm:
         values["pullup_ohm"] = float(pullup_ohm)
@@ -134,7 +135,7 @@ NAMED = (
 
 
 def _folded(name: object) -> str:
-    """Names without case, blanks and hyphens; a number of Marlin with its sign, as -1."""
+    """The name without case, blanks and hyphens; a number of Marlin keeps its sign, as in -1."""
     text = str(name).casefold().strip()
     number = re.fullmatch(r"(?:marlin)?[\s_]*(-?\d+)", text)
     return number[1] if number else re.sub(r"[\s_-]+", "", text)
@@ -147,7 +148,7 @@ _BY_NAME: dict[str, _Values] = {
 
 
 def values_of(name: str) -> _Values | None:
-    """The values of a sensor by its name, as a machine file writes them; None if it has none."""
+    """The values of a named sensor, in the form of a machine file; None for an unknown name."""
     return _BY_NAME.get(_folded(name))
 
 

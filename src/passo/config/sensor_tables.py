@@ -1,4 +1,4 @@
-"""Sensors: from a machine file's description to the reading of the ADC or of a converter."""
+"""Computes the readings of sensors: tables for the ADC, and settings of converters."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Table: TypeAlias = tuple[tuple[float, float], ...]
 
 _NTC_C = range(-20, 401, 5)
 _PLATINUM_C = range(-50, 851, 5)
-# Readings outside these mean that the cable is open or shorted.
+# Readings outside of this range mean that the cable is open or shorted.
 _MIN_SHARE = 0.002
 _MAX_SHARE = 0.998
 _CONVERTER_C = {"max31855": (-270.0, 1800.0), "max6675": (0.0, 1023.75)}
@@ -45,11 +45,10 @@ _VOLTS_BY_C = {"ad595": 0.010, "ad8495": 0.005}
 
 
 def sensor_table(sensor: AnySensor) -> Table:
-    """(°C, fraction of the ADC's full scale) by ascending °C, the fraction strictly rising or
-    falling.
-
-    Beyond its ends the sensor is broken. Rounded to 1e-9, so that the table is the same on every
-    computer. Empty if the resistors do not fit the sensor at all.
+    """The table of a sensor: (°C, fraction of the ADC's full scale) by ascending °C; the fraction
+    strictly rises or falls. Beyond the ends of the table the sensor is broken. Rounded to 1e-9, so
+    that the table is the same on every computer. Empty if no temperature gives a valid reading with
+    the resistors.
     """
     if isinstance(sensor, Thermistor):
         ntc = Ntc(sensor.r25_ohm, sensor.beta_k, sensor.c_per_k)
@@ -83,7 +82,7 @@ def sensor_table(sensor: AnySensor) -> Table:
 
 
 def converter_of(sensor: AnySensor) -> _core.Converter:
-    """The converter between the sensor and the board, if any."""
+    """The converter of a sensor; None if it is connected to the ADC."""
     if isinstance(sensor, Converter):
         return getattr(_core.Converter, sensor.kind.upper())
     return _core.Converter.NONE
@@ -91,8 +90,8 @@ def converter_of(sensor: AnySensor) -> _core.Converter:
 
 @dataclass(frozen=True, slots=True)
 class ConverterSetup:
-    """The settings of a converter with registers: `words` before it is read, and `clears_faults`
-    after a fault, which it would otherwise keep."""
+    """The settings of a converter with registers: `words` are sent before the first reading, and
+    `clears_faults` after a fault, because the converter keeps a fault until then."""
 
     words: tuple[bytes, ...] = ()
     clears_faults: bytes = b""
@@ -129,13 +128,13 @@ def open_is_high(sensor: AnySensor) -> bool:
 
 
 def _rows(celsius: Iterable[int], share: Callable[[float], float]) -> Table:
-    """The rows whose readings differ from those of an open or a shorted cable."""
+    """The rows whose readings are distinct from those of an open or a shorted cable."""
     rows = [(float(t), round(share(t), 9)) for t in celsius]
     return tuple(row for row in rows if _MIN_SHARE <= row[1] <= _MAX_SHARE)
 
 
 def reads_within(table: Table, min_c: float, max_c: float) -> bool:
-    """Whether a sensor with this table gives distinct readings over this range."""
+    """Whether a sensor with this table gives distinct readings over this range, °C."""
     apart = all(a[1] != b[1] for a, b in itertools.pairwise(table))
     return len(table) > 1 and table[0][0] < max_c and min_c < table[-1][0] and apart
 

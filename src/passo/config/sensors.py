@@ -14,7 +14,7 @@ _Ohm = Annotated[float, Field(ge=1, le=1e9)]
 
 class Thermistor(Model):
     """An NTC resistor to ground under a pull-up resistor: 1/T = A + B·ln R + C·(ln R)³ where B =
-    1/β, and A such that it has `r25_ohm` at 25 °C."""
+    1/β, and A follows from `r25_ohm` at 25 °C."""
 
     kind: Literal["thermistor"] = "thermistor"
     """An NTC resistor under a pull-up resistor."""
@@ -47,8 +47,8 @@ class Platinum(Model):
 
 
 class PlatinumAmplifier(Model):
-    """A PT100 or PT1000 to ground under `pullup_ohm`, with an amplifier after them: its output is
-    `supply_v` · `gain` · R / (R + `pullup_ohm`)."""
+    """A PT100 or PT1000 to ground under `pullup_ohm`, with an amplifier whose output is `supply_v`
+    · `gain` · R / (R + `pullup_ohm`)."""
 
     kind: Literal["pt100-amplifier", "pt1000-amplifier"]
     """A PT100 or PT1000 with an amplifier."""
@@ -98,7 +98,7 @@ class SensorTable(Model):
 
 
 class Converter(Model):
-    """An interface on an SPI bus, which it may share with others. The `sensor_pin` of the heater
+    """A converter chip on an SPI bus, which other devices may share. The `sensor_pin` of the heater
     is its chip select."""
 
     clock_pin: Pin
@@ -106,11 +106,12 @@ class Converter(Model):
     miso_pin: Pin
     """The data from the converter."""
     mosi_pin: Pin
-    """The data to the converter. A MAX31855 or MAX6675 ignores it, but the board needs a pin."""
+    """The data to the converter. A MAX31855 or MAX6675 ignores the data, but the board needs a
+    pin."""
 
 
 class ThermocoupleConverter(Converter):
-    """A thermocouple with an interface that takes no settings."""
+    """A thermocouple with a converter that has no settings."""
 
     kind: Literal["max31855", "max6675"]
     """A thermocouple interface."""

@@ -1,4 +1,4 @@
-"""Input shapers: the impulses that a frequency and a damping ratio make of each type.
+"""Input shapers: the impulses of each type for a frequency and a damping ratio.
 
 Formulas: zv and zvd (Singer and Seering, 1990); mzv, ei, 2hump_ei and 3hump_ei as Klipper defines
 them (Klipper's documentation of resonance compensation; ei by a fit of the vibration tolerance
@@ -24,7 +24,7 @@ MAX_DAMPING: dict[ShaperType, float] = {
 }
 DEFAULT_TYPE: ShaperType = "mzv"
 DEFAULT_DAMPING = 0.1
-_TOLERANCE = 0.05  # of `ei`: the vibration that is left at its own frequency
+_TOLERANCE = 0.05  # residual vibration of `ei` at its frequency
 
 Impulses = list[tuple[float, float]]
 _Cubic = tuple[float, float, float, float]  # by powers of the damping ratio, the lowest first
@@ -63,7 +63,7 @@ _HUMPS: dict[ShaperType, tuple[tuple[_Cubic, ...], tuple[_Cubic, ...]]] = {
 
 
 def impulses(kind: ShaperType, frequency_hz: float, damping: float) -> Impulses:
-    """(weight, seconds from the first one) of each impulse. The weights add up to 1. Weights are
+    """The impulses as (weight, seconds from the first one). The weights add up to 1. Weights are
     rounded to 2^-40 and times to 1 ns, so that they are the same on every computer. `damping` is at
     most that of MAX_DAMPING."""
     root = sqrt(1 - damping * damping)

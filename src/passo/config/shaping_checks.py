@@ -1,4 +1,4 @@
-"""What a machine file says of input shapers, checked against the rest of it."""
+"""Checks the input shapers of a machine file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 
 def check_shaping(machine: MachineConfig) -> Iterator[Finding]:
-    """The damping ratio is one that the type is made for, and no laser follows the motion."""
+    """Checks that the type allows the damping ratio, and that the machine has no laser whose power
+    follows the motion."""
     for name, shaping in machine.shaping.items():
         most = MAX_DAMPING[shaping.type]
         if shaping.damping > most:

@@ -24,7 +24,7 @@ class Ntc:
         cls, first: tuple[float, float], second: tuple[float, float], third: tuple[float, float]
     ) -> Ntc:
         """The equation through three points, °C and ohm, with x = ln R, by Newton's divided
-        differences. Raises ZeroDivisionError of equal points."""
+        differences. Raises ZeroDivisionError for equal points."""
         (y1, x1), (y2, x2), (y3, x3) = (
             (1 / (celsius + ZERO_C), log(ohm)) for celsius, ohm in (first, second, third)
         )

@@ -1,4 +1,4 @@
-"""Changes of single values in a machine file's text, which keep its comments and its order."""
+"""Changes single values in the text of a machine file, and keeps comments and order."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ _COMMENT = r'((?:"[^"]*"|[^"#])*?)(\s*#.*)?'
 
 
 def with_value(text: str, path: Path, value: str) -> str:
-    """The TOML text with `value`, a single-line TOML value, at the key `path`. A key that is not
-    there is added to its table, which is added at the end if need be. Raises ValueError of a key
-    within an array or an inline table, and of a value over several lines."""
+    """The TOML text with `value`, a single-line TOML value, at the key `path`. A missing key is
+    added to its table, and a missing table at the end. Raises ValueError for a key within an array
+    or an inline table, and for an existing value over several lines."""
     lines = text.splitlines()
     *table, key = path
     at = key_lines(text).get(path)

@@ -1,7 +1,7 @@
 """The line of each key of a TOML text: path of keys and indices → line, counted from 1.
 
-`tomllib` gives values without lines. This scanner reads only the structure of a text that `tomllib`
-has already accepted.
+`tomllib` gives values without lines. This scanner reads only the structure, of a text that
+`tomllib` has accepted.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ _SCALAR = re.compile(r"[^,\]}\n#]+")
 
 
 class _Scanner:
-    """Reads a valid TOML text from its start to its end, and notes the line of each path. Methods
-    raise ValueError if the text is not TOML."""
+    """Reads a valid TOML text once, and records the line of each path. Methods raise ValueError if
+    the text is not TOML."""
 
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
         self._line, self._counted = 1, 0  # the line at this offset
         self.lines: dict[Path, int] = {}
-        self.tables_in: dict[Path, int] = {}  # arrays of tables: how many elements so far
+        self.tables_in: dict[Path, int] = {}  # number of elements so far, by array of tables
 
     def note(self, path: Path) -> None:
-        """Notes that the path and the tables around it are on this line, unless they are on an
-        earlier one. Call it in the order of the text."""
+        """Records this line for the path and the tables around it, unless they have an earlier
+        line. Call it in the order of the text."""
         self._line += self.text.count("\n", self._counted, self.at)
         self._counted = self.at
         for length in range(1, len(path) + 1):
             self.lines.setdefault(path[:length], self._line)
 
     def skip(self, pattern: re.Pattern[str]) -> str:
-        """Moves past the text that the pattern matches here, and returns it."""
+        """Skips the text that matches the pattern here, and returns it."""
         found = pattern.match(self.text, self.at)
         if found is None:
             raise ValueError(f"no TOML at offset {self.at}")
@@ -48,7 +48,7 @@ class _Scanner:
         return found.group()
 
     def take(self, token: str) -> bool:
-        """Moves past the token if it is here; returns whether it was."""
+        """Skips the token if it is here; returns whether it was."""
         if self.text.startswith(token, self.at):
             self.at += len(token)
             return True
@@ -67,7 +67,7 @@ class _Scanner:
                 return tuple(parts)
 
     def below(self, keys: Path) -> Path:
-        """The full path of a header: the name of an array of tables stands for its last element."""
+        """The full path of a header; the name of an array of tables means its last element."""
         path: Path = ()
         for key in keys:
             path += (key,)
@@ -102,7 +102,7 @@ class _Scanner:
         self.value(path)
 
     def value(self, path: Path) -> None:
-        """Reads a value, and notes the paths in it."""
+        """Reads a value, and records the paths within it."""
         if self.take("["):
             index = 0
             self.skip(_BLANK)

@@ -14,9 +14,9 @@ ChipName: TypeAlias = Literal["TMC2208", "TMC2209", "TMC2130", "TMC5160"]
 
 
 class ChipFacts(NamedTuple):
-    """The bus of a chip, and the source of its current: full scale of the voltage over the sense
-    resistor in its ranges, the minimum fraction of a range, the resistance inside the chip, and the
-    resistor of most modules."""
+    """The bus of a chip, and the values that determine its current: the full-scale voltages over
+    the sense resistor, the minimum fraction of a range, the internal resistance, and the usual
+    sense resistor of modules."""
 
     wire: Literal["uart", "spi"]
     full_scale_v: tuple[float, ...]
@@ -25,7 +25,7 @@ class ChipFacts(NamedTuple):
     resistor_ohm: float
 
 
-# The TMC5160's range is scaled by at least 32/256, and IRUN takes a 32nd of that.
+# GLOBALSCALER of the TMC5160 is at least 32/256, and IRUN at least 1/32.
 CHIPS: dict[ChipName, ChipFacts] = {
     "TMC2208": ChipFacts("uart", (0.18, 0.32), 1 / 32, 0.02, 0.11),
     "TMC2209": ChipFacts("uart", (0.18, 0.32), 1 / 32, 0.02, 0.11),
@@ -35,23 +35,23 @@ CHIPS: dict[ChipName, ChipFacts] = {
 
 
 def chip_of(driver: object) -> ChipName | None:
-    """The chip, if a motor's `driver` is one with registers that Passo knows."""
+    """The facts about a motor's `driver`; None if it is not a supported chip with registers."""
     return next((chip for chip in CHIPS if chip == driver), None)
 
 
 def full_scale_a(chip: ChipName, resistor_ohm: float, full_scale_v: float) -> float:
-    """The maximum current (A, effective value) in a range of the chip: the data sheets' I = V / (R
-    + R inside) / √2."""
+    """The maximum RMS current, A, in a range of the chip: I = V / (R + R inside) / √2 of the data
+    sheets."""
     return full_scale_v / (resistor_ohm + CHIPS[chip].inner_ohm) / sqrt(2)
 
 
 def largest_current_ma(chip: ChipName, resistor_ohm: float) -> int:
-    """The maximum current (mA, effective value) that the chip can be set to, rounded down."""
+    """The maximum RMS current of the chip, mA, rounded down."""
     return floor(1000 * full_scale_a(chip, resistor_ohm, max(CHIPS[chip].full_scale_v)))
 
 
 def least_current_ma(chip: ChipName, resistor_ohm: float) -> int:
-    """The minimum current (mA, effective value) that the chip can be set to, rounded up."""
+    """The minimum RMS current of the chip, mA, rounded up."""
     facts = CHIPS[chip]
     return ceil(
         1000 * facts.least_share * full_scale_a(chip, resistor_ohm, min(facts.full_scale_v))
@@ -59,20 +59,20 @@ def least_current_ma(chip: ChipName, resistor_ohm: float) -> int:
 
 
 class Tmc(Model):
-    """A driver with registers, which Passo sets: docs/how-to/set-up-drivers.md."""
+    """The settings of a driver with registers: docs/how-to/set-up-drivers.md."""
 
     run_current_a: Positive
-    """The current while the motor moves, as effective value."""
+    """The RMS current while the motor moves."""
     hold_current_a: Positive | None = None
-    """The current at standstill, as effective value. If not given, `run_current_a`."""
+    """The RMS current at standstill. If not given, `run_current_a`."""
     sense_resistor_ohm: Positive | None = None
     """The sense resistor of the module. If not given, 0.11 Ω, and 0.075 Ω for a TMC5160."""
     stealthchop_below_mm_s: NotNegative | None = None
     """The driver is silent (stealthChop) below this speed of the motor. If not given, never."""
     stealthchop_below_deg_s: NotNegative | None = None
-    """The same for an arm."""
+    """The same speed for an arm."""
     interpolate: bool = True
-    """Whether the driver makes 256 steps of each full step."""
+    """Whether the driver interpolates to 256 microsteps per full step."""
     uart_pin: Pin | None = None
     """The pin of the UART of a TMC2208 or TMC2209. If not given, that of the socket."""
     tx_pin: Pin | None = None
@@ -90,5 +90,5 @@ class Tmc(Model):
     """The data from the driver."""
 
     def resistor_ohm(self, chip: ChipName) -> float:
-        """The sense resistor, that of most modules unless given."""
+        """The sense resistor, ohm; the usual one of modules if not given."""
         return self.sense_resistor_ohm or CHIPS[chip].resistor_ohm

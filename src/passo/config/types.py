@@ -10,13 +10,13 @@ from pydantic import BaseModel, ConfigDict, Field
 class Model(BaseModel):
     """A table of a machine file: strict types, no unknown keys, no change after loading."""
 
-    # Validators are built once, for the whole machine, not again for each table in it.
+    # Build the validators once for the whole machine, not for each table.
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True
     )
 
 
-# A description of the expected text in words, since most users cannot read a pattern.
+# Describes the expected text in words, because most users cannot read a pattern.
 PATTERNS = {
     r"^[a-z][a-z0-9_-]*$": "a name of lower-case letters, digits, - and _",
     r"^[!^~]*([a-z][a-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_./-]*$": "a pin such as PB4, !PD7, tool:PA1 or"
@@ -37,7 +37,7 @@ NotNegative = Annotated[float, Field(ge=0)]
 # No machine exceeds these, in mm or degrees and s; beyond them doubles cannot resolve single steps.
 MIN_SCALE, MAX_SCALE = 1e-3, 1e5
 Scale = Annotated[float, Field(ge=MIN_SCALE, le=MAX_SCALE)]
-MIN_SPEED, MIN_ACCEL = 1e-3, 0.1  # of machine files and of commands that set limits
+MIN_SPEED, MIN_ACCEL = 1e-3, 0.1  # minima for machine files and for commands that set limits
 Speed = Annotated[float, Field(ge=MIN_SPEED, le=1e6)]
 Acceleration = Annotated[float, Field(ge=MIN_ACCEL, le=1e7)]
 Jerk = Annotated[float, Field(ge=0, le=1e6)]

@@ -755,7 +755,7 @@ export interface QueueMode {
   automatic: boolean;
 }
 
-/** A file of the card that is to be printed; `number` stays the same while it waits. */
+/** A queued file of the card; `number` identifies it while it waits. */
 export interface QueuedPrint {
   number: number;
   path: string;

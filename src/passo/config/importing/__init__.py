@@ -1,2 +1,1 @@
-"""Configurations of other firmwares become machine files, with a report of what became of each
-value."""
+"""Converts configurations of other firmwares to machine files, with a report on each value."""

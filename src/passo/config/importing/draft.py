@@ -1,4 +1,5 @@
-"""A machine file that is being made from another firmware's configuration, and the report."""
+"""A machine file in progress, made from another firmware's configuration, and the report of the
+import."""
 
 from __future__ import annotations
 
@@ -20,22 +21,21 @@ _NAMES = uuid.UUID("6d6a3f0e-5a0c-5a5d-8f3e-3a4d1f6c2b11")
 
 
 class Place(NamedTuple):
-    """A line of the file that was read. A `default` is not in the file: the other firmware has that
-    value if the file does not give one, and the line is that of the section."""
+    """A line of the imported file. A `default` is a value of the other firmware that is not in the
+    file; its line is that of the section."""
 
     file: str
     line: int
     default: bool = False
 
     def __str__(self) -> str:
-        """`printer.cfg:12`, as comments and reports name it."""
+        """The place in the form for comments and reports: `printer.cfg:12`."""
         return f"{self.file}:{self.line}{', default' if self.default else ''}"
 
 
 class Remark(NamedTuple):
-    """What became of a value that was not simply taken over: it was changed, it was dropped, or a
-    person has to decide. `what` names the section or the value, `text` says why and what it
-    means."""
+    """A remark about a value that was not simply copied: it was changed or dropped, or the user has
+    to decide. `what` names the section or the value; `text` explains the reason and the effect."""
 
     fate: Fate
     place: Place
@@ -74,8 +74,8 @@ def lost(text: str) -> Other:
 
 @dataclass
 class Draft:
-    """The keys of the machine file in the order in which they are written, each with its value and
-    the place that it came from (None if from nowhere), and the remarks of the report."""
+    """The keys of the machine file in the order of writing, each with its value and the place of
+    its source (None without one), and the remarks of the report."""
 
     keys: dict[KeyPath, tuple[Value, Place | None]] = field(
         default_factory=dict[KeyPath, tuple[Value, Place | None]]
@@ -99,26 +99,26 @@ class Draft:
         (self.dropped if other.lost else self.changed)(place, what, other.text)
 
     def number(self, path: KeyPath) -> float:
-        """The number at a key that was set to one. KeyError if the key was not set."""
+        """The numeric value of a key. KeyError if the key was not set."""
         value, _ = self.keys[path]
         assert isinstance(value, int | float)
         return value
 
     def changed(self, place: Place, what: str, text: str) -> None:
-        """Reports a value that the machine file has in another form."""
+        """Reports a value that has another form in the machine file."""
         self.remarks.append(Remark("changed", place, what, text))
 
     def dropped(self, place: Place, what: str, text: str) -> None:
-        """Reports a section or a value that the machine file does not have."""
+        """Reports a section or a value that is not in the machine file."""
         self.remarks.append(Remark("dropped", place, what, text))
 
     def decide(self, place: Place, what: str, text: str) -> None:
-        """Reports what only the owner of the printer can know."""
+        """Reports a decision that only the owner of the printer can make."""
         self.remarks.append(Remark("decide", place, what, text))
 
     def text(self, head: str) -> str:
-        """The machine file: `head` as comments, then the keys by table. The end of each line names
-        the place that the value came from."""
+        """The machine file: `head` as comments, then the keys by table. A comment in each line
+        names the source of its value."""
         lines = [f"# {line}".rstrip() for line in head.splitlines()]
         tables: dict[KeyPath, list[str]] = {(): []}
         for path, (value, place) in self.keys.items():

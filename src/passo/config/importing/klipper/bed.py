@@ -10,14 +10,15 @@ from passo.config.importing.klipper.cfg import Section
 if TYPE_CHECKING:
     from passo.config.importing.klipper.conversion import Import
 
-_START_MM, _LOW_MM = 10.0, -2.0  # of a descent, if nothing asks for others
-_ABOVE_MM, _BELOW_MM = 5.0, 2.0  # of the height at which the probe triggers
-_DESCENT_S = 19.0  # a longer one is refused
+_START_MM, _LOW_MM = 10.0, -2.0  # default heights of a descent: start and lowest
+_ABOVE_MM, _BELOW_MM = 5.0, 2.0  # minimum distances of these heights from the trigger height
+_DESCENT_S = 19.0  # a descent that would take longer is refused
 _SAMPLES = {"average": "mean", "median": "median"}
 
 
 def put_probe(job: Import) -> None:
-    """[probe] or [bltouch]. Sets `job.probe_pin`, by which Z may be homed. Raises ConfigError."""
+    """[probe] or [bltouch]. Imports the probe. Sets `job.probe_pin`, with which Z may be homed.
+    Raises ConfigError."""
     for name in ("probe", "bltouch"):
         section = job.config.get(name)
         if section is not None:
@@ -74,7 +75,7 @@ def _put_probe(job: Import, section: Section) -> None:
 
 
 def _put_touch(job: Import, section: Section) -> None:
-    """What a BLTouch has beyond other probes."""
+    """Imports the options that only a BLTouch has."""
     put, path = job.draft.put, ("probe",)
     control = section.option("control_pin")
     if control is None:
@@ -92,7 +93,8 @@ def _put_touch(job: Import, section: Section) -> None:
 
 
 def put_mesh(job: Import) -> None:
-    """[bed_mesh], after the axes, within what the probe reaches. Raises ConfigError."""
+    """Imports [bed_mesh], limited to the area that the probe reaches. Call it after the axes are
+    imported. Raises ConfigError."""
     section = job.config.get("bed_mesh")
     if section is None or job.probe_pin is None:
         return
@@ -123,7 +125,7 @@ def put_mesh(job: Import) -> None:
 
 
 def reached(job: Import, corner: list[float]) -> list[float]:
-    """The nearest place to a corner where the probe is over the bed."""
+    """The place nearest to a corner that the probe can reach."""
     place: list[float] = []
     for axis, offset, at in zip("xy", job.probe_offset, corner, strict=True):
         low, high = (job.draft.number(("axes", axis, key)) for key in ("min_mm", "max_mm"))
@@ -132,7 +134,7 @@ def reached(job: Import, corner: list[float]) -> list[float]:
 
 
 def pair(section: Section, name: str) -> tuple[float, float] | None:
-    """Two numbers with a comma, or one that counts twice. Raises ConfigError."""
+    """Two numbers separated by a comma, or one number for both. Raises ConfigError."""
     found = section.option(name)
     if found is None:
         return None

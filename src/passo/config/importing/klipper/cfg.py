@@ -20,7 +20,7 @@ _SAVED = "#*#"
 
 @dataclass
 class Option:
-    """A value as it is written, without comments, and its place."""
+    """A value as written, without comments, and its place."""
 
     text: str
     place: Place
@@ -43,16 +43,16 @@ class Section:
 
     @property
     def rest(self) -> str:
-        """What follows the first word of the name; empty if nothing does."""
+        """The name without its first word; may be empty."""
         return self.name.partition(" ")[2].strip()
 
     def option(self, name: str) -> Option | None:
-        """An option, which counts as read."""
+        """An option, which is marked as read."""
         self.used.add(name)
         return self.options.get(name)
 
     def text(self, name: str, default: str = "") -> str:
-        """The text of an option."""
+        """The text of an option, which is marked as read; `default` if there is none."""
         found = self.option(name)
         return default if found is None else found.text
 
@@ -77,8 +77,8 @@ class Section:
 
 
 class Config:
-    """All sections of a printer.cfg, in the order of the files. Options of a section that comes
-    twice are merged; the last one wins. Raises ConfigError with file and line."""
+    """All sections of a printer.cfg, in the order of the files. The options of repeated sections
+    are merged; the last value wins. Raises ConfigError with file and line."""
 
     def __init__(self, path: Path) -> None:
         self.sections: dict[str, Section] = {}

@@ -1,4 +1,4 @@
-"""A conversion in progress, which the parts of a configuration share."""
+"""The state of an import, shared by the modules for the parts of a configuration."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from passo.errors import ConfigError
 
 @dataclass
 class Import:
-    """What is read, what is made, and what parts have found out for each other."""
+    """The configuration that is read, the draft that is made, and results of one module that others
+    need."""
 
     config: Config
     draft: Draft
@@ -31,7 +32,7 @@ class Import:
         ]
 
     def required(self, name: str) -> Section:
-        """A section that Klipper needs, which counts as read. Raises ConfigError."""
+        """A section that Klipper requires, which is marked as read. Raises ConfigError."""
         section = self.config.get(name)
         if section is None:
             raise ConfigError.of("import.section", value=name)

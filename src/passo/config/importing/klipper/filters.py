@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 
 def put_shapers(job: Import) -> None:
-    """The shaper of each axis that has a frequency. Raises ConfigError of an unknown type."""
+    """Imports the shaper of each axis that has a frequency. Raises ConfigError for an unknown
+    type."""
     section = job.config.get("input_shaper")
     if section is None:
         return
@@ -39,7 +40,7 @@ def put_shapers(job: Import) -> None:
 
 
 def put_advance(job: Import, section: Section, path: KeyPath) -> None:
-    """The pressure advance of an extruder."""
+    """Imports the pressure advance of an extruder."""
     put, place = job.draft.put, section.at("pressure_advance")
     put((*path, "advance_s"), section.number("pressure_advance"), place)
     smooth = section.number("pressure_advance_smooth_time")

@@ -23,7 +23,7 @@ _CONVERTERS = {
     "MAX31856": "max31856",
     "MAX31865": "max31865",
 }
-_FASTEST_HZ = 200.0  # what boards of 16 MHz and more do
+_FASTEST_HZ = 200.0  # maximum for boards of 16 MHz and more
 _SPI = {
     "spi_software_sclk_pin": "clock_pin",
     "spi_software_miso_pin": "miso_pin",
@@ -33,7 +33,8 @@ _BY_HAND = "Passo switches it by no rule of its own: use M106 P with the fan's n
 
 
 def put_heat(job: Import) -> None:
-    """All heaters, then all fans. Raises ConfigError of a heater without a sensor or a maximum."""
+    """Imports all heaters, then all fans. Raises ConfigError for a heater without a sensor or a
+    maximum temperature."""
     for section in job.config.sections.values():
         kind = section.kind
         if kind.removeprefix("extruder").isdigit() or section.name == "extruder":
@@ -159,7 +160,7 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
 
 
 def _own_thermistor(section: Section) -> Ntc:
-    """A [thermistor] by three points, or by one and β."""
+    """A [thermistor] from three points, or from one point and β."""
     beta = section.number("beta")
     if beta is not None:
         celsius, ohm = section.number("temperature1", 25.0), section.number("resistance1")
@@ -176,7 +177,8 @@ def _own_thermistor(section: Section) -> Ntc:
         ntc = Ntc.through(points[0], points[1], points[2])
         if ntc.c_per_k >= 0:
             return ntc
-        # Points that are rounded may bend the other way, by next to nothing: the outer two count.
+        # Rounded points may give a slightly negative curvature; then only the outer two points are
+        # used.
         (low_c, low_ohm), _, (high_c, high_ohm) = sorted(points)
         inverse = 1 / (low_c + ZERO_C) - 1 / (high_c + ZERO_C)
         beta = log(low_ohm / high_ohm) / inverse
@@ -215,7 +217,7 @@ def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
     off = section.number("off_below", 0.0)
     put((*path, "off_below"), off or None, section.at("off_below"))
     kick = section.number("kick_start_time", 0.1)
-    if kind not in ("heater_fan", "controller_fan"):  # they start with their full power anyway
+    if kind not in ("heater_fan", "controller_fan"):  # these fans always start with full power
         put((*path, "kick_start_s"), kick, section.at("kick_start_time"))
     cycle = section.number("cycle_time")
     if cycle:
@@ -252,7 +254,7 @@ def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
 
 
 def _put_tools(job: Import) -> None:
-    """A tool for each extruder, when there are several."""
+    """Makes a tool for each extruder, if there are several."""
     extruders = [name for name in job.motors if name.startswith("e")]
     if len(extruders) < 2:
         return

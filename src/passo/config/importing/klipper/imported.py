@@ -1,4 +1,4 @@
-"""A printer.cfg as a draft of a machine file."""
+"""Converts a printer.cfg to a draft of a machine file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from passo.config.importing.klipper.others import OPTIONS, OTHERS
 from passo.config.importing.klipper.pins import MAIN, Pins, clock_hz
 
 _BAUD = 250_000
-# Options that say what Passo finds out by itself, or that have no meaning here.
+# Options with values that Passo determines itself, or that have no meaning in Passo.
 _SILENT = {
     "printer": {"max_accel_to_decel"},
     MAIN: {"restart_method", "max_stepper_error"},
@@ -26,8 +26,8 @@ _SILENT = {
 
 
 def imported(path: Path) -> Draft:
-    """The machine file of a printer.cfg, with remarks. Raises ConfigError of a file that cannot be
-    read, of a kind of machine that Passo does not have, and of values that would be dangerous."""
+    """The machine file for a printer.cfg, with remarks. Raises ConfigError for a file that cannot
+    be read, for an unsupported kind of machine, and for dangerous values."""
     config, draft = Config(path), Draft()
     job = Import(config, draft, Pins(config, draft))
     draft.put_head(path, path.stem)
@@ -35,7 +35,7 @@ def imported(path: Path) -> Draft:
     probe = [key for key in draft.keys if key[0] == "probe"]
     put_motion(job)
     put_heat(job)
-    for key in probe:  # after what moves and heats, as in other machine files
+    for key in probe:  # after motion and heat, as in other machine files
         draft.keys[key] = draft.keys.pop(key)
     put_mesh(job)
     put_levelling(job)
@@ -78,7 +78,7 @@ def _put_boards(job: Import) -> None:
 
 
 def _remark_on_the_rest(job: Import) -> None:
-    """Reports the sections and the options that nothing has read."""
+    """Reports the sections and the options that no module has read."""
     for name, section in job.config.sections.items():
         if name in job.used or section.kind == "board_pins":
             for option, found in section.options.items():

@@ -1,4 +1,4 @@
-"""[gcode_macro] and [delayed_gcode]: their templates are in the language that Passo reads, too."""
+"""[gcode_macro] and [delayed_gcode]: Passo uses the same language for templates."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
-_FREE = 9000  # numbers of codes that no firmware has
+_FREE = 9000  # code numbers from here on are not used by any firmware
 
 
 def put_macros(job: Import) -> None:
-    """All macros."""
+    """Imports all macros."""
     for section in job.config.of("gcode_macro"):
         _put_macro(job, section)
     for section in job.config.of("delayed_gcode"):
@@ -56,7 +56,8 @@ def _put_macro(job: Import, section: Section) -> None:
 
 
 def _renamed(job: Import, section: Section, name: str) -> str | None:
-    """The name that a built-in command has for a macro in its place; None where there is none."""
+    """The name by which a macro can call the built-in command that it replaces; None for a macro
+    that does not replace one."""
     written = section.text("rename_existing").upper()
     place, what = section.at("rename_existing"), f"[{section.name}] rename_existing {written}"
     if not is_built_in(name):
@@ -68,7 +69,7 @@ def _renamed(job: Import, section: Section, name: str) -> str | None:
     if fits and not is_built_in(written):
         return written
     number = name[1:].partition(".")[0]
-    letter = "M" if name[0] == "T" else name[0]  # each T and number is a tool
+    letter = "M" if name[0] == "T" else name[0]  # T with a number would be a tool
     other = f"{letter}{_FREE + int(number)}" if lettered else f"BASE_{name}"
     if written:
         text = f"Passo cannot name a command so: it is {other}, also in the text of the macro"
@@ -85,7 +86,7 @@ def _renamed(job: Import, section: Section, name: str) -> str | None:
 
 
 def _literal(text: str) -> Value | None:
-    """A Python literal as a value of TOML; None if it is not one."""
+    """A Python literal as a TOML value; None for any other text."""
     try:
         value = ast.literal_eval(text)
     except (ValueError, SyntaxError, MemoryError, RecursionError, TypeError):

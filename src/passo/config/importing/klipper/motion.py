@@ -1,4 +1,4 @@
-"""[printer], [stepper_…], drivers, and what of [extruder] moves."""
+"""Imports [printer], [stepper_…], drivers, and the motion options of [extruder]."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _DIRECT = {  # options of a stepper that are numbers with the same meaning
 
 
 def put_motion(job: Import) -> None:
-    """Geometry, axes, motors, limits, homing and extruders. Raises ConfigError."""
+    """Imports geometry, axes, motors, limits, homing and extruders. Raises ConfigError."""
     printer = job.required("printer")
     kind = printer.text("kinematics")
     if kind not in _ACTUATORS:
@@ -123,7 +123,8 @@ def _put_delta(job: Import, printer: Section) -> None:
 
 
 def _put_motors(job: Import, section: Section, letter: str, motor: str) -> None:
-    """The motor of an axis or a tower, further ones of the same axis, and its endstops."""
+    """Imports the motor of an axis or a tower, further motors of the same axis, and its
+    endstops."""
     sections = [section, *_numbered(job, f"stepper_{letter}")]
     names = [motor, *(f"{motor}{index}" for index in range(1, len(sections)))]
     first = job.required("stepper_a") if letter in "bc" else section
@@ -133,8 +134,8 @@ def _put_motors(job: Import, section: Section, letter: str, motor: str) -> None:
 
 
 def put_stepper(job: Import, section: Section, name: str, first: Section) -> None:
-    """A motor with its pins, scale and driver. What a further motor of an axis does not have, it
-    has from the `first`."""
+    """Imports a motor with its pins, scale and driver. A further motor of an axis takes missing
+    options from the `first`."""
     path = ("steppers", name)
     put = job.draft.put
     distance = section.number("rotation_distance") or first.number("rotation_distance")
@@ -260,7 +261,7 @@ def _put_homing(
 
 
 def _put_safe_home(job: Import, path: KeyPath) -> None:
-    """[safe_z_home] is where the nozzle is while the probe homes Z."""
+    """Imports [safe_z_home]: the position of the nozzle while the probe homes Z."""
     section = job.config.get("safe_z_home")
     place = pair(section, "home_xy_position") if section else None
     if section is None or place is None:
@@ -272,7 +273,7 @@ def _put_safe_home(job: Import, path: KeyPath) -> None:
 
 
 def _put_homing_speeds(job: Import, section: Section, path: KeyPath, letter: str) -> None:
-    """Towers have the speeds of the first one."""
+    """Imports the homing speeds; all towers have the speeds of the first one."""
     first = job.required("stepper_a") if letter in "abc" else section
     options = {
         "homing_speed": "fast",
@@ -284,7 +285,8 @@ def _put_homing_speeds(job: Import, section: Section, path: KeyPath, letter: str
         source = section if option in section.options else first
         section.used.add(option)
         value = source.number(option, values.get(option))
-        if value is None:  # the second approach has half the speed of the first
+        # Klipper's default for the second approach is half the speed of the first
+        if value is None:
             value = (values["homing_speed"]) / 2
         values[option] = value
         job.draft.put((*path, key), value or None, source.at(option))
@@ -301,8 +303,8 @@ def _direction(job: Import, section: Section, letter: str, position: float) -> s
 
 
 def _carriage_mm(job: Import, section: Section, height: float) -> float:
-    """The carriage's height at its endstop: that of the nozzle above the bed, and the rod's rise
-    with the nozzle in the middle."""
+    """The height of a carriage at its endstop, mm: the nozzle height plus the rise of the rod with
+    the nozzle in the middle."""
     first = job.required("stepper_a")
     rod = section.number("arm_length", _needed(first, "arm_length"))
     radius = _needed(job.required("printer"), "delta_radius")

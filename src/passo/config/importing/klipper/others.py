@@ -1,10 +1,10 @@
-"""Sections of a printer.cfg that no key of a machine file comes from, and what becomes of them."""
+"""Sections of a printer.cfg without a key in a machine file, and how Passo handles them."""
 
 from __future__ import annotations
 
 from passo.config.importing.draft import Other, built_in, lost
 
-# What the loss of an option means, by its name in any section.
+# The effect of dropping an option, by its name in any section.
 OPTIONS: dict[str, str] = {
     "max_extrude_only_distance": "a move of filament alone may have any length",
     "min_extrude_temp": "filament moves from 170 °C; M302 S sets another limit",

@@ -1,4 +1,4 @@
-"""Pins of a printer.cfg as pins of a machine file, and its boards."""
+"""Converts the pins and boards of a printer.cfg."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 MAIN = "mcu"
 _ALIAS = re.compile(r"\s*([^\s=,]+)\s*=\s*([^\s,]+)\s*")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_./-]*")
-# The clock that Klipper's firmware counts, in Hz, by the chip that the comments of a file name; the
-# first that is found. An RP2040 counts its oscillator.
+# The clock of Klipper's firmware, in Hz, by a chip name in the comments of a file; the first match
+# is used. An RP2040 counts its oscillator.
 CLOCKS = (
     ("rp2040", 12_000_000),
     ("rp2350", 12_000_000),
@@ -72,17 +72,18 @@ class Pins:
 
     @property
     def further(self) -> dict[str, str]:
-        """The names of further boards in the machine file, by those of the configuration."""
+        """The names of further boards in the machine file, by their names in the configuration."""
         return {name: board for name, board in self._boards.items() if name != MAIN}
 
     def of(self, section: Section, name: str) -> str | None:
-        """The pin of an option as a machine file writes it; None if the section does not have the
-        option, or if it names no pin of a board: that is reported. Raises ConfigError."""
+        """The pin of an option in the form of a machine file; None if the section does not have the
+        option. An option that does not name a pin of a board is reported, and gives None. Raises
+        ConfigError."""
         found = section.option(name)
         return None if found is None else self.pin(section, name, found)
 
     def pin(self, section: Section, name: str, found: Option) -> str | None:
-        """As `of`, of an option that was found."""
+        """As `of`, for an option that was found."""
         written = re.sub(r"\s+", "", found.text)
         body = bare(written)
         marks = written[: len(written) - len(body)]

@@ -1,4 +1,4 @@
-"""The reference page of what becomes of the sections of a printer.cfg."""
+"""The reference page on the import of each section of a printer.cfg."""
 
 from __future__ import annotations
 
