@@ -1,1 +1,1 @@
-"""The passo command: one module a subcommand."""
+"""The passo command: one module for each subcommand."""

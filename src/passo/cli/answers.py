@@ -1,4 +1,4 @@
-"""The user's answers, kept in a file until the last question, so that an interrupted session can
+"""Stores the user's answers in a file until the last question, so that an interrupted session can
 continue."""
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from passo.errors import InputError
 
 
 class Answers:
-    """Answers from standard input. Those that `path` holds from an interrupted session come first,
-    as if they were typed again. `of` describes what they answer. Raises InputError if the file
-    holds others, or cannot be written."""
+    """Answers from standard input. Answers that `path` has from an interrupted session come first,
+    as if they were typed again. `of` identifies the session. Raises InputError if the file belongs
+    to another session, or cannot be written."""
 
     def __init__(self, path: Path, of: str) -> None:
         self.path = path
@@ -27,10 +27,11 @@ class Answers:
             raise InputError.of("input.other-answers", str(path), value=first, limit=of)
         self.again = len(kept)
         self._none = not kept
-        self._kept = deque(kept)  # not yet asked for
+        self._kept = deque(kept)  # stored answers that are not used yet
 
     def ask(self, question: str) -> str | None:
-        """One answer, without blanks around it; None when the input has ended."""
+        """Asks a question; returns the answer without surrounding blanks, or None if the input has
+        ended."""
         print(question, end="", flush=True)
         if self._kept:
             print(self._kept[0])
@@ -52,7 +53,7 @@ class Answers:
             raise _unwritable(self.path, error) from None
 
     def forget(self) -> None:
-        """Deletes the stored answers: all questions are answered."""
+        """Deletes the stored answers. Call it when all questions are answered."""
         self.path.unlink(missing_ok=True)
 
 

@@ -1,4 +1,5 @@
-"""`passo calibrate thermistor`: a thermistor's β from true temperatures, step by step."""
+"""`passo calibrate thermistor`: finds the β of a thermistor from true temperatures, step by
+step."""
 
 from __future__ import annotations
 
@@ -74,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _heater(arguments: argparse.Namespace) -> tuple[Heater, int | None]:
-    """The heater to calibrate, and its H in commands."""
+    """The heater to calibrate, and its H number in commands."""
     from passo import config
     from passo.config.findings import did_you_mean
     from passo.config.heater_numbers import number_of
@@ -105,15 +106,15 @@ def _thermistor(arguments: argparse.Namespace, heater: Heater) -> Ntc:
 
 
 def _heats(heater: Heater, number: int | None) -> str:
-    """The command that sets the heater's target, up to the number."""
+    """The command that sets the heater's target, without the number."""
     if heater.kind == "hotend":
         return f"M104 T{number} S" if number else "M104 S"
     return "M140 S" if heater.kind == "bed" else "M141 S"
 
 
 def _point(text: str, advice: str = "") -> Point:
-    """A point, which may come from a thermistor with a wrong β. Raises InputError, with `advice`,
-    if it cannot be a point."""
+    """Parses a point. Raises InputError, with `advice`, if it is implausible even for a thermistor
+    with a wrong β."""
     from passo.heat.calibration import FAR, Point
 
     try:
@@ -129,7 +130,7 @@ def _point(text: str, advice: str = "") -> Point:
 
 
 def _check_order(before: Point, point: Point) -> None:
-    """Raises InputError if the reading rises and the true temperature does not."""
+    """Raises InputError if the readings rise but the true temperatures do not."""
     if point.shown_c > before.shown_c and point.true_c <= before.true_c:
         raise InputError.of(
             "input.point-order",
@@ -141,8 +142,8 @@ def _check_order(before: Point, point: Point) -> None:
 
 
 def _round(answers: Answers, heats: str, ladder: range) -> tuple[list[Point], bool]:
-    """The points of one round, and whether the input has ended. `heats`: see `_heats`. The round
-    ends before the true temperature exceeds the end of the ladder."""
+    """Asks for the points of one round; returns them, and whether the input has ended. `heats`: see
+    `_heats`. The round ends before the true temperature exceeds the last step of `ladder`."""
     print(f"\nRound in steps of {ladder.step} °C")
     points: list[Point] = []
     at = 0

@@ -1,4 +1,4 @@
-"""`passo check FILE.toml`: reports what is wrong with a machine file."""
+"""`passo check FILE.toml`: reports the errors of a machine file."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints one line on success, one line for each value that the printer cannot use as written,
-    one for each pin that differs from the board's default, and one for each stored setting that
-    overrides the file. Raises ConfigError with every problem, and CommandError if the stored
-    settings must not be used."""
+    """Prints a line on success, and a line for each value that is not used as written, for each pin
+    that differs from the board's default, and for each stored setting that overrides the file.
+    Raises ConfigError with every problem, and CommandError if the stored settings must not be
+    used."""
     from passo import config
     from passo.config.board_defaults import bindings
     from passo.config.notes import notes, unchecked_boards
@@ -76,8 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _stored(machine: MachineConfig, state: str | None) -> tuple[list[str], CommandError | None]:
-    """The settings that are stored in the folder and override the file, or why they must not be
-    used."""
+    """Lines about the settings that are stored in the folder and override the file, or the reason
+    why they must not be used."""
     if state is None:
         return [], None
     from passo.console.state_check import stored_overrides
@@ -89,5 +89,5 @@ def _stored(machine: MachineConfig, state: str | None) -> tuple[list[str], Comma
 
 
 def _named(name: str | None, pin: str | None) -> str:
-    """`D10 (PB4)`, or one of them where they are the same."""
+    """`D10 (PB4)`, or one name if both are the same."""
     return f"{name} ({pin})" if name != pin else str(pin)

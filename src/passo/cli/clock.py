@@ -1,4 +1,4 @@
-"""`--clock`: how fast virtual time may run."""
+"""`--clock`: the speed of virtual time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 from math import inf
 
 _LOOK_S = 0.25
-_LEAST = 1e-3  # an hour of print time then takes weeks; years would be too long
+_LEAST = 1e-3  # at this scale an hour of print time takes six weeks
 
 
 def add_clock(parser: argparse.ArgumentParser) -> None:
@@ -22,13 +22,13 @@ def add_clock(parser: argparse.ArgumentParser) -> None:
 
 
 def _scale(text: str) -> float | None:
-    """None for virtual time, else print seconds per real second."""
+    """The scale in print seconds per real second; None for virtual time."""
     return None if text == "virtual" else factor(text, "virtual", 1e6)
 
 
 def factor(text: str, other: str, most: float) -> float:
-    """`real`, or a factor up to `most`; `other` is the third word that is allowed. Raises
-    ArgumentTypeError."""
+    """The factor: 1 for `real`, or a number up to `most`. `other` is the other allowed word, for
+    the error text. Raises ArgumentTypeError."""
     try:
         times = 1.0 if text == "real" else float(text)
     except ValueError:
@@ -40,7 +40,7 @@ def factor(text: str, other: str, most: float) -> float:
 
 
 class Pace:
-    """Keeps print time from running ahead of real time; scale None lets it run."""
+    """Delays print time to `scale` times real time; None does not delay."""
 
     def __init__(self, scale: float | None) -> None:
         self._scale = scale
@@ -48,7 +48,7 @@ class Pace:
 
     @property
     def every_s(self) -> float:
-        """The print time until the next check, so that the machine does not work in bursts."""
+        """The print time between two checks, short enough that the machine moves evenly."""
         return inf if self._scale is None else _LOOK_S * self._scale
 
     def keep(self, print_s: float) -> None:

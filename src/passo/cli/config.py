@@ -1,4 +1,5 @@
-"""`passo config explain KEY`: what a key of the machine file means, and where its value is set."""
+"""`passo config explain KEY`: the meaning of a key of the machine file, and the source of its
+value."""
 
 from __future__ import annotations
 
@@ -62,7 +63,7 @@ def _paragraph(fact: KeyFacts) -> str:
     head, *rest = plain
     wrapped = [
         f"  {line}"
-        if line == _source(fact)  # a path stays on its line
+        if line == _source(fact)  # do not break a path
         else textwrap.fill(line, _WIDTH, initial_indent="  ", subsequent_indent="  ")
         for line in rest
     ]

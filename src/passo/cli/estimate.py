@@ -1,4 +1,4 @@
-"""`passo estimate`: how long files take, and why."""
+"""`passo estimate`: the print time of files, and its causes."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Plans the files and prints a table for each, or JSON. If a file fails, the others are planned
-    all the same; the status is that of the first failure."""
+    """Plans the files and prints a table for each, or JSON. If a file fails, the others are still
+    planned; the exit status is that of the first failure."""
     from passo.job.batch.estimate import Estimate
     from passo.machine import Machine
 

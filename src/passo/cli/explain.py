@@ -1,4 +1,4 @@
-"""`passo explain`: shows what one line of a file becomes."""
+"""`passo explain`: shows the moves, steps and bytes that one line of a file becomes."""
 
 from __future__ import annotations
 

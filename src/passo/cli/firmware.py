@@ -132,12 +132,12 @@ def _tell(text: str) -> None:
 
 
 def _wait(text: str) -> None:
-    # The handler of the event loop would wait for the line.
+    # The signal handler of the event loop would wait for the end of the input line.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         print(f"{text} Then press Enter.", flush=True)
         answer = sys.stdin.readline()
     finally:
         signal.signal(signal.SIGINT, before)
-    if not answer:  # the end of input is not Enter
+    if not answer:  # the input has ended without Enter
         raise FirmwareError([Problem("firmware.nobody", values={"value": text.rstrip(".")})])

@@ -1,4 +1,4 @@
-"""`passo import FILE`: a configuration of another firmware as a machine file."""
+"""`passo import FILE`: converts a configuration of another firmware to a machine file."""
 
 from __future__ import annotations
 
@@ -41,8 +41,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Writes the machine file and prints the report. The status is 3 if the machine file still has
-    problems. Raises ConfigError if FILE cannot be imported, and InputError of outputs."""
+    """Writes the machine file and prints the report. The exit status is 3 if the machine file still
+    has problems. Raises ConfigError if FILE cannot be imported, and InputError if an output cannot
+    be written."""
     from passo import config
     from passo.config.importing.formats import imported
 

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 _Value = TypeVar("_Value", str, float)
 _GUIDE = "\nEnter alone takes the value in brackets. Ctrl-C ends this without a file.\n"
-_STRAIGHT = ("cartesian", "corexy", "corexz", "coreyz")  # each axis has a travel of its own
+# geometries with an independent travel for each axis
+_STRAIGHT = ("cartesian", "corexy", "corexz", "coreyz")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -93,7 +94,7 @@ def _ask_travel(draft: _Draft, machine: MachineConfig, name: str) -> None:
 
 class _Draft:
     """The text of a machine file that is being made, from a shipped one. Each answer is checked as
-    the value of its key; what it means for other keys is checked at the end."""
+    the value of its key; its relation to other keys is checked at the end."""
 
     def __init__(self, base: str) -> None:
         from passo import config
@@ -109,8 +110,8 @@ class _Draft:
         self.text = with_value(self.text, path, json.dumps(value, ensure_ascii=False))
 
     def ask(self, question: str, path: KeyPath, default: _Value) -> _Value:
-        """Asks for the value of a key until it is one, and sets it; Enter takes the default, and an
-        empty default leaves the key as it is. Returns the value."""
+        """Asks for the value of a key until the answer is valid, sets it, and returns it. Enter
+        selects the default; an empty default leaves the key unchanged."""
         before = self.text
         while True:
             answer = _answer(question, default)
@@ -128,7 +129,7 @@ class _Draft:
             self.text = before
 
     def problems(self, path: KeyPath = ()) -> list[Problem]:
-        """What is wrong with the text, or with this key of it."""
+        """The problems of the text, or only of the key at `path`."""
         from passo import config
         from passo.config.findings import key_text
 
@@ -139,7 +140,7 @@ class _Draft:
         return []
 
     def correct_all(self) -> None:
-        """Asks once for each key that is wrong."""
+        """Asks once for each key that has a problem."""
         asked = set[str]()
         while problem := next((p for p in self.problems() if p.values["key"] not in asked), None):
             asked.add(problem.values["key"])

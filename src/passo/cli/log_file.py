@@ -1,4 +1,5 @@
-"""The log of `passo serve`: records of standard `logging` in a file, as text or as JSON lines."""
+"""The log of `passo serve`: writes records of standard `logging` to a file, as text or JSON
+lines."""
 
 from __future__ import annotations
 
@@ -13,9 +14,10 @@ from datetime import datetime
 from logging.handlers import QueueHandler, QueueListener, RotatingFileHandler
 from typing import Any, Literal, Self
 
-MAX_BYTES = 5_000_000  # of the file; then it is renamed to FILE.1, and FILE.1 to FILE.2
+# maximum size; then the file is renamed to FILE.1, FILE.1 to FILE.2, and so on
+MAX_BYTES = 5_000_000
 KEPT_FILES = 5  # FILE.1 to FILE.5
-_MAX_WAITING = 10_000  # records that a slow disk has not taken yet
+_MAX_WAITING = 10_000  # maximum records that wait for a slow disk
 LEVELS = {
     "error": logging.ERROR,
     "warning": logging.WARNING,
@@ -23,18 +25,17 @@ LEVELS = {
     "debug": logging.DEBUG,
 }
 Format = Literal["text", "json"]
-# Whose records are written: asyncio reports what went wrong in a callback.
+# The loggers whose records are written. asyncio logs exceptions in callbacks.
 _LOGGERS = ("passo", "asyncio")
 _STANDARD = logging.makeLogRecord({}).__dict__.keys() | {"message", "asctime", "taskName"}
 _CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]")  # terminal control characters, C0 and C1
 
 
 class LogFile:
-    """A log file, open until the end of the `with` block.
-
-    A thread writes, so that a slow disk delays nothing. `print_time_s` returns the print time of
-    each record, and is called in the thread that logs. Records that the disk refuses are lost;
-    standard error gets the reason once, and `on_failure` is called with it, in either thread.
+    """A log file, open until the end of the `with` block. A separate thread writes, so that a slow
+    disk does not delay the program. `print_time_s` returns the print time for a record, and is
+    called in the thread that logs. Records that cannot be written are lost; the reason appears once
+    on standard error, and `on_failure` is called with it in any thread.
     """
 
     def __init__(self, path: str, form: Format, level: str) -> None:
@@ -52,7 +53,7 @@ class LogFile:
         self.on_failure: Callable[[str], object] | None = None
 
     def __enter__(self) -> Self:
-        """From here on records are written."""
+        """Starts to write records."""
         for name in _LOGGERS:
             logger = logging.getLogger(name)
             self._before[name] = logger.level
@@ -62,7 +63,7 @@ class LogFile:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Writes what is waiting, and closes the file."""
+        """Writes the waiting records, and closes the file."""
         for name in _LOGGERS:
             logger = logging.getLogger(name)
             logger.removeHandler(self._handler)
@@ -86,18 +87,18 @@ class LogFile:
 
 
 class _Handler(QueueHandler):
-    """Hands records to the thread that writes; drops them if that thread is too slow."""
+    """Passes records to the writing thread; drops them if it is too slow."""
 
     def __init__(self, waiting: queue.Queue[Any], failed: Callable[[str], None]) -> None:
         super().__init__(waiting)
         self._failed = failed
 
     def prepare(self, record: logging.LogRecord) -> logging.LogRecord:
-        """Returns the record unchanged: it stays in this process."""
+        """Returns the record unchanged, because it stays in this process."""
         return record
 
     def enqueue(self, record: logging.LogRecord) -> None:
-        """Puts it into the queue."""
+        """Puts the record into the queue."""
         try:
             self.queue.put_nowait(record)
         except queue.Full:
@@ -105,7 +106,7 @@ class _Handler(QueueHandler):
 
 
 class _Writer(RotatingFileHandler):
-    """Writes records to the file. After a full disk it tries again with the next record."""
+    """Writes records to the file. If the disk is full, it tries again with the next record."""
 
     def __init__(self, path: str, failed: Callable[[str], None]) -> None:
         super().__init__(
@@ -113,12 +114,12 @@ class _Writer(RotatingFileHandler):
             maxBytes=MAX_BYTES,
             backupCount=KEPT_FILES,
             encoding="utf-8",
-            errors="backslashreplace",  # bytes of a host that are not text
+            errors="backslashreplace",  # for bytes of a host that are not text
         )
         self._failed = failed
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
-        """Reports what `emit` has caught."""
+        """Reports the exception that `emit` has caught."""
         error = sys.exc_info()[1]
         reason = error.strerror if isinstance(error, OSError) else None
         self._failed(reason or f"{type(error).__name__}: {error}")
@@ -137,7 +138,8 @@ def _time(record: logging.LogRecord) -> str:
 
 
 class TextFormatter(logging.Formatter):
-    """`TIME PRINT_TIME LEVEL LOGGER: MESSAGE [CODE]`, a line each; a trace is indented below it."""
+    """`TIME PRINT_TIME LEVEL LOGGER: MESSAGE [CODE]`, one line for each record; a traceback is
+    indented below it."""
 
     def format(self, record: logging.LogRecord) -> str:
         """The record as lines."""
@@ -170,7 +172,7 @@ class JsonFormatter(logging.Formatter):
 
 
 def _plain(value: object) -> object:
-    """The value if JSON supports it; infinity and NaN become text."""
+    """The value in a form that JSON supports; infinity and NaN become text."""
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
     return value if isinstance(value, bool | int | str) or value is None else str(value)

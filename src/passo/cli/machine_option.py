@@ -1,4 +1,4 @@
-"""Options that several subcommands share."""
+"""Options of several subcommands."""
 
 from __future__ import annotations
 
@@ -57,14 +57,14 @@ def add_skips(parser: argparse.ArgumentParser) -> None:
 
 
 def skips_of(arguments: argparse.Namespace) -> Skips:
-    """The commands that these options let a print leave out."""
+    """The commands that a print may skip, by these options."""
     from passo.printer.unfit_commands import Skips
 
     return Skips(unknown=arguments.unknown == "skip", levelling=arguments.levelling == "skip")
 
 
 def policy_of(arguments: argparse.Namespace) -> Policy:
-    """The policy that these options ask for."""
+    """The policy of a print, by these options."""
     from passo.job.batch.policy import Policy
 
     return Policy(
@@ -73,7 +73,7 @@ def policy_of(arguments: argparse.Namespace) -> Policy:
 
 
 def replaces_input(arguments: argparse.Namespace) -> bool:
-    """Whether the output would replace the input file; then it reports that on stderr."""
+    """Whether the output would replace the input file; if so, also reports an error on stderr."""
     output = os.path.realpath(arguments.output)
     for path, what in ((arguments.file, "G-code"), (arguments.machine, "machine file")):
         if output == os.path.realpath(path):

@@ -17,7 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints a table, a line a machine: name, geometry, size, steppers, board; or one's file."""
+    """Prints a table with one line for each machine (name, geometry, size, steppers, board), or the
+    file of one machine."""
     from passo import config
 
     if arguments.name is not None:

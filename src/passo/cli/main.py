@@ -21,8 +21,8 @@ from typing import Any
 import passo
 from passo.errors import ExitStatus, PassoError, Problem
 
-# Modules and models are many objects and no garbage. A collection every 700 objects, Python's
-# default, takes a tenth of the start.
+# The start creates many objects and no garbage. Collections at Python's default interval would take
+# a tenth of the start time.
 _GC_THRESHOLD = 20_000
 COMMANDS: dict[str, str] = {
     "print": "print a file on a simulated board, to the end, and say what came out",
@@ -43,7 +43,7 @@ COMMANDS: dict[str, str] = {
 
 
 def _parser(name: str | None) -> argparse.ArgumentParser:
-    """The whole command line, with the arguments of subcommand `name` filled in."""
+    """The parser of the whole command line, with the arguments of the subcommand `name`."""
     parser = argparse.ArgumentParser(
         prog="passo", description="Passo: G-code in, exact step times out.", allow_abbrev=False
     )
@@ -65,8 +65,8 @@ def _module(command: str) -> Any:
 
 
 def endings() -> list[signal.Signals]:
-    """The signals that end a command as Ctrl-C does: SIGTERM, and the end of the terminal, unless
-    the program was started to survive it (nohup)."""
+    """The signals that end a command like Ctrl-C: SIGTERM, and SIGHUP unless it is ignored
+    (nohup)."""
     numbers = (signal.SIGTERM, signal.SIGHUP)
     return [number for number in numbers if signal.getsignal(number) != signal.SIG_IGN]
 
@@ -77,7 +77,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     stderr, one line each."""
     gc.set_threshold(_GC_THRESHOLD)
     if argv is None:
-        for number in endings():  # as Ctrl-C, so that no partial file remains
+        for number in endings():  # handle it like Ctrl-C, so that no partial file remains
             signal.signal(number, signal.default_int_handler)
     if sys.stderr is None:  # closed by the parent process: print() would write to standard output
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
@@ -86,23 +86,24 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr = _Telling(io.BufferedWriter(file), sys.stderr.encoding, sys.stderr.errors)
         sys.stderr.reconfigure(line_buffering=True)
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
-        reconfigure(errors="backslashreplace")  # what its encoding lacks is told as on stderr
+        # characters that its encoding lacks are escaped, as on stderr
+        reconfigure(errors="backslashreplace")
     try:
         status = _run(list(sys.argv[1:] if argv is None else argv))
     except OSError as error:
         if (failed := _flush("\n")) is None:
-            raise  # standard output accepts a line: the error came from elsewhere
+            raise  # standard output works, so the error has another cause
         cause = error.__context__  # the message that it was about to print
         return failed or (cause.status if isinstance(cause, PassoError) else ExitStatus.DONE)
     return _flush() or status
 
 
 class _Telling(io.TextIOWrapper):
-    """Standard error. Text that it cannot write, on a full disk for example, is lost, and the
+    """Standard error. If a text cannot be written, for example on a full disk, it is lost, and the
     command continues."""
 
     def write(self, text: str, /) -> int:
-        """Writes the text, or drops it and all that follows; returns its length. Raises nothing."""
+        """Writes the text, or drops it and all later texts; returns its length. Raises nothing."""
         try:
             return super().write(text)
         except OSError:
@@ -128,12 +129,12 @@ def _run(words: list[str]) -> int:
 
 
 def _flush(more: str = "") -> int | None:
-    """Flushes standard output. Returns the exit status if that fails; later output is then
-    discarded."""
+    """Flushes standard output. If that fails, returns the exit status, and discards later
+    output."""
     if sys.stdout is None:  # closed by the parent process
         return None
     try:
-        if more:  # a full disk refuses even an empty write
+        if more:  # a full disk rejects even an empty write
             sys.stdout.write(more)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, for example `head`, has closed the pipe: report nothing

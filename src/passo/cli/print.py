@@ -31,7 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints the file; a table at the end, or one JSON object. Warnings go to stderr."""
+    """Prints the file, and then a table or one JSON object with the result. Warnings go to
+    stderr."""
     from passo import config
     from passo.cli.progress import ProgressBar
     from passo.job.batch.result import PrintResult

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 class ProgressBar:
-    """Fraction of the file, layer, time printed, time left, temperatures. Nothing if output is
-    piped."""
+    """Shows the fraction of the file, layer, print time, remaining time and temperatures. Shows
+    nothing if the output is piped."""
 
     def __init__(self, *, quiet: bool) -> None:
         self._bar = None

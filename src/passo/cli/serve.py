@@ -1,4 +1,4 @@
-"""`passo serve`: a printer that hosts can drive."""
+"""`passo serve`: serves a printer to hosts and browsers."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _clock(text: str) -> float | None:
-    """None for fast, else the scale of time."""
+    """The scale of time; None for `fast`."""
     return None if text == "fast" else factor(text, "fast", 1000)
 
 
@@ -164,7 +164,7 @@ def _clients(text: str) -> int:
 
 
 def _state(text: str) -> str:
-    """A folder, or a path where a folder can be created."""
+    """The path of a folder, or a path at which a folder can be created."""
     if Path(_path(text)).exists() and not Path(text).is_dir():
         raise argparse.ArgumentTypeError(f"{text} is no folder")
     return text
@@ -185,7 +185,7 @@ def _http(text: str) -> tuple[str, int] | str:
 
 
 def _serial(text: str) -> tuple[str, int]:
-    """Device and rate in bits/s. A device's own name may hold colons."""
+    """Device and rate in bits/s. The name of a device may contain colons."""
     device, _, baud = text.rpartition(":")
     if not device or Path(text).exists() or not (baud.isascii() and baud.isdigit()):
         return text, _BAUD
@@ -195,7 +195,7 @@ def _serial(text: str) -> tuple[str, int]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Serves until interrupted, by Ctrl-C or SIGTERM; heaters and laser are off then."""
+    """Serves until interrupted by Ctrl-C or SIGTERM, and then switches heaters and laser off."""
     from passo import config
 
     machine, questions, _ = config.load_and_question(arguments.machine)
@@ -247,7 +247,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 async def _list_faults(machine: MachineConfig) -> None:
-    """A line for each part that can be made to fail."""
+    """Prints a line for each part that can have faults."""
     from passo.live import Printer
 
     async with Printer(machine) as printer:
@@ -261,7 +261,7 @@ async def _serve(
     orders: list[FaultOrder],
     log: LogFile | None,
 ) -> bool:
-    """Serves once; True if the printer is to restart with the current machine file."""
+    """Serves once. Returns True if the printer must restart with the current machine file."""
     from passo.live import Printer
 
     ours = asyncio.current_task()
@@ -281,7 +281,7 @@ async def _serve(
         restarts=not arguments.stdin,  # with --stdin, the program ends with its console
     )
     advanced_ok: bool = arguments.advanced_ok
-    # An interrupt, by Ctrl-C or SIGTERM, is the usual end.
+    # An interrupt by Ctrl-C or SIGTERM is the usual end.
     with contextlib.suppress(asyncio.CancelledError):
         async with printer, _logged(printer, log):
             for text in printer.start_messages:
@@ -308,7 +308,8 @@ async def _serve(
             if arguments.klippy_socket is not None:
                 places.append(_klippy(printer, arguments.klippy_socket, arguments.log))
             if arguments.stdin:
-                alone = places == [address] and arguments.http is None  # the web was not asked for
+                # the user did not ask for the web
+                alone = places == [address] and arguments.http is None
                 over = printer.end if alone or not places else _go_on_serving
                 places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
             print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
@@ -329,8 +330,8 @@ def _tell_of_administrator(address: str, code: str, *, kept: bool) -> None:
 
 
 def _web_address(printer: Printer, arguments: argparse.Namespace) -> str:
-    """Opens the web interface; returns an empty text without one. If the user did not ask for it, a
-    failure is only reported on a line, and the printer starts without it."""
+    """Opens the web interface; returns its address, or an empty text without one. If the user did
+    not ask for it, a failure is only reported, and the printer starts without it."""
     from passo.errors import PassoError
 
     asked: tuple[str, int] | str | None = arguments.http
@@ -370,8 +371,8 @@ def _klippy(printer: Printer, path: str, log_file: str | None) -> str:
 
 @contextlib.asynccontextmanager
 async def _logged(printer: Printer, log: LogFile | None) -> AsyncGenerator[None]:
-    """Gives log records the print time of this printer, and shows on its consoles if the log
-    fails."""
+    """Gives log records the print time of this printer, and reports a failed log on its
+    consoles."""
     if log is None:
         yield
         return
@@ -385,4 +386,4 @@ async def _logged(printer: Printer, log: LogFile | None) -> AsyncGenerator[None]
 
 
 def _go_on_serving() -> None:
-    """Continues to serve after a console has ended."""
+    """Does nothing: the printer is served after a console has ended, too."""

@@ -1,4 +1,4 @@
-"""`passo steps`: every step of every motor, as the board executed it."""
+"""`passo steps`: writes each step of each motor, as executed by the board."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Rows, the heading first, in columns of the needed width."""
+    """Rows with a heading first, aligned in columns."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = (
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
@@ -24,7 +24,7 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
 
 
 def rows(pairs: Sequence[tuple[str, str]]) -> str:
-    """Two columns, the first as wide as its longest name."""
+    """Pairs aligned in two columns."""
     width = max(len(name) for name, _ in pairs)
     return "\n".join(f"{name:<{width}}  {text}" for name, text in pairs)
 
@@ -45,7 +45,8 @@ def _lengths(parts: Mapping[str, float]) -> str:
 
 
 def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
-    """The highest load; where and why the file is slowed, or its tolerance widened."""
+    """The highest load, and the places and reasons where the file is slowed, or the tolerance of
+    steps is widened."""
     densest = [(f"  {name}", share) for name, share in use.shares()]
     pairs = [("at its densest", ""), *densest] if densest else []
     pairs += [
