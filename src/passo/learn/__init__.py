@@ -1,1 +1,1 @@
-"""Explanations for users who want to see how a line or a print works."""
+"""Explanations of single lines and of whole prints."""

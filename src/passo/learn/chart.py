@@ -11,14 +11,14 @@ from passo.learn.labels import clock_label, clock_unit, label, round_step, ticks
 from passo.learn.series import Series
 
 _STATIC = 480  # columns of the picture without scripts
-_SIDE = 1000.0  # of the square that SVG scales to the plot
-_TIMES, _VALUES = 6, 5  # labels at most
+_SIDE = 1000.0  # side of the square that SVG scales to the plot
+_TIMES, _VALUES = 6, 5  # maximum labels
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A series with its name in the legend. `colour` is a number of the page's palette; a `dashed`
-    curve is the target of another one of that colour."""
+    """A series with its name in the legend. `colour` is an index of the page's palette; a `dashed`
+    curve is the target of the other curve of the same colour."""
 
     name: str
     series: Series
@@ -28,7 +28,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves with one unit over the time of a job. Its `key` names it within the page."""
+    """Curves of one unit over the time of a job. `key` identifies the chart within the page."""
 
     key: str
     title: str
@@ -40,7 +40,7 @@ class Chart:
         return {"key": self.key, "curves": [curve.series.encoded() for curve in self.curves]}
 
     def html(self, end_s: float) -> str:
-        """The section of the page, with all data from 0 to `end_s`."""
+        """The section of the page, with all data from 0 to `end_s` seconds."""
         low, high, step = self._scale()
         rows = ticks(low, high, step)
         time = time_step(end_s, _TIMES)
@@ -70,7 +70,7 @@ class Chart:
 """
 
     def _scale(self) -> tuple[float, float, float]:
-        """Round bounds of the values, with 0 in them, and the step between labels."""
+        """Round bounds of the values, including 0, and the step between labels."""
         ranges = [curve.series.range() for curve in self.curves if curve.series]
         low = min([0.0, *(a for a, _ in ranges)])
         high = max([0.0, *(b for _, b in ranges)])
@@ -92,8 +92,8 @@ def _key(curve: Curve) -> str:
 
 
 def _paths(curve: Curve, end_s: float, low: float, high: float) -> str:
-    """The line, and a band from the lowest to the highest value if a column has more values than a
-    line can show; the line is their mean."""
+    """The line of a curve. If a column has more values than a line can show, the line is their
+    mean, with a band from the minimum to the maximum."""
     series = curve.series
     dashed = ' stroke-dasharray="5 4"' if curve.dashed else ""
     if not series:

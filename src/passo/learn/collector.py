@@ -12,14 +12,14 @@ from passo.job.batch.simulated_print import Progress
 from passo.learn.series import Series
 from passo.learn.toolpath import Line, Toolpath
 
-_APART_MM = 2.0  # the distance at which the planner checks the slopes of a line, too
+_APART_MM = 2.0  # the planner checks the slopes of a line at the same distance
 _FIRST_LOOK_S = 0.1
 _MANY_LOOKS = 6000
 
 
 class Phase(NamedTuple):
-    """A part of a move with one acceleration: times in s; path positions in mm, speeds in mm/s at
-    its ends; acceleration in mm/s², negative where the machine brakes."""
+    """A part of a move with constant acceleration: times in s, path positions in mm and speeds in
+    mm/s at its ends, and the acceleration in mm/s², negative for braking."""
 
     start_s: float
     end_s: float
@@ -30,7 +30,8 @@ class Phase(NamedTuple):
     acceleration: float
 
 
-# Adds the step rates of a motor in a move of so many mm, with its phases.
+# A function that adds the step rates of a motor in a move: the move, its length in mm, and its
+# phases.
 Rates = Callable[[Series, _core.Move, float, list[Phase]], None]
 
 
@@ -48,8 +49,8 @@ def of_axis(slot: int, steps_per_unit: float, extruder: int | None = None) -> Ra
 
 
 def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) -> Rates:
-    """The step rates of a motor of the geometry. If it is not linear, at points at most `_APART_MM`
-    apart."""
+    """The step rates of a motor of the geometry. A non-linear one is sampled at points at most
+    `_APART_MM` apart."""
     linear = geometry.linear(actuator)
 
     def add_linear(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
@@ -88,13 +89,13 @@ def _add_even(series: Series, steps_mm: float, phases: list[Phase]) -> None:
 
 
 def way_mm(move: _core.Move) -> float:
-    """The length of a move in mm, also if its path is measured in steps."""
+    """The length of a move in mm, even if its path is measured in steps."""
     start, end = move.start_mm, move.end_mm
     return math.dist(start[:3], end[:3]) or max(abs(b - a) for a, b in zip(start, end, strict=True))
 
 
 class HeaterSeries:
-    """The curves of a heater: temperature and target in °C, and per cent of full power."""
+    """The curves of a heater: temperature and target in °C, and power in percent."""
 
     def __init__(self) -> None:
         self.celsius, self.target, self.power = Series(), Series(), Series()
@@ -102,8 +103,8 @@ class HeaterSeries:
 
 
 class Collector:
-    """Takes planned moves and readings in the order of time. A series is exact for a short job, and
-    takes no more memory for a long one, see Series; the same holds for the path, see Toolpath."""
+    """Collects planned moves and readings in the order of time. Series and path are exact for a
+    short job, and their memory is bounded for a long one: see Series and Toolpath."""
 
     def __init__(self, clock_hz: int, motors: Mapping[str, Rates], path: Toolpath) -> None:
         self._hz = clock_hz
@@ -113,12 +114,12 @@ class Collector:
         self.rates = {name: Series() for name in motors}
         self.heaters = dict[str, HeaterSeries]()
         self._looks = 0
-        self.look_s = _FIRST_LOOK_S  # from one reading to the next
-        self.looked_s = 0.0  # print time of the last one
+        self.look_s = _FIRST_LOOK_S  # interval of readings
+        self.looked_s = 0.0  # print time of the last reading
 
     @property
     def planned_s(self) -> float:
-        """Print time at which the moves so far end."""
+        """The print time, in s, at which the moves so far end."""
         return self.speed.end_s
 
     def take(self, moves: Iterable[_core.Move]) -> None:
@@ -164,11 +165,11 @@ class Collector:
             heater.last = (at.print_s, celsius)
 
     def finish(self, end_s: float) -> None:
-        """The machine is at standstill from the last move to the end of the job."""
+        """Ends the collection: the machine is at standstill from the last move to `end_s`."""
         self._rest(end_s)
 
     def _phases(self, move: _core.Move, unit: float) -> list[Phase]:
-        """The phases with linear speed; `unit` is mm per unit of the path."""
+        """The phases of a move; `unit` is mm per unit of the path."""
         phases, at, mm = list[Phase](), move.start_ticks, 0.0
         speeds = (move.start_speed, move.cruise_speed, move.cruise_speed, move.end_speed)
         lasting = (move.accelerate_ticks, move.cruise_ticks, move.decelerate_ticks)

@@ -1,4 +1,4 @@
-"""What limits the speed between two planned moves, in words."""
+"""Describes the limit of the speed between two planned moves."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ LAWS = {
     "cornering_distance": "cornering distance: no axis changes its share of the speed too fast",
     "jerk": "jerk: no axis changes its speed by more than its jerk",
 }
-_E = 3  # index of the extruder in a move's positions; further axes follow
+_E = 3  # index of the extruder in a move's positions; further axes come after it
 _STRAIGHT_DEG = 0.01
 _STILL_MM_S = 1e-3
 _SAME = 1e-6  # fraction by which two equal speeds may differ
 
 
 def corner(a: _core.Move | None, b: _core.Move | None, machine: MachineConfig) -> str:
-    """The speed between `a` and `b` and its limit; None stands for no move."""
+    """The speed between `a` and `b`, and its limit; None means no move."""
     if a is None or b is None:
         return f"the machine stops there: there is no move {'before' if a is None else 'after'} it"
     if "dwell" in (a.kind, b.kind):
@@ -41,7 +41,7 @@ def corner(a: _core.Move | None, b: _core.Move | None, machine: MachineConfig) -
 
 
 def path_unit(machine: MachineConfig) -> str:
-    """The unit of a move's path: steps of the axis that makes most, or mm."""
+    """The unit of a move's path: steps of the axis with the most steps, or mm."""
     return "steps" if machine.limits.junction == "cornering_distance" else "mm"
 
 
@@ -95,7 +95,8 @@ def _bound(a: _core.Move, b: _core.Move, turn: float | None, machine: MachineCon
 
 
 def _jump_speed(a: _core.Move, b: _core.Move, machine: MachineConfig) -> float | None:
-    """The path speed, mm/s, at which the extruder jumps by its jerk; None if it does not."""
+    """The path speed, mm/s, at which the extruder's speed changes by its jerk limit; None if it
+    does not change."""
     before, after = (_way(move)[_E] / move.length for move in (a, b))
     jerks = [extruder.jerk_mm_s for extruder in machine.extruders.values()]
     if not jerks:

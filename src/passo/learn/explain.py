@@ -1,4 +1,4 @@
-"""What one line of a file becomes: words, planned moves, step times, bytes on the wire."""
+"""Explains one line of a file: words, planned moves, step times, bytes on the link."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from passo.learn.explanation import (
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
-_BEHIND_S = 1.0  # all commands of a move are executed this long after it
+_BEHIND_S = 1.0  # this long after a move, all its commands are executed
 
 
 class _EnoughError(Exception):
@@ -39,7 +39,7 @@ class _EnoughError(Exception):
 
 @dataclass(slots=True)
 class _Seen:
-    """The moves of the line, with the one before and the one after."""
+    """The moves of the line, the move before, and the move after."""
 
     before: _core.Move | None = None
     moves: list[_core.Move] = field(default_factory=list[_core.Move])
@@ -47,13 +47,13 @@ class _Seen:
     calls: list[tuple[Command, str]] = field(default_factory=list[tuple[Command, str]])
 
     def called(self, command: Command, text: str) -> None:
-        """A macro is called, and becomes this text."""
+        """Call this when a macro call is expanded to `text`."""
         if not self.after and sum(text.count("\n") for _, text in self.calls) < MAX_MACRO_LINES:
             self.calls.append((command, text))
 
     def take(self, moves: list[_core.Move], line: int, *, jumps: bool) -> None:
-        """Takes a move. `jumps`: lines may come again, in sub-programs; then only the first time is
-        shown."""
+        """Takes moves. `jumps`: the file has sub-programs, so that a line may be executed again;
+        only the first time is shown."""
         for move in moves:
             if self.after is not None:
                 return
@@ -74,9 +74,8 @@ def explain(
     ended: Callable[[], bool] = lambda: False,
 ) -> Explanation:
     """Prints the file on the simulated board until one line is done, and explains that line. An
-    error in a later line ends the print there; so does `ended`, as soon as it is true.
-
-    Raises InputError (no such line, or an error in the file before it) or MachineError.
+    error in a later line, or `ended` returning True, ends the print early. Raises InputError (no
+    such line, or an error in the file before it) or MachineError.
     """
     text = _line(path, line)
     try:
@@ -125,7 +124,7 @@ def _printed(
     ended: Callable[[], bool],
     end: int | None = None,
 ) -> tuple[Print, _Seen]:
-    """The print of the file, or of its lines before `end`, and the moves of one line."""
+    """Prints the file, or its lines before `end`; returns the print and the moves of the line."""
     job = Print(machine, policy)
     seen = _Seen()
     job.job.keep_moves(True)
@@ -135,7 +134,7 @@ def _printed(
         if ended():
             raise _EnoughError
         seen.take(job.job.take_moves(), line, jumps=job.job.calls)
-        if not seen.moves:  # so far the board has executed other lines
+        if not seen.moves:  # the board has not reached the line yet
             for stepper in job.connection.board.steppers:
                 job.board.take_commands(stepper.name)
         if seen.after is None:
@@ -219,7 +218,8 @@ def _move(move: _core.Move, hz: int, names: list[str], unit: str) -> ExplainedMo
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """A command that a board executed, and the job's clocks of its steps within the moves."""
+    """A command that a board executed, and the clocks, within the job, of its steps during the
+    moves."""
 
     stepper: str
     board: str
@@ -230,7 +230,7 @@ class _Run:
 
 
 def _runs(job: Print, begin: float, end: float) -> list[_Run]:
-    """The step commands with steps between two ticks of the job, in the order of their clocks."""
+    """The step commands that have steps between two clocks of the job, in the order of time."""
     runs: list[_Run] = []
     for connection in job.connection.connections:
         commands = connection.dictionary.commands

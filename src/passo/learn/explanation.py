@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from passo.config.pin_names import MAIN
 
-_MAX_WIRE = 12  # commands in the text
-MAX_MACRO_LINES = 40  # that all macros of a line become, in the text
+_MAX_WIRE = 12  # maximum commands in the text
+MAX_MACRO_LINES = 40  # maximum lines of macros in the text
 
 
 @dataclass(frozen=True, slots=True)
 class ExplainedCommand:
-    """A command of the line: its effect, and its words as the lexer reads them. `code` is empty for
-    a move without a G."""
+    """A command of the line: its effect, and its words as read by the lexer. `code` is empty for a
+    move without a G."""
 
     code: str
     text: str
@@ -23,7 +23,7 @@ class ExplainedCommand:
 
 @dataclass(frozen=True, slots=True)
 class ExplainedMacro:
-    """The call of a macro, and the lines that it became."""
+    """The call of a macro, and the lines to which it was expanded."""
 
     call: str
     lines: tuple[str, ...]
@@ -33,9 +33,9 @@ class ExplainedMacro:
 class ExplainedMove:
     """A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in
     units/s², times in seconds. `start_s` and `end_s` are print times. `start_mm` and `end_mm` are
-    positions of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or
-    constant speed. `tolerance_us` is the maximum error of its step times, which may be larger to
-    keep within the board's budget."""
+    positions of X, Y, Z and E. The `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or
+    constant speed. `tolerance_us` is the maximum error of the step times, which is larger where the
+    board's budget requires it."""
 
     kind: str
     unit: str
@@ -63,7 +63,7 @@ class ExplainedMove:
 
 @dataclass(frozen=True, slots=True)
 class ExplainedSteps:
-    """The steps of a motor as the board executed them; print times of the first and the last."""
+    """The executed steps of a motor, with the print times of the first and the last step."""
 
     motor: str
     count: int
@@ -73,7 +73,7 @@ class ExplainedSteps:
 
 @dataclass(frozen=True, slots=True)
 class WireCommand:
-    """A command on the wire: its text, and its bytes in hexadecimal digits."""
+    """A command on the link: its text, and its bytes in hexadecimal digits."""
 
     board: str
     motor: str
@@ -87,11 +87,11 @@ class Explanation:
     it has a checksum.
 
     `planned` is the number of planned moves; `moves` has all of them, or the first and the last.
-    `junction_before` and `junction_after` say what limits the speed there; both are empty if the
-    line moves nothing. `sub_program`: it calls a sub-program, whose lines move. `wire` has the
-    commands of boards whose bytes are known; `frame` is a frame with the first command. `tick_ns`
-    is the length of a clock tick by board; the name of the main board is empty. `unseen`: commands
-    of other boards are missing in `wire`.
+    `junction_before` and `junction_after` describe the limit of the speed before and after the
+    moves; both are empty for a line without moves. `sub_program`: the line calls a sub-program,
+    whose lines contain the moves. `wire` has the commands for boards with recorded bytes; `frame`
+    is a frame with the first command. `tick_ns` is the length of a clock tick, by board; the name
+    of the main board is empty. `unseen`: commands for other boards are missing in `wire`.
     """
 
     place: str
@@ -154,7 +154,7 @@ def _commands(told: Explanation) -> str:
 
 
 def _macros(macros: Sequence[ExplainedMacro]) -> str:
-    """The lines, not empty, of macros and of those that they call."""
+    """The non-empty lines of macros and of the macros that they call."""
     rows: list[str] = []
     for macro in macros:
         rows.append(f"{macro.call} became:")

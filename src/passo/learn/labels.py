@@ -1,12 +1,12 @@
-"""Times as text, and round values for the axes of charts. `page.js` has the same rules for axes,
-for the visible part."""
+"""Times as text, and round values for the axes of charts. `page.js` has the same rules for the
+visible part of a chart."""
 
 from __future__ import annotations
 
 import math
 
 _SECONDS = (1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14_400, 28_800, 86_400)
-_CLOCK_S = 120.0  # longer times are shown as on a clock
+_CLOCK_S = 120.0  # longer times are shown in clock form
 _HOUR_S = 3600.0
 
 
@@ -22,7 +22,7 @@ def round_step(span: float, most: int) -> float:
 
 
 def time_step(span_s: float, most: int) -> float:
-    """The same for times: from seconds on, steps as on a clock."""
+    """As `round_step`, for times: steps of at least a second are those of a clock."""
     if span_s <= _SECONDS[0] * most:
         return round_step(span_s, most)
     return next(
@@ -44,7 +44,8 @@ def label(value: float, step: float) -> str:
 
 
 def clock_label(seconds: float, step: float, longest_s: float) -> str:
-    """A time: in seconds up to two minutes, else min:s, h:min or h:min:s, see `clock_unit`."""
+    """A time as text: in seconds up to two minutes, otherwise as min:s, h:min or h:min:s (see
+    `clock_unit`)."""
     if longest_s <= _CLOCK_S:
         return label(seconds, step)
     decimals = max(0, -math.floor(math.log10(step) + 1e-9)) if step < 1 else 0
@@ -66,7 +67,7 @@ def clock_unit(step: float, longest_s: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """`1 h 02 min 03 s`, without what is zero in front; tenths below a minute."""
+    """A duration as `1 h 02 min 03 s`, without leading zero parts; with tenths below a minute."""
     if round(seconds, 1) < 60:
         return f"{seconds:.1f} s"
     minutes, rest = divmod(round(seconds), 60)

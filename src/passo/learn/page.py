@@ -9,11 +9,11 @@ from importlib.resources import files
 
 
 def page(title: str, sections: Iterable[str], data: Mapping[str, object]) -> str:
-    """The text of the page. `sections` are HTML; `data` is for the zoom of the script: `end_s`,
-    `charts` (see Chart.data), and `path` (see Toolpath.data) if there is one."""
+    """The text of the page. `sections` are HTML; `data` is for the script: `end_s`, `charts` (see
+    Chart.data), and optionally `path` (see Toolpath.data)."""
     room = files("passo.learn")
     style, script = (room.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
-    # "</" must not end the script early, whatever a file is called.
+    # Escape "</", which could end the script early if it is in a file name.
     known = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     return f"""<!doctype html>
 <html lang="en">
@@ -43,7 +43,7 @@ def table(title: str, rows: Iterable[tuple[str, str]]) -> str:
 
 
 def bars(title: str, rows: Iterable[tuple[str, str, float]]) -> str:
-    """A section with names, values and the fraction of each, 0 to 1, largest first."""
+    """A section with bars for `rows`: name, value as text, fraction from 0 to 1; largest first."""
     lines = list(rows)
     most = max((share for _, _, share in lines), default=1.0) or 1.0
     cells = "".join(
@@ -60,19 +60,19 @@ def picture(title: str, drawing: str, legend: str) -> str:
 
 
 def problems(title: str, texts: Iterable[str]) -> str:
-    """A section with the problems."""
+    """A section that lists the problems."""
     rows = "".join(f"<li>{escape(text)}</li>\n" for text in texts)
     return _section("problems", title, f"<ul>\n{rows}</ul>\n")
 
 
 def beside(wide: str, narrow: Iterable[str]) -> str:
-    """A wide section and some narrow ones next to it, where the window has space for that."""
+    """A wide section with narrow ones next to it if the window is wide enough."""
     others = "".join(narrow)
     return wide + (f'<div class="side">\n{others}</div>\n' if others else "")
 
 
 def zoom_bar() -> str:
-    """The buttons that zoom all charts; a script shows them."""
+    """The buttons that zoom all charts. The script makes them visible."""
     return """<div class="zoom" hidden>
 <output id="shown"></output>
 <span><button data-do="out" title="Zoom out (-)">\N{MINUS SIGN}</button>\

@@ -26,19 +26,18 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.job.batch.first_layer import FirstLayerWatch
 
-_COLOURS = 6  # of the page's palette
+_COLOURS = 6  # number of colours of the page's palette
 _NO_PROGRAM = ("input.unreadable", "input.empty", "input.no-known-command")
-_MIN_SHARE = 0.0005  # of a bar
+_MIN_SHARE = 0.0005  # smallest fraction that gets a bar
 
 
 def write_report(
     machine: MachineConfig, path: str | os.PathLike[str], output: Path, policy: Policy
 ) -> PrintResult:
-    """Prints the file on the simulated board and writes the page; it appears whole or not at all. A
-    print that stops gets a page, too, with the error and the plan until then, before the error is
-    raised; a file that cannot be read, or holds no command, gets none.
-
-    Raises InputError, MachineError, OSError.
+    """Prints the file on the simulated board and writes the page, completely or not at all. If the
+    print fails, the page shows the error and the plan so far, and the error is raised afterwards. A
+    file that cannot be read or has no command gets no page. Raises InputError, MachineError,
+    OSError.
     """
     x, y, _ = (machine.axes[name] for name in "xyz")
     collector = Collector(
@@ -59,7 +58,7 @@ def write_report(
         if any(problem.code in _NO_PROGRAM for problem in error.problems):
             raise
         failed = error
-        job.job.flush()  # so that the moves before the failed line are planned
+        job.job.flush()  # plans the moves before the failed line
     collector.take(job.job.take_moves())
     text = _page(collector, job.job.statistics(), result, failed, job.first_layer)
     with replaced(output) as temporary:
@@ -68,7 +67,8 @@ def write_report(
         if failed is not None:
             raise failed
     finally:
-        failed = None  # its traceback refers to this frame, and the two would keep the whole print
+        # the traceback refers to this frame: this cycle would keep the whole print in memory
+        failed = None
     return result
 
 
@@ -117,7 +117,7 @@ def _page(
         sections += [chart.html(end_s) for chart in charts]
         if width_s := collector.speed.width_s:
             sections.append(_note(width_s))
-    if len(features := _shares(plan["feature_s"])) > 1:  # the slicer names some
+    if len(features := _shares(plan["feature_s"])) > 1:  # the slicer has named features
         sections.append(bars("Time by feature", features))
     data = {
         "end_s": end_s,
@@ -130,7 +130,7 @@ def _page(
 
 
 def _charts(collector: Collector) -> list[Chart]:
-    """The charts that have data."""
+    """The charts, without empty ones."""
     charts = list[Chart]()
     if any(collector.speed.range()):
         charts += [

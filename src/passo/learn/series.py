@@ -1,4 +1,4 @@
-"""A quantity over time, kept in bounded memory."""
+"""A quantity over time in bounded memory."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from collections.abc import Iterator
 
 MAX_CORNERS = 16_384
 MAX_COLUMNS = 16_384
-_EMPTY = -32_768  # in 16 bits: a column without values
+_EMPTY = -32_768  # 16-bit mark of a column without values
 _LARGEST = 32_767
 
 Band = tuple[float, float, float, float, float]  # start s, end s, lowest, highest, mean
 
 
 class Columns:
-    """Columns of equal width from 0 on, each with the values of a quantity within it."""
+    """Columns of equal width from time 0 on, each with the range and the integral of a quantity."""
 
     def __init__(self, width_s: float) -> None:
         self.width_s = width_s
@@ -25,7 +25,7 @@ class Columns:
         self.areas, self.spans_s = array("d"), array("d")  # integral and time of the known values
 
     def put(self, i: int, low: float, high: float, area: float, span_s: float) -> None:
-        """Adds values to column `i` that last so many seconds and have the integral `area`."""
+        """Adds values to column `i`: their range, their integral `area`, and their duration."""
         while len(self.lows) <= i:
             self.lows.append(math.inf)
             self.highs.append(-math.inf)
@@ -39,14 +39,14 @@ class Columns:
         self.spans_s[i] += span_s
 
     def add(self, start_s: float, start: float, end_s: float, end: float) -> None:
-        """Adds a linear part."""
+        """Adds a linear part from one time and value to another."""
         width = self.width_s
         first, last = int(start_s / width), math.ceil(end_s / width) - 1
         if last <= first:
             low, high = (start, end) if start < end else (end, start)
             if first >= len(self.lows):
                 self.put(first, low, high, 0.0, 0.0)
-            if low < self.lows[first]:  # as `put`, without its cost: most parts are such
+            if low < self.lows[first]:  # `put` inlined for speed: most parts are within one column
                 self.lows[first] = low
             if high > self.highs[first]:
                 self.highs[first] = high
@@ -71,7 +71,7 @@ class Columns:
                 yield i, self.lows[i], self.highs[i], self.areas[i], span_s
 
     def joined(self, width_s: float) -> Columns:
-        """The same in wider columns."""
+        """A copy with wider columns."""
         wide = Columns(width_s)
         for i, low, high, area, span_s in self.known():
             wide.put(int((i + 0.5) * self.width_s / width_s), low, high, area, span_s)
@@ -79,19 +79,19 @@ class Columns:
 
 
 class Series:
-    """Linear parts in the order of time. They are kept exactly while they have at most MAX_CORNERS
-    corners; after that each of at most MAX_COLUMNS columns of equal width keeps the lowest, the
-    highest and the mean value within it. Columns are joined in pairs when they get too many, so a
-    series takes the same memory for a job of any length."""
+    """Linear parts in the order of time. They are stored exactly up to MAX_CORNERS corners. After
+    that they become at most MAX_COLUMNS columns of equal width, each with the minimum, the maximum
+    and the mean. If there are too many columns, pairs of them are joined, so that the memory is
+    bounded for a job of any length."""
 
     def __init__(self) -> None:
-        self.times_s, self.values = array("d"), array("d")  # of the corners
+        self.times_s, self.values = array("d"), array("d")  # times and values of the corners
         self.columns: Columns | None = None  # None: the series is exact
         self.end_s = 0.0
         self._last = 0.0
 
     def __bool__(self) -> bool:
-        """False while it is empty."""
+        """False while the series is empty."""
         return self.end_s > 0
 
     @property
@@ -100,7 +100,7 @@ class Series:
         return self.columns.width_s if self.columns else 0.0
 
     def add(self, start_s: float, start: float, end_s: float, end: float) -> None:
-        """Adds a part that begins where the previous one ended. Its value may jump there."""
+        """Adds a part that begins at the end time of the previous one; the value may jump."""
         if end_s <= start_s:
             return
         self.end_s, self._last = end_s, end
@@ -124,11 +124,11 @@ class Series:
             self.times_s, self.values = array("d"), array("d")
 
     def hold(self, end_s: float) -> None:
-        """Keeps the last value until then."""
+        """Extends the last value to `end_s`."""
         self.add(self.end_s, self._last, end_s, self._last)
 
     def bands(self, end_s: float, most: int) -> list[Band]:
-        """At most that many columns from 0 to `end_s` with the known values within them."""
+        """At most `most` columns from 0 to `end_s` with their known values."""
         width_s = end_s / most
         if self.columns is None:
             columns = self._columns(width_s, end_s)
@@ -142,7 +142,7 @@ class Series:
         ]
 
     def range(self) -> tuple[float, float]:
-        """The lowest and the highest value; 0 and 0 of an empty series."""
+        """The minimum and the maximum; 0 and 0 for an empty series."""
         if self.columns is None:
             return min(self.values, default=0.0), max(self.values, default=0.0)
         return (
@@ -151,9 +151,9 @@ class Series:
         )
 
     def encoded(self) -> dict[str, object]:
-        """The series for a page. Exact: `s`, the time of each corner after the one before it, and
-        `v`, float32 in base64. Columns: their width `w`, and `low`, `high`, `mean`, int16 in
-        base64, of which `scale` is the unit; -32768 without values."""
+        """The series for a page. An exact series has `s`, the time differences of its corners, and
+        `v`, their values, as float32 in base64. Columns have their width `w`, and `low`, `high`,
+        `mean` as int16 in base64, in units of `scale`; -32768 means no values."""
         if self.columns is None:
             times = self.times_s
             steps = [t - (times[i - 1] if i else 0.0) for i, t in enumerate(times)]
@@ -169,7 +169,7 @@ class Series:
         return {"w": self.columns.width_s, "scale": scale, **rows}
 
     def _columns(self, width_s: float, end_s: float) -> Columns:
-        """The exact pieces up to `end_s` in columns."""
+        """Converts the exact parts up to `end_s` to columns."""
         columns, t, v = Columns(width_s), self.times_s, self.values
         for i in range(1, len(t)):
             if t[i - 1] < t[i] <= end_s:
@@ -181,8 +181,8 @@ class Series:
 
 
 def _width_s(end_s: float) -> float:
-    """Width of columns that reach to `end_s`: a power of two, so that columns are joined in
-    pairs."""
+    """The width of columns for a time up to `end_s`: a power of two, so that columns can be joined
+    in pairs."""
     return 2.0 ** math.ceil(math.log2(end_s / MAX_COLUMNS))
 
 

@@ -1,5 +1,5 @@
-"""The path of a print, layer by layer, coloured by speed, as SVG. It shows one layer without
-scripts; with `page.js` any layer, and zooms."""
+"""The path of a print, layer by layer, coloured by speed, as SVG. Without scripts it shows one
+layer; `page.js` shows any layer, and zooms."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from passo.learn.series import packed
 
 MAX_LINES = 120_000
 MAX_STATIC_LINES = 20_000
-COLOURS = 12  # of the scale of speeds
+COLOURS = 12  # number of colours for speeds
 _ASPECT = 4 / 3  # width by height of the picture
-_GRID = 65_535  # coordinates are multiples of so many parts of the longest side
+_GRID = 65_535  # coordinates are in units of the longest side divided by this number
 _FINEST_MM, _COARSEST_MM = 0.005, 1.0  # maximum error of joined lines
-_FEWER = 0.9  # of the lines: joining still helps
-_THREAD_MM = 0.4  # how wide extruded lines are drawn
-_PIXELS = 700.0  # across the picture, where a line is at least one wide
+_FEWER = 0.9  # joining is repeated while it reduces the lines to this fraction
+_THREAD_MM = 0.4  # width of extruded lines in the picture
+_PIXELS = 700.0  # width of the picture in pixels; a line is at least one pixel wide
 
 Box = tuple[float, float, float, float]  # x and y from, x and y to, mm
 
 
 @dataclass(slots=True)
 class Line:
-    """A straight part of the path: layer, ends in mm, maximum speed in mm/s."""
+    """A straight part of the path: its layer, its ends in mm, its maximum speed in mm/s."""
 
     layer: int
     x0: float
@@ -37,7 +37,7 @@ class Line:
     prints: bool
 
     def joined(self, after: Line, miss_mm: float) -> Line | None:
-        """One line for both, if no part of the path is farther than that from it."""
+        """One line for both, if the path deviates from it by at most `miss_mm`; else None."""
         if (after.layer, after.prints) != (self.layer, self.prints):
             return None
         if (after.x0, after.y0) != (self.x1, self.y1):
@@ -55,7 +55,7 @@ class Line:
 
 @dataclass(slots=True)
 class Layer:
-    """The height of a layer, and the begin and end of its moves."""
+    """The height of a layer, mm, and the start and end times of its moves, s."""
 
     z_mm: float
     start_s: float
@@ -64,15 +64,15 @@ class Layer:
 
 @dataclass(slots=True)
 class Toolpath:
-    """Takes moves in order; `bed` is the area that the machine reaches. When there are too many
-    lines, those that are almost straight on become one; if that is not enough, only some of them
-    are kept. So the memory is bounded for any file."""
+    """Collects moves in order; `bed` is the area that the machine reaches. If there are too many
+    lines, adjacent lines that are almost straight are joined; if there are still too many, some are
+    dropped. So the memory is bounded for any file."""
 
     bed: Box
     lines: list[Line] = field(default_factory=list[Line])
     layers: dict[int, Layer] = field(default_factory=dict[int, Layer])
     _miss_mm: float = _FINEST_MM
-    _every: int = 1  # one of so many lines is kept
+    _every: int = 1  # one of this many lines is kept
     _count: int = 0
 
     def add(self, line: Line, z_mm: float, start_s: float, end_s: float) -> None:
@@ -105,8 +105,8 @@ class Toolpath:
         return min(self.top, max(1, round(self.top / 2)))
 
     def data(self) -> dict[str, object]:
-        """The data that the script draws: four coordinates a line, in units of `unit` mm from
-        `origin` on, and its colour from 1, 0 for a move without extrusion."""
+        """The data for the script. Each line has four coordinates, in units of `unit` mm from
+        `origin` on, and a colour from 1, or 0 for a move without extrusion."""
         x0, y0, x1, y1 = _box(self.lines, self.bed)
         unit = max(x1 - x0, y1 - y0) / _GRID
         ends, colours = array("H"), array("B")
@@ -197,8 +197,8 @@ coloured by speed">
         return max((line.speed for line in self.lines if line.prints or not by_print), default=1.0)
 
     def _view(self) -> Box:
-        """All layers from above, in the shape of the picture; moves without extrusion, and those
-        before the first layer, count only if there is nothing else."""
+        """The view box around all layers, in the aspect ratio of the picture. Moves without
+        extrusion, and moves before the first layer, count only if there are no others."""
         printed = [line for line in self.lines if line.prints]
         x0, y0, x1, y1 = _box(
             [line for line in printed if line.layer] or printed or self.lines, self.bed
@@ -211,9 +211,9 @@ coloured by speed">
 
 
 def reduced(lines: list[Line], most: int, miss_mm: float) -> tuple[list[Line], float, int]:
-    """At most so many lines. Lines are joined with an error of `miss_mm` or, if necessary, more, up
-    to `_COARSEST_MM`; then every second one is dropped. Also returns this error, and how often
-    lines were dropped."""
+    """Reduces `lines` to at most `most`. Lines are joined with an error of `miss_mm` or, if
+    necessary, more, up to `_COARSEST_MM`; then every second line is dropped. Returns the lines, the
+    final error, and how often lines were dropped."""
     halved = 0
     while len(lines) > most:
         fewer = thinned(lines, miss_mm)
@@ -227,7 +227,7 @@ def reduced(lines: list[Line], most: int, miss_mm: float) -> tuple[list[Line], f
 
 
 def thinned(lines: Iterable[Line], miss_mm: float) -> list[Line]:
-    """Joins two lines in sequence if the error is at most so much."""
+    """Joins adjacent pairs of lines if the error is at most `miss_mm`."""
     out, single = list[Line](), False  # whether the last one is unchanged
     for line in lines:
         joined = out[-1].joined(line, miss_mm) if single else None
