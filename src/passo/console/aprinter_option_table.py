@@ -1,4 +1,4 @@
-"""APrinter's run-time options that have a value here: docs/reference/options.md lists all."""
+"""APrinter's run-time options that Passo supports; docs/reference/options.md lists all."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ _KINDS = {"hotend": "ExtruderHeater", "bed": "BedHeater", "chamber": "ChamberHea
 
 
 class Option(NamedTuple):
-    """A value that can be reported, and the command that sets it, with `{}` in place of the value;
-    empty if only the machine file sets it."""
+    """An option: its current value, and the command that sets it, with `{}` for the value; empty if
+    only the machine file sets it."""
 
     name: str
     value: Callable[[], float]
@@ -62,7 +62,7 @@ def options(printer: Printer) -> Iterator[Option]:
 
 
 def _limits(printer: Printer, name: str, prefix: str, words: str) -> Iterator[Option]:
-    """The limits of axes and extruders; `words` name one in a command."""
+    """The options for limits of an axis or extruder; `words` select it in a command."""
     for suffix, what, code in (("MaxSpeed", "speed", "M203"), ("MaxAccel", "accel", "M201")):
         yield Option(
             f"{prefix}{suffix}",
@@ -84,11 +84,12 @@ def _axis(printer: Printer, name: str) -> Iterator[Option]:
 
 
 def _motors(printer: Printer, name: str) -> Iterator[Option]:
-    """The motors of an actuator, axis or extruder; the second one is APrinter's slave 1."""
+    """The options of the motors of an actuator, axis or extruder; the second motor is APrinter's
+    slave 1."""
     machine, letter = printer.machine, name.upper()
     words = {extruder: f"{tool}E" for tool, extruder in extruders(printer.machine)}
     if name in machine.extruders and name not in words:
-        return  # no tool has it
+        return  # no tool uses this extruder
     word = words.get(name, letter)
     yield Option(f"{letter}StepsPerUnit", lambda: printer.motion.scale_of(name), f"M92 {word}{{}}")
     driven = machine.drivable.by_name[name]
@@ -183,7 +184,7 @@ def _of_pid(printer: Printer, name: str, key: str) -> float:
 
 
 def _sensor(printer: Printer, name: str) -> Iterator[Option]:
-    """The values of a sensor: those of a thermistor can be set, those of a platinum resistor are
+    """The options of a sensor. Those of a thermistor can be set; those of a platinum resistor are
     given by its standard."""
     prefix, sensors = _prefix(printer, name), printer.controls.sensors
     sensor, number = sensors[name], printer.controls.number_of(name)
@@ -211,8 +212,8 @@ def _sensor(printer: Printer, name: str) -> Iterator[Option]:
 
 
 def _probe(printer: Printer) -> Iterator[Option]:
-    """APrinter adds ProbeOffset to a point where others take it away, and ProbeGeneralZOffset to a
-    height where others take away the height of the trigger."""
+    """The options of the probe. Their signs are opposite to those of other firmwares: APrinter adds
+    ProbeOffset to a point, and ProbeGeneralZOffset to a height."""
     probe, prober, levelling = printer.machine.probe, printer.prober, printer.levelling
     if probe is None:
         return

@@ -1,5 +1,5 @@
-"""APrinter's run-time options by their names: M925 reports one, M926 notes a new value, M930
-applies the noted values."""
+"""APrinter's run-time options by their names: M925 reports an option, M926 stores a pending value,
+M930 applies the pending values."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class OptionCommands:
         self.pending: dict[str, float] = {}  # by name in lower case
 
     def pending_lines(self) -> Iterator[str]:
-        """The noted values that are not applied yet, as commands after a `;`."""
+        """The pending values as commands in comments."""
         for name, value in self.pending.items():
             yield f"; pending until M930: M926 I{self._options[name].name} V{numeral(value)}"
 
     def pending_values(self) -> dict[str, float]:
-        """The noted values that are not applied yet, by name."""
+        """The pending values by name."""
         return {self._options[name].name: value for name, value in self.pending.items()}
 
     # -- commands ---------------------------------------------------------------------------------

@@ -25,8 +25,8 @@ _Action = Callable[["CardCommands", str, Reply], None]
 
 
 def _guarded(action: _Action) -> Callable[[CardCommands, Command, Reply], None]:
-    """A handler of an action with the command's text. A failure, also one of the SD card, is
-    answered to the console."""
+    """Makes a handler from an action that takes the command's text. A failure, also of the SD card,
+    is reported to the console."""
 
     def handler(self: CardCommands, command: Command, reply: Reply) -> None:
         try:
@@ -85,8 +85,8 @@ class CardCommands:
         return str(self._directory / name)
 
     def _existing(self, text: str, letter: str = "F") -> str:
-        """The path that a command names: the exact name first, then what follows the letter if
-        there is one."""
+        """The path that a command names. The whole text is tried first, and then the text after
+        `letter`."""
         name = _unquoted(text)
         if not name:
             raise CommandError.of("card.no-name")
@@ -143,7 +143,7 @@ class CardCommands:
         self._select(text, reply)
 
     def _select(self, text: str, reply: Reply) -> bool:
-        """True if it is a file; else the directory has changed."""
+        """Selects a file, or changes the directory; returns True for a file."""
         letter, rest = text[:1].upper(), unescaped(text[1:])
         try:
             path = self._existing(text)
@@ -172,7 +172,7 @@ class CardCommands:
     )
     @_guarded
     def _select_and_start(self, text: str, reply: Reply) -> None:
-        if self._select(text, reply):  # a directory starts nothing
+        if self._select(text, reply):  # a directory cannot be printed
             self._runner.start()
 
     @command(
@@ -188,7 +188,7 @@ class CardCommands:
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)
         if self._printer.job.suspended and not self._runner.active:
-            return  # a host's print is suspended: no other print may begin
+            return  # a host's print is suspended, so no other print may start
         if "S" in words and self._runner.state is not JobState.PAUSED:
             self._runner.seek(int(words["S"]))
         self._runner.start(skips=ALL if words.get("U") else None)
@@ -227,7 +227,7 @@ class CardCommands:
     )
     @_guarded
     def _resume(self, _: str, reply: Reply) -> None:
-        """Resumes a print that is paused, or has failed at a line; without one it is no error, as
+        """Resumes a print that is paused or has failed at a line. Without one, it does nothing, as
         in Klipper."""
         if self._runner.state in (JobState.PAUSED, JobState.FAILED):
             self._runner.start()
@@ -278,7 +278,7 @@ class CardCommands:
     def _seek(self, text: str, _: Reply) -> None:
         offset = int(_numbers(text).get("S", 0))
         if self._runner.state is JobState.PAUSED and offset == 0:
-            self._runner.cancel()  # a host that cancels: M25, M26 S0
+            self._runner.cancel()  # hosts cancel with M25 and M26 S0
             return
         self._runner.seek(offset)
 
@@ -338,12 +338,14 @@ class CardCommands:
     def _begin_writing(self, text: str, reply: Reply, *, log: bool) -> None:
         if not isinstance(reply, Session):
             raise CommandError.of("card.no-console")
-        name = "" if text.strip().upper() == "F" else _unquoted(text)  # the letter, without a name
+        # only the letter, without a name
+        name = "" if text.strip().upper() == "F" else _unquoted(text)
         if reply.upload is not None and reply.upload.writer is not None:
             raise CardError.of("card.busy", reply.upload.name, value="it is being written")
         upload = Upload(None, name, log=log)
         if not log:
-            reply.upload = upload  # whatever goes wrong: what follows is not to be carried out
+            # set it first: even after an error, the next lines must not be executed
+            reply.upload = upload
         if not name:
             raise CommandError.of("card.no-name")
         upload.name = self._new_name(name, strict=reply.strict)
@@ -353,8 +355,8 @@ class CardCommands:
         reply.say(f"Writing to file: {upload.name}")
 
     def _new_name(self, name: str, *, strict: bool) -> str:
-        """The name as written, unless a strict console means the text after the letter, or its
-        directory does not exist."""
+        """The name for a new file: the text as written. It is the text after the letter on a strict
+        console, or if the directory of the whole text does not exist."""
         if name[:1].upper() != "F" or len(name) == 1 or self._library.there(self._place(name)):
             return name
         parent = str(PurePosixPath(self._place(name)).parent)

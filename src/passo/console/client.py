@@ -1,5 +1,5 @@
-"""A console of the program that embeds the printer: commands in, replies out, without text
-streams."""
+"""A console for the program that embeds the printer: takes commands and returns replies, without
+text streams."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ class Reply:
 
 
 class _NoWire:
-    """The client takes its answers before they become bytes."""
+    """A wire that drops bytes, because the client receives answers as text."""
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         """Drops the bytes."""
 
     def hold(self, held: bool) -> None:
-        """Does nothing: there is no input to hold back."""
+        """Does nothing, because there is no input stream."""
 
 
 class Client(Session):
-    """A console whose lines come from `send`. Commands are carried out in the order of the calls,
-    and those that act at once (M108, M112, M410) act at once."""
+    """A console whose lines come from `send`. Commands are executed in the order of the calls,
+    except those that act at once (M108, M112, M410)."""
 
     def __init__(self, printer: Printer) -> None:
         self._pending: deque[tuple[asyncio.Future[Reply], Callable[[str], None] | None]] = deque()
@@ -49,13 +49,12 @@ class Client(Session):
         self.busy_s = 0.0
 
     async def send(self, line: str, heard: Callable[[str], None] | None = None) -> Reply:
-        """Carries out one line of G-code and returns its answer. `heard` is called with each line
-        of the answer at once, as a console would receive it.
-
-        A move is done when it is planned; `M400` waits until the machine is at standstill. Raises
-        CommandError if the line is not carried out, and ValueError for more than one line. If the
-        calling task is cancelled, a line that has not begun is not carried out, and a wait ends as
-        with M108: moves that are planned still happen.
+        """Executes one line of G-code and returns its answer. `heard` is called at once with each
+        line of the answer, in the form for consoles. The answer to a move comes when the move is
+        planned; `M400` waits until the machine is at standstill. Raises CommandError if the line is
+        refused, and ValueError for more than one line. If the calling task is cancelled, a line
+        that has not started is dropped, and a wait ends as with M108; planned moves are still
+        executed.
         """
         text = line.strip()
         if "\n" in text or "\r" in text:
@@ -83,7 +82,7 @@ class Client(Session):
                 reply.set_exception(error)
 
     def say(self, text: str) -> None:
-        """A line of the answer."""
+        """Receives a line of the answer."""
         self._shown.sent(self.number, text)
         if text.startswith("Error:"):
             self.fail(text.removeprefix("Error:"))
@@ -93,18 +92,18 @@ class Client(Session):
             heard(text)
 
     def _hear_all(self, text: str) -> None:
-        """Does nothing: lines to all consoles come as events."""
+        """Does nothing, because lines to all consoles are events."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """The command was not carried out."""
+        """Receives the reason why the command was refused."""
         found = list(problems) or [Problem("command.failed", values={"value": text.rstrip(".")})]
         self._failure = CommandError(found)
 
     def warming(self, text: str) -> None:
-        """Does nothing: temperatures come with the status."""
+        """Does nothing, because the status has the temperatures."""
 
     def _refused(self, code: str) -> bool:
-        """Reports a refused line, also one whose caller was cancelled."""
+        """Reports a refused line, even if its caller was cancelled."""
         return self._pending[0][0].cancelled() or super()._refused(code)
 
     def _acknowledge(self, number: int | None) -> None:

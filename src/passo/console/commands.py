@@ -1,4 +1,4 @@
-"""Commands that concern only the console that sent them."""
+"""Commands that affect only the console that has sent them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from passo.printer.printer import Printer
 from passo.printer.wait_requests import Reply, Wait
 
 _PREFIXES = {"echo": "echo:", "error": "!!", "command": "//"}  # of RESPOND
-_OPTION = re.compile(r"([AEPaep])(\d)(?:\s+|\Z)")  # of M118; P, the port, has no meaning here
+_OPTION = re.compile(r"([AEPaep])(\d)(?:\s+|\Z)")  # options of M118; P, the port, has no effect
 
 
 class ConsoleCommands:
@@ -60,7 +60,7 @@ class ConsoleCommands:
         in_turn=True,
     )
     def _acted(self, _: Command, __: Reply) -> None:
-        """Does nothing: these commands acted when the line was received."""
+        """Does nothing, because these commands took effect when the line was received."""
 
     @command(
         "M113",
@@ -122,7 +122,7 @@ class ConsoleCommands:
         bare=None,
     )
     def _respond(self, command: Command, _: Reply) -> None:
-        """Raises CommandError for a type that does not exist."""
+        """RESPOND. Raises CommandError for an unknown type."""
         words = command.pairs()
         kind = words.get("TYPE", "echo").lower()
         prefix = words.get("PREFIX", _PREFIXES.get(kind))
@@ -200,7 +200,8 @@ class ConsoleCommands:
         kind=Kind.QUIET,
     )
     def _trace(self, command: Command, reply: Reply) -> Wait | None:
-        """Traces once, or on this console every S seconds until S0, what each controller does."""
+        """Traces the state of each heater's controller, once or, with S, on this console every S
+        seconds until S0."""
         seconds = command.words().get("S")
         if isinstance(reply, Session) and seconds is not None:
             reply.report_every("trace", seconds, lambda: self._show_trace(reply.hear))

@@ -16,50 +16,52 @@ LIFTS = ("M922", *RESTARTS)
 
 
 def halts(command: Command) -> bool:
-    """True for M112, also after another command in its line, even if that one is refused."""
+    """True for M112, even after another command in its line, and even if that command is
+    refused."""
     if command.code == "M112":
         return True
     if command.name or "112" not in command.text:
         return False
-    if command.letter == "M":  # else a move, or an axis of a line that repeats the last one
+    if command.letter == "M":  # other letters begin a move, or a line that repeats the last move
         row = row_of(command.code)
-        if row is None or row.bare in (None, ANY):  # the text may hold labels
+        if row is None or row.bare in (None, ANY):  # the text may contain any label
             return False
     return ("M", 112.0) in words_of(command.text)
 
 
 def answers(command: Command) -> bool:
-    """The command ends a wait for a user."""
+    """Whether the command ends a wait for a user."""
     said = command.code == "M876" and "S" in command.words()
     return said or command.code in ("M108", *_RESUMES)
 
 
 @dataclass(slots=True)
 class _Answer:
-    """A queued line that ends a wait for the user. `used`: it has ended a wait; `done`: nothing is
-    left to do when it is reached."""
+    """A queued line that ends a wait for the user. `used`: it has already ended a wait. `done`: it
+    needs no action when it is reached."""
 
     used: bool
     done: bool
 
 
 class EmergencyParser:
-    """Checks the lines of one console when they are received, before its queue is processed."""
+    """Checks the lines of one console when they are received, before they are queued."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._in_hand = 0  # M28 and M29 in the queue
-        self._opens = False  # whether the last of them opens a file
+        self._in_hand = 0  # number of M28 and M29 in the queue
+        self._opens = False  # whether the last of these opens a file
         self._numbered = False  # whether the lines for the file are numbered
-        self._answers: deque[_Answer] = deque()  # those in the queue
-        self._failures: deque[int] = deque()  # that those of LIFTS in hand may know of
+        self._answers: deque[_Answer] = deque()  # answers in the queue
+        # failure count at the receipt of each queued command of LIFTS
+        self._failures: deque[int] = deque()
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
-        """Acts on M108, M112, M410 and M876, and on commands that end the pause of a host, unless
-        they are text of an upload that is open, or that a queued line will open; `upload` is the
-        open one. In an upload with line numbers a line without one is a command. Returns False for
-        text. For each command, call `reached` if it is M28 or M29, `answered` if it `answers`, and
-        `outdated` if it is one of LIFTS, when the line is taken from the queue."""
+        """Executes M108, M112, M410, M876, and commands that end the pause of a host. Lines of an
+        upload are text instead: of the open one, `upload`, or of one that a queued line will open.
+        In an upload with line numbers, a line without a number is a command. Returns False for
+        text. When a command is taken from the queue, call `reached` for M28 and M29, `answered` if
+        it `answers`, and `outdated` for one of LIFTS."""
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
         numbered = self._numbered or (not self._in_hand and upload is not None and upload.numbered)
@@ -79,16 +81,18 @@ class EmergencyParser:
         return True
 
     def reached(self) -> None:
-        """A queued M28 or M29 is reached."""
+        """Call this when a queued M28 or M29 is reached."""
         self._in_hand -= 1
 
     def answered(self) -> bool:
-        """A queued command that `answers` is reached; True if it has acted already."""
+        """Call this when a queued command that `answers` is reached. Returns True if it has taken
+        effect already."""
         return self._answers.popleft().done
 
     def take_answer(self) -> bool:
-        """A wait for the user begins; True if a queued answer ends it: one that was received too
-        early, and has ended no other wait. After M24 and M602 a paused file has still to resume."""
+        """Call this when a wait for the user begins. Returns True if a queued answer, which was
+        received too early and has not ended another wait, ends it. After M24 and M602, a paused
+        file must still be resumed."""
         answer = next((answer for answer in self._answers if not answer.used), None)
         if answer is None:
             return False
@@ -97,13 +101,13 @@ class EmergencyParser:
         return True
 
     def outdated(self) -> bool:
-        """A queued one of LIFTS is reached; True if a failure occurred after it was received, of
-        which its sender did not know."""
+        """Call this when a queued command of LIFTS is reached. Returns True if a failure has
+        occurred after its receipt, so that its sender did not know of the failure."""
         return self._failures.popleft() != self._printer.state.failures
 
     def _resume(self) -> bool:
-        """Ends a wait for the user, also the pause of a host. True if nothing is left to do, for
-        example when such a pause is about to end. False for a paused file, which must still resume.
+        """Ends a wait for the user, including the pause of a host. Returns True if this was
+        sufficient, and False for a paused file, which must still be resumed.
         """
         printer = self._printer
         awaited = printer.prompts.awaited
@@ -114,7 +118,7 @@ class EmergencyParser:
         return awaited or (printer.job.suspended and printer.waits.busy)
 
     def _ends_wait(self, command: Command) -> bool:
-        """Whether this is M108 while something waits, or M876 that answers the question of a
+        """Whether the command is M108 during a wait, or M876 that answers the question of a
         wait."""
         printer = self._printer
         if command.code == "M108":

@@ -1,4 +1,4 @@
-"""Progress and time of prints, pauses that a print asks for, and filament changes."""
+"""Commands for progress and time of prints, pauses that a print requests, and filament changes."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class JobCommands:
         bare=None,
     )
     def _stop_timer(self, _: Command, __: Reply) -> Wait | None:
-        """Does nothing for a print from the card: its timer does not depend on its file."""
+        """Does nothing for a print from the card, whose timer does not depend on its file."""
         self._progress.timer(runs=False)
         self._printer.tell(f"echo:Print time {spoken(self._progress.printed_s)}")
         self._progress.stop_timer()
@@ -179,8 +179,8 @@ class JobCommands:
         kind=Kind.USER,
     )
     def _change_filament(self, command: Command, reply: Reply) -> Wait | None:
-        """Raises CommandError for a tool that is not in use, a temperature that its hotend cannot
-        reach, and a position that the nozzle cannot reach."""
+        """M600. Raises CommandError for a tool that is not active, and for a temperature or a
+        position that is out of reach."""
         words = command.words()
         check_words(words, self._printer.machine)
         tool = self._printer.job.tool
@@ -212,9 +212,9 @@ class JobCommands:
     def _stand_by(
         self, text: str, words: Mapping[str, float], reply: Reply, *, by_file: bool = False
     ) -> Wait | None:
-        """Pauses and parks a file, on a command of any console; during its pause the nozzle only
-        lifts off the position where it is. A host that prints is asked to pause, and waits.
-        `by_file`: see `Runner.pause`."""
+        """Pauses and parks a print from a file, on a command of any console; during a pause, it
+        only lifts the nozzle at its position. A host that prints is asked to pause, and its lines
+        wait. `by_file`: see `Runner.pause`."""
 
         def gone() -> bool:
             return isinstance(reply, Session) and reply.gone
@@ -243,7 +243,8 @@ class JobCommands:
         kind=Kind.QUIET,
     )
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
-        """M876: an answer to a wait has acted when the line was received. Raises CommandError."""
+        """M876. The answer to a wait took effect when the line was received. Raises
+        CommandError."""
         words = command.words()
         if "S" in words and self._asks:
             self._runner.start()
@@ -253,7 +254,7 @@ class JobCommands:
 
     @property
     def _asks(self) -> bool:
-        """Whether the pause of the file waits for the user."""
+        """Whether a paused file waits for the user."""
         person = self._printer.prompts
         return self._runner.state is JobState.PAUSED and person.asking and not person.awaited
 
@@ -273,8 +274,7 @@ class JobCommands:
         kind=Kind.SERVED,
     )
     def _resume(self, _: Command, __: Reply) -> Wait | None:
-        """M602: a wait for the user has ended already, when the line was received. Raises
-        CommandError."""
+        """M602. A wait for the user has ended when the line was received. Raises CommandError."""
         if self._runner.state is JobState.PAUSED:
             self._runner.start()
         return None

@@ -1,4 +1,4 @@
-"""M408: the printer's state as one line of JSON, by the keys of RepRapFirmware."""
+"""M408: the status of the printer as one line of JSON, with the keys of RepRapFirmware."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class JsonStatus:
 
     def _told(self, status: Status) -> dict[str, Any]:
         """The keys of all forms of the answer. Positions in mm, temperatures in °C, time in s;
-        `pending` are options that M926 has noted and M930 would apply, in their own units."""
+        `pending` has the values of M926 that M930 would apply, in the units of the options."""
         printer, job = self._printer, self._printer.job
         *axes, e = printer.positions.program
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
@@ -107,7 +107,8 @@ class JsonStatus:
 
 
 def _heater(heater: HeaterStatus) -> tuple[float, float, int]:
-    """Reading, target and state; -273.1 until the sensor has reported."""
+    """The reading, target and state of a heater. The reading is -273.1 until the sensor has
+    reported."""
     state = _FAULT if heater.fault else _ACTIVE if heater.target_c > 0 else _OFF
     celsius = ABSOLUTE_ZERO_C if heater.celsius is None else heater.celsius
     return round(celsius, 1), round(heater.target_c, 1), state

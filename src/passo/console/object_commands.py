@@ -1,4 +1,4 @@
-"""M486 and EXCLUDE_OBJECT of consoles: the objects of a print, and which are cancelled."""
+"""M486 and EXCLUDE_OBJECT from consoles: lists and cancels the objects of a print."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ObjectCommands:
         bare=None,
     )
     def _order(self, command: Command, reply: Reply) -> Wait | None:
-        """Raises CommandError."""
+        """Executes M486. Raises CommandError."""
         orders = _core.object_orders(command.code, command.text)
         if not command.text.strip():
             self._list(reply)
@@ -109,7 +109,8 @@ class ObjectCommands:
         reply.say(f"echo:{said}; {planned} and {then}")
 
     def _list(self, reply: Reply) -> None:
-        """One line for each object, as `number name`, and whether it is current or cancelled."""
+        """Reports a line for each object: its number, its name, and whether it is current or
+        cancelled."""
         found, current = self._objects.all, self._objects.current
         reply.say(f"echo:Objects: {len(found)}")
         for one in found:

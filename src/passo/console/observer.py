@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
     from passo.printer.status import Status
 
-LOOK_S = 0.25  # of host time, and of print time, between two checks
+LOOK_S = 0.25  # host time, and print time, between two checks
 _CHANGE_C = 1.0
 _T = TypeVar("_T")
 
 
 @dataclass(slots=True)
 class _Listener:
-    """A listener that wants the status at an interval; due at a host time, or at a print time if
-    that is earlier."""
+    """A listener that receives the status at an interval. It is due at a host time, or at a print
+    time if that is earlier."""
 
     call: Callable[[Status], object]
     every_s: float
@@ -46,8 +46,8 @@ class _Listener:
 
 
 class Observer:
-    """Status and events of one printer. Callbacks run in the event loop, never within the printer's
-    own work; an exception in one goes to the loop's exception handler."""
+    """Reports the status and events of one printer. Callbacks run in the event loop, never within a
+    call of the printer; their exceptions go to the loop's exception handler."""
 
     def __init__(
         self, printer: Printer, runner: Runner, progress: Progress, status: StatusReader
@@ -60,7 +60,7 @@ class Observer:
         self._last = status.read()
         self._shown_c = {name: heater.celsius for name, heater in self._last.heaters.items()}
         self._layer = self._last.job.layer if self._last.job else 0
-        self._host_s = self._print_s = 0.0  # when the next check is due
+        self._host_s = self._print_s = 0.0  # times of the next check
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
         printer.watchers.append(self._time_passed)
         printer.state.listeners.append(self._on_message)
@@ -68,8 +68,8 @@ class Observer:
         runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
-        """Calls it with the status now, and then at intervals of at least `every_s` of host time,
-        or of print time if that is faster. Returns a function that ends it."""
+        """Calls `call` with the status now, and then at intervals of at least `every_s` seconds of
+        host time, or of print time if that is faster. Returns a function that ends this."""
         self._look()
         listener = _Listener(call, every_s)
         self._listeners.append(listener)
@@ -77,10 +77,10 @@ class Observer:
         return lambda: _remove(self._listeners, listener)
 
     def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
-        """Calls it with each event from now on, first with the messages of the start. Returns a
-        function that ends it."""
+        """Calls `call` with the messages of the start, and then with each event. Returns a function
+        that ends this."""
         if not (self._listeners or self._event_listeners):
-            self._last = self._status.read()  # earlier changes are not reported
+            self._last = self._status.read()  # do not report earlier changes
         self._event_listeners.append(call)
         for text in self._printer.state.unheard:
             self._loop.call_soon(call, Message(text))
@@ -117,7 +117,7 @@ class Observer:
 
     def _on_message(self, text: str) -> None:
         self._emit(Message(text))
-        self._loop.call_soon(self._look)  # it may report a halt
+        self._loop.call_soon(self._look)  # check soon: the printer may be halted
 
     def _on_remote_call(self, method: str, arguments: Mapping[str, Any]) -> None:
         self._emit(RemoteCall(method, dict(arguments)))
@@ -166,7 +166,7 @@ class Observer:
             yield ProgressChanged(job)
 
     def _layers(self, file: str, layer: int, layers: int | None) -> Iterator[LayerChanged]:
-        """Each layer that has begun since the last call; a file may return to a lower one."""
+        """The layers that have begun since the last call; a file may return to a lower layer."""
         before, self._layer = self._layer, layer
         for begun in range(before + 1, layer + 1):
             yield LayerChanged(file, begun, layers)
@@ -175,7 +175,8 @@ class Observer:
 
 
 def _moved(shown_c: float | None, celsius: float | None) -> bool:
-    """A reading has changed by a degree since it was shown, or has appeared or gone."""
+    """Whether a reading has changed by 1 °C since its last report, or has appeared or
+    disappeared."""
     if shown_c is None or celsius is None:
         return shown_c is not celsius
     return abs(celsius - shown_c) >= _CHANGE_C

@@ -20,31 +20,31 @@ class AllConsoles:
         self._noted: set[str] = set()
 
     def say(self, text: str) -> None:
-        """A line to all."""
+        """Sends a line to all consoles."""
         self._printer.tell(text)
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """A line to all, once, or `again` each time."""
+        """Sends a line to all consoles, once for each `about`, or each time if `again`."""
         if again or about not in self._noted:
             self._noted.add(about)
             self._printer.tell(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
-        """Sends the text as a line: a file receives no `ok`."""
+        """Sends the text as a line, because a file receives no `ok`."""
         self._printer.tell(text)
 
     def warming(self, text: str) -> None:
-        """Does nothing: consoles ask for temperatures with M105 during a print."""
+        """Does nothing, because consoles query temperatures with M105 during a print."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """A command that was not carried out."""
-        # Not as CommandError, which would be reported a second time.
+        """Reports a refused command."""
+        # Do not raise CommandError, which would be reported a second time.
         raise InputError.of("job.failed", value=text.rstrip("."))
 
 
 def welcome(printer: Printer, session: Session) -> None:
-    """Sends the greeting of a console that opens; the first also gets the problems since the
-    start."""
+    """Sends the greeting of a console that opens; the first console also receives the problems
+    since the start."""
     session.say("start")
     session.say(f"echo:Passo, {printer.machine.name}")
     unheard, printer.state.unheard = printer.state.unheard, []

@@ -1,6 +1,5 @@
-"""Lines that a console has sent and that are not executed yet.
-
-The queue is long, since an emergency stop is seen only in a line that was read; but it is bounded.
+"""The queue of received lines that are not executed yet. It is long, because an emergency stop is
+detected only in a line that was read, but it is bounded.
 """
 
 from __future__ import annotations
@@ -11,22 +10,22 @@ from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, Refusal
 
 BACKLOG = 256  # lines that a host may send ahead (`ok N P B`)
-MAX_LINES = 1 << 15  # lines in the queue before the sender is held up
-MAX_BYTES = 1 << 20  # of text, likewise
+MAX_LINES = 1 << 15  # lines in the queue, after which reading stops
+MAX_BYTES = 1 << 20  # text in the queue, after which reading stops
 
 Heard = tuple[Line, Command, bool] | Refusal
-"""A line, its command, and whether `EmergencyParser.see` took it for one; or why it is refused."""
+"""A line, its command, and whether `EmergencyParser.see` accepted it as a command; or a refusal."""
 
 
 class ReceiveQueue:
-    """A queue of lines with a limit, at which the sender is held up."""
+    """A queue of lines with a limit, at which reading stops."""
 
     def __init__(self) -> None:
         self._lines: deque[Heard] = deque()
         self._bytes = 0
 
     def __len__(self) -> int:
-        """Lines that wait."""
+        """The number of waiting lines."""
         return len(self._lines)
 
     @property
@@ -36,12 +35,12 @@ class ReceiveQueue:
 
     @property
     def full(self) -> bool:
-        """Whether no more should be read."""
+        """Whether reading must stop."""
         return len(self._lines) >= MAX_LINES or self._bytes >= MAX_BYTES
 
     @property
     def half_empty(self) -> bool:
-        """Whether more may be read again."""
+        """Whether reading may continue."""
         return len(self._lines) <= MAX_LINES // 2 and self._bytes <= MAX_BYTES // 2
 
     def append(self, heard: Heard) -> None:

@@ -1,4 +1,4 @@
-"""M1000: resumes a print that was interrupted."""
+"""M1000: resumes an interrupted print."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One console: its lines are carried out in order, one `ok` each, and it receives broadcast
+"""One console: executes its lines in order, answers each with `ok`, and sends it broadcast
 messages."""
 
 from __future__ import annotations
@@ -24,30 +24,30 @@ from passo.printer.wait_requests import Stopped, Wait
 
 _log = logging.getLogger(__name__)
 
-AT_ONCE = 1024  # lines carried out before other tasks run: all of one read
-AT_ONCE_S = 0.005  # of the loop's time before other tasks run: lines like M503 take long
+AT_ONCE = 1024  # lines that are executed before other tasks run: all lines of one read
+AT_ONCE_S = 0.005  # time of the loop after which other tasks run: lines like M503 take long
 WAIT_S = 1.0  # an idle console says `wait` this often
-_CONTROLS = {chr(i): "?" for i in (*range(9), *range(11, 32), 127)}  # a terminal would obey them
+# a terminal would execute these characters
+_CONTROLS = {chr(i): "?" for i in (*range(9), *range(11, 32), 127)}
 _PLAIN = str.maketrans(_CONTROLS)
-# Units of this program's own texts in ASCII, which every host can show. Names keep theirs.
+# Units in texts of Passo are replaced by ASCII, which every host can show. Names stay unchanged.
 _UNITS = re.compile(r"(?<=\d )°(?=C(?:[/\s,;:)]|\.?$|\.\s))|(?<=\d )µ(?=[ms]\b)|(?<=/s)²")
 _UNIT = {"°": "", "µ": "u", "²": "2"}
-_NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
+_NO_TEXT = ("M29", "M110", "M932", "M933")  # these are never text, even while a file is written
 _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", *RESTARTS)
-# A line that begins so moves the machine; an axis word alone repeats the last move.
+# A line with this beginning moves the machine; an axis word alone repeats the last move.
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
-_TOOL = re.compile(r"T\d")  # without it another tool's filament would be printed
+_TOOL = re.compile(r"T\d")  # if it fails, the filament of another tool would be printed
 _EXPONENT = re.compile(r"[\d.][Ee][-+\d]")
-# Only the code at the beginning of a line: the rest may be a text, and the lexer splits words.
+# Match only the code at the beginning of a line, because the rest may be a text.
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL | re.ASCII)
 
 
 class Wire(Protocol):
-    """The destination of a console's text. Never blocks: text for a reader that is too slow is
-    dropped."""
+    """The destination of a console's text. Never blocks; text for a slow reader is dropped."""
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
-        """Sends bytes; dispensable ones only if there is space."""
+        """Sends text. Dispensable text is sent only if there is space."""
 
     def hold(self, held: bool) -> None:
         """Stops or resumes reading."""
@@ -66,7 +66,7 @@ def command_of(text: str) -> Command:
 
 
 def prints(code: str) -> bool:
-    """Whether a print cannot do without this command. It also holds for a line that begins with a
+    """Whether a print is spoilt if this command fails. Also True for a line that begins with a
     character that is not G-code."""
     return bool(_MOVES.match(code) or _TOOL.match(code)) or not code[:1].isascii()
 
@@ -80,36 +80,37 @@ def _encoded(text: str) -> bytes:
 
 
 class Session:
-    """A console in operation. Call `receive` with the bytes that arrive; all in one event loop."""
+    """A console in operation. Call `receive` with the arriving bytes. Use it in one event loop."""
 
     def __init__(self, printer: Printer, wire: Wire) -> None:
         self._printer, self._wire = printer, wire
         self._protocol = LineProtocol()
         self._shown = printer.state.console_lines
         self.number = self._shown.join()
-        self.sender = ""  # the sender of the lines that arrive now, if known
+        self.sender = ""  # the sender of the next lines, if known
         self._lines = ReceiveQueue()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
-        self._soon: asyncio.Handle | None = None  # continues with lines in the queue
+        # the scheduled call that continues with queued lines
+        self._soon: asyncio.Handle | None = None
         self._ok = ""
         self._timers = Timers(printer)
         self._emergency_parser = EmergencyParser(printer)
         self._held = False
-        self.strict = False  # M932: after a failure nothing is carried out
+        self.strict = False  # M932: after a failure, no line is executed
         self.failed = False
         self.busy_s = 2.0  # M113
         self.advanced_ok = False
         self._upload: Upload | None = None
-        self.on_upload: Callable[[], None] = lambda: None  # an upload begins, or has ended
-        self._given_up = 0  # number of queued lines that are from before a stop of the machine
-        self._overtaken = False  # and so is the line that waits for its turn
+        self.on_upload: Callable[[], None] = lambda: None  # called when an upload begins or ends
+        self._given_up = 0  # number of queued lines that were received before a stop of the machine
+        self._overtaken = False  # whether the line that waits for the motion lock is one of them
         self._working = False  # this console's line has the motion lock and is running
-        self._printed = False  # and it is a numbered move: probably of a print
+        self._printed = False  # the line is a numbered move, probably of a print
         self.closed = False
-        self._unanswered = False  # its input has ended, and only a user could end its wait
+        self._unanswered = False  # the input has ended, and only a user could end the wait
         self._noted: set[str] = set()
-        self._then: Callable[[], None] | None = None  # to call after the last line
+        self._then: Callable[[], None] | None = None  # called after the last line
         printer.state.listeners.append(self._hear_all)
         printer.state.stop_listeners.append(self._stopped)
         printer.prompts.wait_listeners.append(self._user_wanted)
@@ -117,12 +118,12 @@ class Session:
 
     @property
     def upload(self) -> Upload | None:
-        """M28: lines go into this file."""
+        """The open upload (M28), into which lines are written; None without one."""
         return self._upload
 
     @upload.setter
     def upload(self, upload: Upload | None) -> None:
-        """Lines go into this file from now on; None: they are executed."""
+        """Sets the upload for the next lines; None executes them."""
         self._upload = upload
         self.on_upload()
 
@@ -134,7 +135,7 @@ class Session:
     # -- bytes ------------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> None:
-        """Takes the bytes that the host has sent."""
+        """Handles bytes that the host has sent."""
         heard = self._protocol.feed(data)
         for line in heard:
             whole = isinstance(line, Line)
@@ -145,7 +146,8 @@ class Session:
                 seen = self._emergency_parser.see(command, line.number, self._upload)
                 self._lines.append((line, command, seen))
             else:
-                if halts(command := command_of(line.text)):  # a stop does not wait for a resend
+                # execute a stop even if the line has to be resent
+                if halts(command := command_of(line.text)):
                     self._emergency_parser.see(command, line.resend, self._upload)
                 self._lines.append(line)
         if heard and self._resting:
@@ -166,8 +168,10 @@ class Session:
             self._upload = None
         if self._working:
             if self._printer.waits.person:
-                self._printer.targets.cooled_c.clear()  # no client is left that needs the heaters
-            self._printer.waits.end()  # cutting it off would leave a machine that moves
+                # no client is left that could resume and need the heaters
+                self._printer.targets.cooled_c.clear()
+            # end the wait, because a cancelled task would leave the machine moving
+            self._printer.waits.end()
         elif self._task is not None:
             self._task.cancel()
         if self._hear_all in self._printer.state.listeners:
@@ -177,12 +181,13 @@ class Session:
 
     @property
     def gone(self) -> bool:
-        """No answer comes from here any more."""
+        """Whether the console has closed, so that no answer can come from it."""
         return self.closed or self._unanswered
 
     def end(self, then: Callable[[], None]) -> None:
-        """The input has ended: queued lines are carried out, then the session closes. A wait that
-        only a user can end is over, and the lines after it are not carried out."""
+        """Call this when the input has ended. Queued lines are executed; then the session closes,
+        and `then` is called. A wait that only a user can end is ended, and the lines after it are
+        dropped."""
         self._then = then
         if self._working and self._printer.prompts.for_ever:
             self._end_unanswered()
@@ -192,39 +197,39 @@ class Session:
     # -- answers ----------------------------------------------------------------------------------
 
     def say(self, text: str) -> None:
-        """A line of answer."""
+        """Sends a line of the answer."""
         if not self.closed:
             self._shown.sent(self.number, text)
             self._wire.write(_encoded(text))
 
     def hear(self, text: str) -> None:
-        """A report or a busy message; a console that does not read may miss it."""
+        """Sends a report or a busy message, which a slow reader may miss."""
         self._shown.sent(self.number, text)
         self._hear_all(text)
 
     def _hear_all(self, text: str) -> None:
-        """As `hear`, for a line that all consoles receive."""
+        """As `hear`, for a line to all consoles."""
         self._wire.write(_encoded(text), dispensable=True)
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
-        """A line of answer that this console receives once, or `again` each time."""
+        """Sends a line once for each `about`, or each time if `again`."""
         if again or about not in self._noted:
             self._noted.add(about)
             self.say(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
-        """Text after this command's `ok`."""
+        """Sets the text after this command's `ok`."""
         self._ok = text
 
     def warming(self, text: str) -> None:
-        """Temperatures that a command waits for, unless they are reported anyway (M155)."""
+        """Sends the temperatures during a wait, unless M155 reports them anyway."""
         if not self._timers.runs("temperatures"):
             self.hear(text)
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """Reports a command that was not carried out. Not with `Error:`, which makes hosts
-        disconnect; only a strict console receives that. A host that prints is asked to pause before
-        it sends more: after a missing move the print would be spoilt."""
+        """Reports a refused command. Only a strict console receives `Error:`, because it makes
+        hosts disconnect. A host that prints is asked to pause, because the print would be spoilt
+        after a missing move."""
         self.failed = True
         fields = problems[0].log_fields if problems else {}
         _log.warning("%s", text, extra={**fields, "console": self.number})
@@ -233,13 +238,13 @@ class Session:
             self.say("// action:pause")
 
     def every(self, name: str, seconds: float, action: Callable[[], None] | None) -> None:
-        """Calls an action at an interval of host time, in place of the action of that name; 0:
-        stops it."""
+        """Calls an action at an interval of host time, instead of the earlier action of this name;
+        0 stops it."""
         if not self.closed:
             self._timers.set(name, seconds, action)
 
     def report_every(self, name: str, seconds: float, action: Callable[[], None]) -> None:
-        """As `every` for a report, which comes at intervals of print time if that is faster."""
+        """As `every`, for a report; the interval is print time if that is faster."""
         if not self.closed:
             self._timers.set(name, seconds, action, report=True)
 
@@ -247,7 +252,7 @@ class Session:
 
     @property
     def _resting(self) -> bool:
-        """Whether no line is being carried out, and none is scheduled."""
+        """Whether no line is being executed or scheduled."""
         return self._task is None and self._soon is None
 
     def _next(self) -> Heard:
@@ -259,7 +264,7 @@ class Session:
         return heard
 
     def _work(self) -> None:
-        """Carries out lines until one has to wait, or other tasks have waited for long enough."""
+        """Executes lines until one of them has to wait, or until other tasks must run."""
         self._soon = None
         others_s = self._loop.time() + AT_ONCE_S
         for _ in range(AT_ONCE):
@@ -300,7 +305,7 @@ class Session:
             self._then()
 
     def _take(self, line: Line, command: Command, *, seen: bool, given_up: bool) -> bool:
-        """Carries out a line; True if it has to wait, which a task does."""
+        """Executes a line. Returns True if a task must wait for it."""
         printer, code = self._printer, command.code
         if seen and code in ("M28", "M29"):
             self._emergency_parser.reached()
@@ -309,7 +314,7 @@ class Session:
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
         text = stored and self._upload is not None and self._upload.takes_all
-        # The line was text for a file and is a command now; an M999 may have come before an M112.
+        # The line was received as text of a file and is a command now; M999 may come before M112.
         if not text and (not seen or halts(command)):
             self._emergency_parser.act(command)
         if refused or stored or answered or self._halted(code):
@@ -325,7 +330,7 @@ class Session:
                     self._await_restart(line, printer.supervisor.answered())
                 )
             return revives
-        if self._halted(""):  # not even a command after a question
+        if self._halted(""):  # refuse even an immediate command
             return False
         if given_up and self._was_stopped(code):
             return False
@@ -347,8 +352,8 @@ class Session:
         self._task = self._loop.create_task(self._carry_out(line, code, wait, queued=queued))
 
     async def _carry_out(self, line: Line, code: str, wait: Wait | None, *, queued: bool) -> None:
-        """Waits for a line: for its turn, for space in the queue, or for its command's
-        condition."""
+        """Waits for the motion lock, for space in the move queue, or for the condition of a
+        command, and executes the line."""
         printer = self._printer
         self.every("busy", self.busy_s, self._say_busy)
         has_turn, hurried = not queued, False
@@ -381,21 +386,21 @@ class Session:
         finally:
             self.every("busy", 0, None)
             self._task, self._overtaken = None, False
-        self._halted("")  # reports it
+        self._halted("")  # reports the halt
         self._acknowledge(line.number)
         self._work()
 
     def _user_wanted(self) -> None:
-        """A wait for a user begins. If it is this console's, its answer may be in the queue
-        already."""
+        """Called when a wait for a user begins. If it is a wait of this console, the answer may be
+        queued already."""
         if self._working and self._emergency_parser.take_answer():
             self._printer.waits.end()
         elif self._working and self._then is not None and self._printer.prompts.for_ever:
             self._end_unanswered()
 
     def _end_unanswered(self) -> None:
-        """Ends the wait as if the host had disconnected: the next commands need the consent of the
-        user."""
+        """Ends the wait as if the host had disconnected, because the next commands need the consent
+        of the user."""
         left = len(self._lines)
         self._unanswered = True
         self._lines.clear()
@@ -405,8 +410,8 @@ class Session:
         self._printer.waits.end()
 
     def _stopped(self, _: str) -> None:
-        """M410, or a triggered endstop: discards queued moves together with the planned ones. Other
-        queued lines are carried out; one may switch a heater off."""
+        """Called after M410 or a triggered endstop: discards queued moves like the planned ones.
+        Other queued lines are executed, because one may switch a heater off."""
         if not self._printer.halted:
             self._given_up = len(self._lines)
             self._overtaken = self._task is not None and not self._working
@@ -418,16 +423,16 @@ class Session:
         return False
 
     def _not_done(self, error: Exception) -> None:
-        """Reports a line that failed. After a fault of the program its state is unknown: everything
-        is switched off, and the host still gets its `ok`."""
+        """Reports a failed line. After a fault of the program, whose state is then unknown, all
+        outputs are switched off; the host still receives its `ok`."""
         if not isinstance(error, (Stopped, PassoError)):
             error = in_words(error)
             self._printer.halt(error)
         self.fail(str(error), error.problems if isinstance(error, PassoError) else ())
 
     def _stored(self, line: Line, code: str) -> bool:
-        """Whether a line belongs to the file that is written, and must not be carried out. Once
-        lines are numbered, one without a number is a host's question in between."""
+        """Whether a line is text of the file that is being written. If the lines of the file are
+        numbered, a line without a number is a query of the host."""
         upload = self.upload
         if upload is None or code in _NO_TEXT:
             return False
@@ -437,7 +442,7 @@ class Session:
             try:
                 upload.write(line.text)
             except CardError as error:
-                self.say(f"echo:{error}")  # the command itself was done
+                self.say(f"echo:{error}")  # the command itself was executed
             return False
         self._printed = False
         upload.numbered = upload.numbered or line.number is not None
@@ -461,7 +466,7 @@ class Session:
         if not (self.strict and self.failed) or code in _EVEN_AFTER_FAILURE:
             return False
         if self._upload is not None:
-            self._upload.abort()  # one of its lines is missing now
+            self._upload.abort()  # the file would miss this line
         self.say("Error:PreviousCommandFailed")
         return True
 

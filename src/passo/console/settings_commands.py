@@ -18,14 +18,13 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-# Commands of the correction of the bed, which has one line of its own, and the answers to them.
+# Commands of the bed correction, which one message summarises, and the answers to them.
 _OF_BED = ("G29", "M420", "SET_BED_FIT", "SET_BED_MESH")
 _ANSWERS_OF_BED = ("echo:Bed Leveling ", "echo:Fade Height ")
 
 
 class _Collected(NullReply):
-    """Collects the answers to stored commands: why a value was refused, or clamped to its
-    limits."""
+    """Collects the answers to stored commands: reasons why a value was refused or clamped."""
 
     def __init__(self, said: list[str]) -> None:
         self._said = said
@@ -44,8 +43,8 @@ class _Collected(NullReply):
 
 
 class SettingsCommands:
-    """The settings of one printer: the machine file's values, and those that commands have changed.
-    `store` keeps the changed ones; None: they are not stored."""
+    """The settings of one printer: values of the machine file, and values that commands have
+    changed. `store` stores the changed ones; None stores nothing."""
 
     def __init__(self, printer: Printer, store: Store | None, options: OptionCommands) -> None:
         self._printer, self._store, self._options = printer, store, options
@@ -55,7 +54,7 @@ class SettingsCommands:
         self._unsaved: dict[str, dict[str, str]] = {}
 
     def groups(self) -> Iterator[tuple[str, list[str]]]:
-        """Headings, each with the commands that restore its settings."""
+        """All settings by heading, as commands that restore them."""
         motion, heat, job = self._printer.motion, self._printer.heat, self._printer.job
         limits = self._printer.commands.limits
         yield "Steps per unit", motion.scale_lines()
@@ -106,8 +105,8 @@ class SettingsCommands:
             yield from commands
 
     def provenance(self) -> Iterator[tuple[str, Setting, str | None, str | None, str]]:
-        """Each value in force, by its heading: the setting, the machine file's value, the stored
-        one (None if there is none), and which of them is in force: `file`, `stored`, else
+        """All active values by heading: the setting, the value of the machine file, the stored
+        value (None without one), and the source of the active value: `file`, `stored` or
         `command`."""
         try:
             overrides = (self._store.load() if self._store else None) or []
@@ -124,8 +123,8 @@ class SettingsCommands:
                 yield group, setting, file, stored, source
 
     def unsaved(self) -> dict[str, dict[str, str]]:
-        """The settings that M500 would change in the store, by headings: commands with values.
-        Empty without a store. Cheap to call: the store is read only after a change."""
+        """The settings that M500 would change in the store, as commands with values, by heading.
+        Empty without a store. Cheap to call, because the store is read only after a change."""
         if self._store is None:
             return {}
         lines = list(self.lines())
@@ -141,15 +140,14 @@ class SettingsCommands:
         return found
 
     def restore(self, lines: Iterable[str], reply: Reply) -> None:
-        """Carries out commands of settings. The caller holds the motion lock, and the machine is at
-        standstill."""
+        """Executes commands of settings. Call it with the motion lock held, at standstill."""
         for line in lines:
             self._printer.dispatch.take_setting(line, reply)
 
     def load_at_start(self) -> None:
-        """Applies the stored values that differ from the machine file's, and reports them. Values
-        that the file has by now are removed from the store. Values that must not be used are
-        reported, too."""
+        """Applies the stored values that differ from the machine file's, and reports them. Stored
+        values that equal those of the file are removed from the store. Invalid values are reported
+        too."""
         try:
             stored = self._store.load() if self._store else None
             if not stored:
@@ -165,8 +163,8 @@ class SettingsCommands:
             self._printer.state.announce(_log, logging.WARNING, str(error), problem)
 
     def name_stored(self) -> list[str]:
-        """Applies the stored values as `load_at_start` does, and returns the messages that it would
-        report. The store stays unchanged. Raises CommandError."""
+        """As `load_at_start`, but returns the messages instead of reporting them, and leaves the
+        store unchanged. Raises CommandError."""
         stored = self._needed().load()
         lines = self._take_and_name(self._differing(stored or []))
         return [line.removeprefix("echo:") for line in lines]
@@ -175,7 +173,7 @@ class SettingsCommands:
         return [o for o in stored if not same(self._file.get(o.setting.key), o.setting.value)]
 
     def _take_and_name(self, held: list[Override]) -> list[str]:
-        """Sets these values; returns lines that name them, with the values that they override."""
+        """Sets these values; returns lines with the values, and with those that they override."""
         said: list[str] = []
         self.restore(commands_of(override.setting for override in held), _Collected(said))
         said = [line for line in said if not line.startswith(_ANSWERS_OF_BED)]
@@ -195,7 +193,8 @@ class SettingsCommands:
         return said
 
     def _named(self, override: Override, now: str | None) -> str:
-        """A stored value, and the machine file's value that it overrides; `now` is in force."""
+        """A line about a stored value, and the value of the machine file that it overrides; `now`
+        is the active value."""
         setting, then = override
         file = self._file.get(setting.key)
         if not same(now, setting.value):
@@ -274,7 +273,7 @@ class SettingsCommands:
 
     def _take(self, code: str, stored: list[Override], reply: Reply) -> None:
         """Applies the machine file's values, then the stored ones."""
-        self._printer.motion.require_scales(code)  # a pause may have begun meanwhile
+        self._printer.motion.require_scales(code)  # a pause may have begun in the meantime
         self.restore(self._defaults, NullReply())
         if code == "M502":
             reply.say("echo:Factory Settings Loaded")

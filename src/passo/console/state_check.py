@@ -1,4 +1,4 @@
-"""The changes that a state folder makes to a machine, without a board: for `passo check
+"""Finds the changes that a state folder makes to a machine, without a board: for `passo check
 --state`."""
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 
 def stored_overrides(machine: MachineConfig, state: Path) -> list[str]:
-    """The messages with which a printer of this machine starts from this folder: each stored value
-    that overrides the machine file, and each refused one. Changes nothing there. Raises
+    """The messages with which a printer would start from this folder: each stored value that
+    overrides the machine file, and each refused one. Changes nothing in the folder. Raises
     CommandError if the stored settings must not be used."""
     loop = new_loop(None)
     try:

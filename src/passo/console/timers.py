@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from passo.motion.motion_queue import Alarm, MotionQueue
     from passo.printer.printer import Printer
 
-MIN_S = 0.1  # between two of the same kind, so that answers stay readable
+MIN_S = 0.1  # minimum interval, so that answers stay readable
 
 
 @dataclass(slots=True)
@@ -24,8 +24,8 @@ class _Timer:
 
 
 class Timers:
-    """Actions with names, each at its own interval of host time. Reports come at an interval of
-    print time, too, if that is shorter."""
+    """Named actions, each with an interval of host time. For reports, the interval is print time if
+    that passes faster."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer, self._loop = printer, asyncio.get_running_loop()
@@ -39,7 +39,7 @@ class Timers:
         *,
         report: bool = False,
     ) -> None:
-        """Sets the action of that name, at intervals of at least MIN_S; 0 or None: removes it."""
+        """Sets the action of this name, at an interval of at least MIN_S; 0 or None removes it."""
         self._drop(name)
         if seconds <= 0 or action is None:
             return
@@ -60,13 +60,13 @@ class Timers:
                 queue.cancel(alarm)
 
     def restart(self, name: str) -> None:
-        """Restarts the interval of the action of that name, if there is one."""
+        """Restarts the interval of the action of this name, if there is one."""
         timer = self._timers.get(name)
         if timer is not None:
             self.set(name, timer.seconds, timer.action, report=timer.report)
 
     def runs(self, name: str) -> bool:
-        """Whether there is an action of that name."""
+        """Whether there is an action of this name."""
         return name in self._timers
 
     def stop(self) -> None:

@@ -1,4 +1,4 @@
-"""Lines of a console that are written to a file."""
+"""Writes lines of a console to a file."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from passo.errors import CardError
 
 
 class Upload:
-    """Lines of one console that are written to a file instead of being carried out, until M29; with
-    `log` they are carried out as well. Without a writer, because none could be opened, they are
+    """Writes the lines of one console to a file until M29, instead of executing them; with `log`
+    they are executed too. Without a writer, because the file could not be opened, the lines are
     discarded."""
 
     def __init__(self, writer: Writer | None, name: str, *, log: bool = False) -> None:
         self.writer, self.name, self.log = writer, name, log
-        self.numbered = False  # its lines are numbered
-        self.told = False  # the console was told that its lines are discarded
+        self.numbered = False  # whether its lines are numbered
+        self.told = False  # whether the console was informed that its lines are discarded
         self._failure: CardError | None = None
 
     @property
     def takes_all(self) -> bool:
-        """Whether there is a file, and its lines are not carried out."""
+        """Whether all lines go into a file without being executed."""
         return self.writer is not None and not self.log
 
     def write(self, text: str) -> None:
-        """Writes one line, byte by byte as it came. Raises CardError with the first line that
+        """Writes one line with exactly its received bytes. Raises CardError for the first line that
         cannot be written; later lines are discarded, and `finish` raises the same error."""
         if self.writer is None or self._failure:
             return
@@ -34,12 +34,12 @@ class Upload:
             raise
 
     def lose(self, reason: str) -> None:
-        """Records that one of its lines was refused; `finish` reports it."""
+        """Records that one of the lines was refused; `finish` raises this."""
         self._failure = self._failure or CardError.of("card.line-refused", self.name, value=reason)
 
     def finish(self) -> bool:
-        """Makes the file durable; False if there is none. Raises CardError: then the card holds
-        what it held before."""
+        """Makes the file durable. Returns False if there is no file. Raises CardError; then the
+        card keeps its earlier content."""
         if self.writer is None:
             return False
         if self._failure:
@@ -49,7 +49,7 @@ class Upload:
         return True
 
     def abort(self) -> None:
-        """Discards the file: the card holds what it held before."""
+        """Discards the file; the card keeps its earlier content."""
         if self.writer is not None:
             self.writer.abort()
             self.writer = None

@@ -14,13 +14,13 @@ from passo.console.transports.streams import Console, Opened, StreamWire, cannot
 from passo.printer.printer import Printer
 from passo.serial_line import open_serial_line
 
-REOPEN_S = 1.0  # between two checks for a device that was unplugged
+REOPEN_S = 1.0  # interval of checks for an unplugged device
 
 
 class _Pty(StreamWire):
-    """Holds the end that hosts open and close, and the link to it. While a file is uploaded, and
-    within a line, only the host holds that end, so that its hang-up is detected: the next bytes are
-    not for the file, and do not end the line."""
+    """A pseudo terminal with a link to it. The program keeps the host's end open too. It closes its
+    copy during an upload and within a line, so that a disconnection of the host is detected: later
+    bytes must not go into the file, or end the line."""
 
     def __init__(self, printer: Printer, opened: Opened, path: str) -> None:
         super().__init__(printer, opened, f"pty {path}")
@@ -52,20 +52,20 @@ class _Pty(StreamWire):
         self.session.on_upload = self._share
 
     def data_received(self, data: bytes) -> None:
-        """Gives what a host has sent to its session."""
+        """Passes the bytes of a host to the session."""
         super().data_received(data)
         if self._master >= 0:
             self._share()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The host has hung up, or this end is closed."""
+        """Called when the host has disconnected, or this end is closed."""
         super().connection_lost(exc)
-        if self._master >= 0:  # the host has hung up: the next host finds the other end open
+        if self._master >= 0:  # the host has disconnected: open its end again for the next host
             self._hold(True)
             if self.writer is not None:
                 self.writer.abort()
             assert self._slave is not None
-            termios.tcflush(self._slave, termios.TCIFLUSH)  # drop answers to the host that has gone
+            termios.tcflush(self._slave, termios.TCIFLUSH)  # drop answers to the disconnected host
             self._joining = asyncio.get_running_loop().create_task(self._join())
 
     def _share(self) -> None:
@@ -79,7 +79,7 @@ class _Pty(StreamWire):
             self._slave = None
         elif holds and self._slave is None:
             self._slave = os.open(self._name, os.O_RDWR | os.O_NOCTTY)
-            tty.setraw(self._slave, termios.TCSANOW)  # answers that are not read yet stay
+            tty.setraw(self._slave, termios.TCSANOW)  # keep answers that are not read yet
 
     def _let_go(self) -> None:
         for fd in (self._master, self._slave):
@@ -88,7 +88,7 @@ class _Pty(StreamWire):
         self._master, self._slave = -1, None
 
     def close(self) -> None:
-        """Releases both ends; waits for no host any more."""
+        """Closes both ends."""
         self._let_go()
         if self._joining is not None:
             self._joining.cancel()
@@ -98,8 +98,8 @@ class _Pty(StreamWire):
 
 
 async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
-    """A pseudo terminal with a link to it at `path`, in place of a link that is there. Hosts may
-    open and close it at any time: its other end stays open here. Raises ConsoleError."""
+    """Opens a pseudo terminal, and makes `path` a link to it, which replaces an existing link.
+    Hosts may open and close it at any time. Raises ConsoleError."""
     wire = _Pty(printer, opened, path)
     try:
         await wire.open()
@@ -109,7 +109,7 @@ async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
 
 
 class _Serial:
-    """A serial device that may be unplugged: it is opened again when it is back."""
+    """A serial device that may be unplugged; it is opened again when it is back."""
 
     def __init__(self, printer: Printer, device: str, baud: int, opened: Opened) -> None:
         self.place = f"serial {device} at {baud}"
@@ -142,7 +142,7 @@ class _Serial:
                 self._wire = None
 
     def close(self) -> None:
-        """Ends it, and the session on it."""
+        """Closes the device and its session."""
         if self._waiting is not None:
             self._waiting.cancel()
         if self._wire is not None:
@@ -151,8 +151,8 @@ class _Serial:
 
 
 async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
-    """A serial device at any rate that its driver supports. When it is unplugged its session ends;
-    when it is back, another one begins. Raises ConsoleError."""
+    """Opens a serial device at any baud rate that its driver supports. When the device is
+    unplugged, its session ends; when it is back, a new session begins. Raises ConsoleError."""
     serial = _Serial(printer, device, baud, opened)
     try:
         await serial.open()

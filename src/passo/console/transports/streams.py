@@ -1,5 +1,5 @@
-"""Transports: TCP, standard input and output, and the code that all transports share. Each gives a
-session its bytes. Pseudo terminals and serial devices are in `serial`."""
+"""Transports for TCP and for standard input and output, and the code that all transports share.
+Pseudo terminals and serial devices are in `serial`."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ from passo.printer.printer import Printer
 
 _log = logging.getLogger(__name__)
 
-_AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines block all others for 0.8 s
-_ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
-_DEAD = 1 << 20  # and before all bytes are
+# bytes of one read; asyncio would read 256 KiB, whose lines would block other tasks for 0.8 s
+_AT_ONCE = 4096
+_ROOM = 1 << 16  # waiting bytes above which dispensable text is dropped
+_DEAD = 1 << 20  # waiting bytes above which all text is dropped
 
 Opened = Callable[[Session], None]
 
@@ -34,7 +35,7 @@ class Console(Protocol):
     place: str
 
     def close(self) -> None:
-        """Closes it and its sessions."""
+        """Closes the console and its sessions."""
 
 
 class ConsoleError(PassoError):
@@ -42,14 +43,14 @@ class ConsoleError(PassoError):
 
 
 def cannot_open(what: str, error: Exception) -> ConsoleError:
-    """The error for a console of this name."""
+    """The error for a console that cannot be opened."""
     why = error.strerror if isinstance(error, OSError) else None
     return ConsoleError.of("console.unopened", axis=what, value=why or str(error))
 
 
 class StreamWire(asyncio.Protocol):
-    """A session on one transport for both directions, or on one that reads and, given before, one
-    that writes."""
+    """Connects a session to one transport for both directions, or to a reading one and a writing
+    one, which must be set first."""
 
     def __init__(
         self,
@@ -65,7 +66,7 @@ class StreamWire(asyncio.Protocol):
         self.session: Session | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """One direction of the stream, or both, is open: a session begins."""
+        """Starts a session when the transport is open."""
         if isinstance(transport, asyncio.ReadTransport):
             self.reader = transport
             transport.max_size = _AT_ONCE  # pyright: ignore[reportAttributeAccessIssue]
@@ -76,12 +77,12 @@ class StreamWire(asyncio.Protocol):
         self._opened(self.session)
 
     def data_received(self, data: bytes) -> None:
-        """Gives its session the bytes that a host has sent."""
+        """Passes the bytes of a host to the session."""
         if self.session is not None:
             self.session.receive(data)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The host has gone: its session ends."""
+        """Ends the session when the host has disconnected."""
         if self.session is not None and not self.session.closed:
             self.session.close()
             _log.info("Console %d closed", self.session.number)
@@ -89,9 +90,9 @@ class StreamWire(asyncio.Protocol):
                 self.closed(self)
 
     def unread(self) -> None:
-        """The output of two separate streams is closed. The input decides what happens to the
-        session."""
-        self.writer = None  # a transport that has closed itself cannot be closed again
+        """Called when the separate output stream is closed; the session stays until the input
+        ends."""
+        self.writer = None  # the transport has closed itself
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         """Sends bytes; drops them if no client reads."""
@@ -111,7 +112,7 @@ class StreamWire(asyncio.Protocol):
             self.reader.resume_reading()
 
     def close(self) -> None:
-        """Ends the session; what was not read is dropped."""
+        """Ends the session; answers that are not read yet are dropped."""
         if self.reader is not None:
             self.reader.close()
         if self.writer is not None:
@@ -119,24 +120,24 @@ class StreamWire(asyncio.Protocol):
 
 
 class _Writing(asyncio.BaseProtocol):
-    """The writing side of a transport: `StreamWire.write` drops what cannot be written."""
+    """The protocol of a separate writing transport."""
 
     def __init__(self, wire: StreamWire) -> None:
         self._wire = wire
         self._transport: asyncio.BaseTransport | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """It is open."""
+        """Called when the transport is open."""
         self._transport = transport
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The reader of the answers has closed its end, or this end is closed."""
+        """Called when the reader has closed its end, or this end is closed."""
         if self._wire.writer is self._transport:
             self._wire.unread()
 
 
 class _Filed:
-    """Answers that are written to a file at once; what a full disk refuses is dropped."""
+    """A writing transport for a file; data that a full disk refuses is dropped."""
 
     def __init__(self, file: FileIO) -> None:
         self._file = file
@@ -147,21 +148,21 @@ class _Filed:
             self._file.write(data)
 
     def is_closing(self) -> bool:
-        """Whether it is closed."""
+        """Whether the file is closed."""
         return self._file.closed
 
     def get_write_buffer_size(self) -> int:
-        """Bytes that wait."""
+        """The number of waiting bytes: always 0."""
         return 0
 
     def abort(self) -> None:
-        """Closes it."""
+        """Closes the file."""
         self._file.close()
 
 
 async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
-    """Opens a session on two descriptors, which it owns from now on; a file cannot be read from.
-    Raises OSError and ValueError."""
+    """Opens a session on two descriptors, and takes their ownership. The reading one must not be a
+    file. Raises OSError and ValueError."""
     loop = asyncio.get_running_loop()
     writes, reads = os.fdopen(write_fd, "wb", 0), os.fdopen(read_fd, "rb", 0)
     try:
@@ -179,8 +180,7 @@ async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
 
 
 def _has_events(fd: int, event: int) -> bool:
-    """Whether the event loop can wait for it: not for files and /dev/null, which it would report
-    too late."""
+    """Whether the event loop can wait for the descriptor; it cannot for files and /dev/null."""
     with selectors.DefaultSelector() as selector:
         try:
             selector.register(fd, event)
@@ -190,12 +190,12 @@ def _has_events(fd: int, event: int) -> bool:
 
 
 def _piped(fd: int) -> int:
-    """A pipe that a thread fills from a file, which the thread owns from now on."""
+    """A pipe that a thread fills from a file; the thread takes the ownership of `fd`."""
     reads, writes = os.pipe()
 
     def carry() -> None:
         file, pipe = os.fdopen(fd, "rb", 0), os.fdopen(writes, "wb", 0)
-        # The file is unreadable, or the console is closed: its lines end here.
+        # The file is unreadable, or the console is closed: end the input.
         with file, pipe, contextlib.suppress(OSError):
             shutil.copyfileobj(file, pipe)
 
@@ -204,11 +204,11 @@ def _piped(fd: int) -> int:
 
 
 class _Client(StreamWire):
-    """A client on TCP."""
+    """The session of a TCP client."""
 
     def eof_received(self) -> bool:
-        """The client sends no more, but may still read: its lines are carried out. If it has gone
-        altogether, the next write fails."""
+        """Called when the client has closed its sending side. Its lines are still executed, because
+        it may still read; if it does not, the next write fails."""
         if self.session is None or self.session.closed:
             return False
         self.session.end(self._answered)
@@ -222,10 +222,10 @@ class _Client(StreamWire):
 
 
 class _SentAway(asyncio.Protocol):
-    """A client above the limit."""
+    """A client beyond the maximum number."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Sends the reason, and hangs up."""
+        """Sends the reason, and disconnects."""
         if isinstance(transport, asyncio.WriteTransport):
             transport.write(b"Error:too many clients\n")
             transport.close()
@@ -249,7 +249,7 @@ class _Tcp:
         return wire
 
     def close(self) -> None:
-        """Ends the server and all its sessions."""
+        """Closes the server and all its sessions."""
         if self.server is not None:
             self.server.close()
         for wire in list(self._clients):
@@ -257,8 +257,8 @@ class _Tcp:
 
 
 async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened: Opened) -> Console:
-    """A TCP console for so many clients at once; one more receives a message and is disconnected.
-    Port 0 is any free port. Raises ConsoleError."""
+    """Opens a TCP console for at most `clients` clients at once; a further client receives a
+    message and is disconnected. Port 0 is any free port. Raises ConsoleError."""
     tcp = _Tcp(printer, clients, opened)
     try:
         tcp.server = await asyncio.get_running_loop().create_server(tcp.client, host, port)
@@ -269,30 +269,32 @@ async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened:
 
 
 class _Standard(StreamWire):
-    """Standard input: at its end the queued lines are carried out, and `ended` is called. If the
-    reader of standard output closes it, as `head` does, it ends at once."""
+    """The console on standard input and output. At the end of the input, the queued lines are
+    executed, and then `ended` is called. If the reader of standard output closes it, like `head`,
+    the console ends at once."""
 
     ended: Callable[[], None]
 
     def unread(self) -> None:
-        """Discards the bytes that the host has sent: their answers could not be delivered."""
+        """Called when standard output is closed: discards the queued lines, whose answers could not
+        be delivered."""
         super().unread()
         if self.session is not None and not self.session.closed:
             self.session.close()
             self.ended()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The other side has ended."""
+        """Called when the input has ended."""
         if self.session is not None and not self.session.closed:
             self.session.end(self.ended)
 
 
 async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]) -> Console:
-    """The terminal, pipe or file that the program was started on; `ended` is called when it has
-    ended and all its lines are done. Raises ConsoleError."""
+    """Opens a console on standard input and output: a terminal, a pipe or a file. `ended` is called
+    when the input has ended and all its lines are executed. Raises ConsoleError."""
     wire = _Standard(printer, opened, "standard input")
     wire.ended = ended
-    # Python has no stream if the parent process has closed it.
+    # The streams are None if the parent process has closed them.
     if sys.stdin is None or sys.stdout is None:  # pyright: ignore[reportUnnecessaryComparison]
         raise ConsoleError.of(
             "console.unopened", axis=wire.place, value="it, or standard output, is closed"
