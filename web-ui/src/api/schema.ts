@@ -203,7 +203,7 @@ export interface EndedJob {
   job: JobStatus;
 }
 
-/** A command of the line: its effect, and its words as the lexer reads them. `code` is empty for a
+/** A command of the line: its effect, and its words as read by the lexer. `code` is empty for a
  * move without a G. */
 export interface ExplainedCommand {
   code: string;
@@ -211,7 +211,7 @@ export interface ExplainedCommand {
   words: string[];
 }
 
-/** The call of a macro, and the lines that it became. */
+/** The call of a macro, and the lines to which it was expanded. */
 export interface ExplainedMacro {
   call: string;
   lines: string[];
@@ -219,9 +219,9 @@ export interface ExplainedMacro {
 
 /** A planned move: lengths in `unit`, mm or degrees; speeds in units/s, accelerations in units/s²,
  * times in seconds. `start_s` and `end_s` are print times. `start_mm` and `end_mm` are positions
- * of X, Y, Z and E. `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant
- * speed. `tolerance_us` is the maximum error of its step times, which may be larger to keep
- * within the board's budget. */
+ * of X, Y, Z and E. The `kind` of a wait is `dwell`. `shape` is trapezoid, triangle or constant
+ * speed. `tolerance_us` is the maximum error of the step times, which is larger where the board's
+ * budget requires it. */
 export interface ExplainedMove {
   kind: string;
   unit: string;
@@ -247,7 +247,7 @@ export interface ExplainedMove {
   tolerance_us: number;
 }
 
-/** The steps of a motor as the board executed them; print times of the first and the last. */
+/** The executed steps of a motor, with the print times of the first and the last step. */
 export interface ExplainedSteps {
   motor: string;
   count: number;
@@ -257,11 +257,11 @@ export interface ExplainedSteps {
 
 /** The explanation of one line. `number` is its line number (N), empty without one; `checksum`: it
  * has a checksum. `planned` is the number of planned moves; `moves` has all of them, or the first
- * and the last. `junction_before` and `junction_after` say what limits the speed there; both are
- * empty if the line moves nothing. `sub_program`: it calls a sub-program, whose lines move.
- * `wire` has the commands of boards whose bytes are known; `frame` is a frame with the first
- * command. `tick_ns` is the length of a clock tick by board; the name of the main board is empty.
- * `unseen`: commands of other boards are missing in `wire`. */
+ * and the last. `junction_before` and `junction_after` describe the limit of the speed before and
+ * after the moves; both are empty for a line without moves. `sub_program`: the line calls a sub-
+ * program, whose lines contain the moves. `wire` has the commands for boards with recorded bytes;
+ * `frame` is a frame with the first command. `tick_ns` is the length of a clock tick, by board;
+ * the name of the main board is empty. `unseen`: commands for other boards are missing in `wire`. */
 export interface Explanation {
   place: string;
   line: string;
@@ -966,7 +966,7 @@ export interface Version {
   machine: string;
 }
 
-/** A command on the wire: its text, and its bytes in hexadecimal digits. */
+/** A command on the link: its text, and its bytes in hexadecimal digits. */
 export interface WireCommand {
   board: string;
   motor: string;
