@@ -110,6 +110,8 @@ fuzz: $(FUZZERS)
 	    -artifact_prefix=$$fuzzer. $$fuzzer.corpus $$(ls -d tests/fuzz/seeds/$$(basename $$fuzzer) \
 	    2>/dev/null) || exit 1; \
 	done
+	@echo "fuzz_imports: $(FUZZ_SECONDS) s"
+	@$(BIN)/python -m tests.fuzz.fuzz_imports $(FUZZ_SECONDS) $(FUZZ_SEED) build/fuzz/imports
 
 # The firmware's part in C, with its tables.
 build/fuzz/firmware/.built: $(FIRMWARE) src/passo/toolchain/declarations.py src/passo/toolchain/tables.py

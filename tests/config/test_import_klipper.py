@@ -581,3 +581,31 @@ def test_board_is_known_by_its_pins(load) -> None:
     assert any("creality-4.2.2" in text for text in remarks(draft, "changed"))
     for more in (("heater_pin: PA2", "heater_pin: PA3"), ("chip of 2020", "STM32F446")):
         assert load(*own, more)[1].board.base == "klipper"
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("[printer]\nkinematics: " + "x; " * 10_000, "2: the line has more than 20000 characters"),
+        ("#" * (5 << 20), "more than 4194304 bytes"),
+        ("\0" * 1000, "is not an option of a section"),
+        ("[include *.cfg]\n", "include each other"),
+        ("[printer]\nkinematics: " + "x" * 10_000, "the kind of machine is 'xxx"),
+        ("[printer]\nkinematics: delta\nmax_velocity: " + "1" * 900 + "y" * 9000, "111…"),
+    ],
+)
+def test_hostile_files_get_a_short_sentence(tmp_path: Path, text: str, sentence: str) -> None:
+    path = tmp_path / "printer.cfg"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        imported(path)
+    assert sentence in str(caught.value)
+    assert len(str(caught.value)) < 1000
+
+
+def test_endless_templates_are_imported_and_end_as_they_run(load) -> None:
+    """What a template may take is bounded when it runs: tests/printer has that."""
+    loop = "[gcode_macro LONG]\ngcode:\n  {% for i in range(99999) %}\n  G4 P{i}\n  {% endfor %}\n"
+    _, machine = load(more=loop + "variable_deep: " + "[" * 5000 + "\n")
+    assert "range(99999)" in machine.macros["LONG"].gcode
+    assert machine.macros["LONG"].variables == {}

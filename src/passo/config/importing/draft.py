@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 Value = str | float | int | bool | list["Value"] | dict[str, "Value"]
 KeyPath = tuple[str, ...]
 Fate = Literal["changed", "dropped", "decide"]
+_LONGEST = 60  # characters of a value in a sentence
 _NAMES = uuid.UUID("6d6a3f0e-5a0c-5a5d-8f3e-3a4d1f6c2b11")
 
 
@@ -45,6 +46,7 @@ class Remark(NamedTuple):
 
 def bad(place: Place, key: str, value: str, limit: str) -> ConfigError:
     """The error of a value that the file cannot mean."""
+    value = value if len(value) <= _LONGEST else f"{value[:_LONGEST]}…"
     return ConfigError.of("config.value", place.file, place.line, key=key, value=value, limit=limit)
 
 

@@ -8,13 +8,15 @@ from passo.errors import ConfigError
 
 MAX_BYTES = 4 << 20  # of all files together
 MAX_DEPTH = 20
+MAX_LINE = 20_000
 
 
 class Sources:
-    """Reads files, and refuses what no configuration needs: files that include each other, and
-    more than `MAX_BYTES` together."""
+    """Reads files, and refuses what no configuration needs: files that include each other, more
+    than `MAX_BYTES` together, and lines of more than `max_line` characters."""
 
-    def __init__(self) -> None:
+    def __init__(self, max_line: int = MAX_LINE) -> None:
+        self._max_line = max_line
         self._bytes = 0
 
     def read(self, path: Path, within: tuple[Path, ...] = ()) -> str:
@@ -36,4 +38,8 @@ class Sources:
         self._bytes += len(raw)
         if self._bytes > MAX_BYTES:
             raise ConfigError.of("import.size", str(path), limit=MAX_BYTES)
-        return raw.decode("utf-8-sig", errors="replace")
+        text = raw.decode("utf-8-sig", errors="replace")
+        for number, line in enumerate(text.splitlines(), 1):
+            if len(line) > self._max_line:
+                raise ConfigError.of("import.long-line", str(path), number, limit=self._max_line)
+        return text

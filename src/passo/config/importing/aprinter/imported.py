@@ -16,7 +16,7 @@ from passo.config.importing.aprinter.document import (
 )
 from passo.config.importing.aprinter.heat import heater_name, put_heat
 from passo.config.importing.draft import Draft, bad
-from passo.config.importing.sources import Sources
+from passo.config.importing.sources import MAX_BYTES, Sources
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class _Job:
 def imported(path: Path, stored: Path | None = None) -> Draft:
     """The machine file of the selected configuration, with the options that aprinter.cfg or an
     answer to M503 has in the file `stored`, and remarks. Raises ConfigError."""
-    sources = Sources()
+    sources = Sources(max_line=MAX_BYTES)  # a document may be one line
     root = document(sources.read(path), path)
     options = stored_options(sources.read(stored), stored.name) if stored else Stored()
     config, draft = _selected(root), Draft()

@@ -39,7 +39,11 @@ def put_motion(job: Import) -> None:
     if kind not in _ACTUATORS:
         place = printer.at("kinematics")
         raise ConfigError.of(
-            "import.kinematics", place.file, place.line, value=kind, limit=", ".join(_ACTUATORS)
+            "import.kinematics",
+            place.file,
+            place.line,
+            value=kind[:40],
+            limit=", ".join(_ACTUATORS),
         )
     speed, accel = _positive(printer, "max_velocity"), _positive(printer, "max_accel")
     corner = printer.number("square_corner_velocity", 5.0) or 0.0

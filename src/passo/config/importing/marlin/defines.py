@@ -23,7 +23,6 @@ _CONSTANT = re.compile(r"\s*(?:static\s+)?const\s+\w+\s+([A-Za-z_]\w*)\s*=\s*(.*
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _DERIVED = re.compile("HAS_|IS_|CORE_IS_|NUM_|NEED_|USE_")
 _MAX_NEST = 100  # of #if
-_MAX_LINE = 20_000
 
 
 class Read(NamedTuple):
@@ -179,7 +178,7 @@ class _Preprocessor:
         text = self._sources.read(path, within)
         self.defines.files.append(path.resolve())
         branches: list[_Branch] = []
-        for number, line in _lines(text, path):
+        for number, line in _lines(text):
             place = Place(path.name, number)
             found = _DIRECTIVE.fullmatch(line)
             if found is None:
@@ -291,12 +290,9 @@ def _undecided(branches: list[_Branch]) -> str:
     return next((branch.unknown for branch in branches if branch.unknown), "")
 
 
-def _lines(text: str, path: Path) -> Iterable[tuple[int, str]]:
+def _lines(text: str) -> Iterable[tuple[int, str]]:
     """The lines with their numbers, without comments, and joined after a backslash."""
     text = text.replace("\r\n", "\n").replace("\r", "\n")
-    for number, line in enumerate(text.split("\n"), 1):
-        if len(line) > _MAX_LINE:
-            raise ConfigError.of("import.long-line", str(path), number, limit=_MAX_LINE)
     plain = _QUIET.sub(_without_comment, text)
     joined, first = "", 0
     for number, line in enumerate(plain.split("\n"), 1):
