@@ -113,7 +113,7 @@ def test_probe_that_does_not_trigger_stops_at_the_low_point(kind):
         assert low == pytest.approx(-2, abs=STEP)
 
 
-@pytest.mark.parametrize("kind", ["bltouch", "servo", "dock", "nozzle"])
+@pytest.mark.parametrize("kind", ["bltouch", "touch mode", "servo", "dock", "nozzle"])
 def test_probe_that_triggers_early_is_refused(kind):
     with homed(kind) as s:
         x, y = (110, 110) if kind == "nozzle" else (135, 105)
@@ -122,7 +122,7 @@ def test_probe_that_triggers_early_is_refused(kind):
         assert low == 0.0
 
 
-@pytest.mark.parametrize("kind", ["bltouch", "touch mode", "servo", "nozzle"])
+@pytest.mark.parametrize("kind", ["bltouch", "touch mode", "servo", "dock", "nozzle"])
 def test_probe_that_stays_triggered_never_descends(kind):
     with homed(kind) as s:
         s.board.force_switch("probe", True)
@@ -151,6 +151,30 @@ def test_stop_in_a_descent_stows_the_probe():
         s.host.expect("^ok", 60)
         assert s.positions() | {"e": 0} == {"x": 240.0, "y": 215.0, "z": 20.0, "e": 0}
         assert answers(s, "QUERY_PROBE") == ["// probe: TRIGGERED"]
+
+
+@pytest.mark.parametrize("end", ["M524", "M410"])
+def test_end_of_a_print_in_a_descent_stows_the_probe(tmp_path, end):
+    (tmp_path / "a.gcode").write_text("G28\nG29\nG1 X10 F6000\n")
+    with Scenario(machine("dock"), card=str(tmp_path)) as s:
+        s.host.send("M23 a.gcode", "M24")
+        assert s.until(lambda: s.positions()["x"] == 40 and s.positions()["z"] < 5, 120)
+        s.host.send(end)
+        assert s.until(lambda: s.positions()["x"] == 240.0, 30)
+        assert answers(s, "QUERY_PROBE") == ["// probe: TRIGGERED"]
+        assert s.positions()["z"] >= 10.0
+
+
+def test_print_from_the_card_ends_where_the_probe_fails(tmp_path):
+    (tmp_path / "a.gcode").write_text("M104 S60\nG28\nG29\nG1 X10 F6000\n")
+    with Scenario(machine("bltouch"), card=str(tmp_path)) as s:
+        s.board.force_switch("probe", False)
+        s.host.send("M23 a.gcode", "M24")
+        s.host.expect("a.gcode stopped: .*the probe", 120)
+        assert s.positions()["z"] == 10.0
+        assert s.positions()["x"] != 10.0
+        assert s.printer.job.locked_axes == []
+        assert s.printer.correction.correction is None
 
 
 def test_deployed_probe_stays_between_runs_until_it_is_stowed():

@@ -140,6 +140,15 @@ def test_probe_stuck_open_stops_at_the_low_point():
         assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
 
 
+def test_descent_ends_at_the_limit_of_the_motor():
+    limit = "[steppers.z]\nmin_mm = -0.5\nmax_mm = 260.0"
+    with homed(("[steppers.z]", limit)) as s:
+        s.board.force_switch("probe", False)
+        low, said = lowest(s, "G30 X110 Y110")
+        assert low == pytest.approx(-0.5, abs=STEP)
+        assert "down to Z -0.5 mm of the nozzle" in said[-2]
+
+
 def test_probe_stuck_triggered_never_descends():
     with homed() as s:
         s.board.force_switch("probe", True)
@@ -190,6 +199,33 @@ def test_noisy_samples_are_dropped_and_then_refused():
         assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
 
 
+def test_descents_that_differ_by_more_than_1_mm_are_refused_at_once():
+    with homed() as s:
+        s.host.send("G30 X110 Y110")
+        assert s.until(lambda: s.positions()["x"] == 135 and s.positions()["z"] < 1.4, 30)
+        assert s.until(lambda: s.positions()["z"] > 2, 30)  # after the first descent
+        s.board.tilt_bed(20.0)  # 1.2 mm lower there
+        s.host.expect(r"at X110 Y110 two descents differ by 1\.\d+ mm, of at most 1 mm", 30)
+        s.host.expect("^ok", 30)
+        assert s.positions()["z"] == 10.0
+
+
+def test_lost_board_of_the_probe_stops_the_descent(monkeypatch):
+    cable = Cable(1e-4, 0.0)
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
+    text = shipped_text("i3-probe").replace('"^Z_MAX"', '"^tool:Z_MAX"')
+    with Scenario(load_text(text + '\n[boards.tool]\nbase = "ramps"\n')) as s:
+        s.host.ok("G28", 60)
+        s.host.send("G30 X110 Y110")
+        assert s.until(lambda: s.positions()["x"] == 135 and s.positions()["z"] < 8, 30)
+        s.printer.board.cut_cable("tool")
+        s.passes(0.1)
+        stopped = s.positions()["z"]
+        assert 8 - 5 * 0.08 < stopped < 8
+        s.printer.board.cut_cable("tool", False)
+        s.host.expect("the boards of the probe .*lost each other|does not answer", 10)
+
+
 def test_heaters_are_off_only_during_a_descent():
     change = ("trigger_height_mm = 1.2", 'trigger_height_mm = 1.2\nheaters_off = ["bed"]')
     with homed(change) as s:
@@ -209,6 +245,24 @@ def test_heaters_are_off_only_during_a_descent():
         assert {power > 0 for z, power in seen if 0.1 < z < 3.2} == {False, True}
         assert 0.0 in {power for z, power in seen if 4 < z < 9}
         assert s.until(lambda: bed.power > 0, 10)
+
+
+def test_heaters_stay_on_in_a_descent_of_more_than_20_s():
+    slow = 'trigger_height_mm = 1.2\nslow_mm_s = 0.2\nheaters_off = ["bed"]'
+    with homed(("trigger_height_mm = 1.2", slow)) as s:
+        s.host.ok("M140 S60")
+        bed, looks_off = s.printer.connection.heaters["bed"], []
+        del s.host.heard[:]
+        s.host.send("G30 X110 Y110")
+
+        def look():
+            looks_off.append(bed.suspended)
+            return "ok" in s.host.heard
+
+        assert s.until(look, 120)
+        # 100 looks a second: off in the fast descent, on in the slow one, which takes 10 s.
+        assert 100 < sum(looks_off) < 400
+        assert len(looks_off) > 1000
 
 
 def test_heater_switched_off_during_a_descent_stays_off():

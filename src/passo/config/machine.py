@@ -39,7 +39,7 @@ from passo.config.types import (
     ShapedAxis,
     Uuid,
 )
-from passo.geometry.base import Point
+from passo.geometry.base import Point, Unreachable
 from passo.geometry.registry import AnyGeometry
 from passo.probes.registry import AnyProbe
 
@@ -241,6 +241,15 @@ class MachineConfig(Model):
             if row["drive"] == "actuator":
                 limits[row["index"]] = row["min"], row["max"]
         return limits
+
+    def allows(self, point: Point) -> bool:
+        """Whether the motors reach a point of the nozzle, mm, within their limits."""
+        try:
+            found = self.geometry.inverse(point)
+        except Unreachable:
+            return False
+        at = zip(found, self.actuator_limits, strict=True)
+        return all(low <= position <= high for position, (low, high) in at)
 
     def core_spec(self) -> dict[str, Any]:
         """The machine for `passo._core`: all defaults filled in, times in s, other units kept."""

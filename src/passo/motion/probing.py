@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import AsyncGenerator, Callable, Generator, Mapping, Sequence
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 EARLY_MM = 1.0  # a probe that triggers so near to the start did not touch the bed
 APART_MM = 1.0  # two descents to one place that differ by more show a fault
+COLD_S = 20.0  # heaters stay on in a descent that may take longer
+_LIMIT_MM = 1e-3  # to which the lowest place within the limits of the motors is found
 _LIFT_MM = 0.5  # after each lift by this distance, a triggered probe is read again
 
 
@@ -61,9 +64,9 @@ class Measured:
 class Prober:
     """Measures heights of the bed with the probe of one printer. Call it with the motion lock held
     and the machine idle. The nozzle never moves below the `low_mm` of the probe, relative to the
-    last measured bed, or to Z 0 without one. `offset_mm` and `trigger_height_mm` are the active
-    values. After a failure, the nozzle is lifted to `start_mm`, the heaters have their targets
-    again, and the axes are still homed.
+    last measured bed, or to Z 0 without one, nor below the limits of the motors. `offset_mm` and
+    `trigger_height_mm` are the active values. After a failure, the nozzle is lifted to `start_mm`,
+    the heaters have their targets again, and the axes are still homed.
     """
 
     def __init__(
@@ -443,7 +446,7 @@ class Prober:
         def move() -> None:
             rig.queue.move({Z: low}, speed_mm_s, Within.ANYTHING)
 
-        with self._cold():
+        with self._cold((start - low) / speed_mm_s):
             overshoot = await self._triggered.run([switch], speed_mm_s * finest, move)
         if self._interrupts.halted:
             self._interrupts.raise_if_interrupted()
@@ -481,9 +484,12 @@ class Prober:
         def move() -> None:
             rig.queue.move(target, speed_mm_s, Within.ANYTHING)
 
+        end = [target.get(slot, mm) for slot, mm in enumerate(rig.job.machine_position[:3])]
         self._triggered.active = True
         try:
-            with self._correction.suspended(), self._triggered.prepared(), self._cold():
+            longest_s = math.dist(self._rig.job.machine_position[:3], end) / speed_mm_s
+            off = self._cold(longest_s)
+            with self._correction.suspended(), self._triggered.prepared(), off:
                 overshoot = await self._triggered.run(
                     [switch], speed_mm_s * finest, move, opening=opening
                 )
@@ -501,8 +507,19 @@ class Prober:
 
     def _low_mm(self, place: Place) -> float:
         """The lowest Z of the nozzle at a place: `low_mm` relative to the last measured bed, or to
-        Z 0."""
-        return round(self.probe.low_mm + self._correction.expected(place.x, place.y), 4)
+        Z 0, but not below what the limits of the motors allow."""
+        low = round(self.probe.low_mm + self._correction.expected(place.x, place.y), 4)
+        x, y, z, *_ = self._rig.job.machine_position
+        if self._machine.allows((x, y, low)):
+            return low
+        above, below = z, low
+        while above - below > _LIMIT_MM:
+            middle = (above + below) / 2
+            if self._machine.allows((x, y, middle)):
+                above = middle
+            else:
+                below = middle
+        return above
 
     def _place(self, overshoot: TriggerOvershoot, switch: Switch) -> None:
         """Sets the axis positions from the step counts of the boards. Axes whose motors were not
@@ -523,10 +540,11 @@ class Prober:
             await self._lift(self._rig.job.machine_position[Z] + _LIFT_MM)
 
     @contextmanager
-    def _cold(self) -> Generator[None]:
-        """Stops some heaters within the block. Their targets stay, so that a user may change them
-        in the meantime."""
-        heaters = [self._rig.connection.heaters[name] for name in self.probe.heaters_off]
+    def _cold(self, longest_s: float) -> Generator[None]:
+        """Stops some heaters within the block, unless it may take too long. Their targets stay, so
+        that a user may change them in the meantime."""
+        names = self.probe.heaters_off if longest_s <= COLD_S else ()
+        heaters = [self._rig.connection.heaters[name] for name in names]
         for heater in heaters:
             heater.suspended = True
         try:

@@ -132,7 +132,8 @@ class SensingProbe(Probe):
     open_within_mm: Annotated[float, Field(gt=0, le=20)] = 3.0
     """The maximum further lift at which a triggered probe must open."""
     heaters_off: list[Name] = []
-    """Heaters that are off during each descent, since they disturb the probe."""
+    """Heaters that are off during each descent, since they disturb the probe; they stay on in a
+    descent that may take longer than 20 s."""
 
 
 def not_deployed(found: str, expected: str) -> CommandError:
