@@ -1,8 +1,9 @@
 """How the web interface holds under load, during a print. Usage: bench/web.py
 
-500 WebSocket clients that only listen, and 50 that run a script a second, on one printer that
-prints from its card. Prints the delay of `ok` on a TCP console, without and with the clients, how
-long a status takes, and what the link has counted by then (M122): late frames, and its least slack.
+WebSocket clients on one printer that prints from its card: 20 that listen, then 500, and for each
+ten of them one more that runs a script a second. Prints the delay of `ok` on a TCP console, without
+and with the clients, how long a status takes, and what the link has counted by then (M122): late
+frames, and its least slack.
 `waited` is how long threads of the server were ready and had no processor: on a computer that does
 other work, too, delays are not those of Passo.
 """
@@ -24,7 +25,7 @@ from websockets.asyncio.client import connect
 
 import passo
 
-IDLE, ACTIVE = 500, 50
+CLIENTS = (20, 500)  # that listen; one more for each ten of them runs scripts
 SECONDS = 10.0
 PACE_S = 0.02
 
@@ -116,26 +117,27 @@ async def measure(web: str, port: int, pid: int) -> None:
     shown("ok, no web clients", await oks(port))
     shown("status, no web clients", await statuses(web))
     print(await link_report(port), flush=True)
-    # In a process of their own: what these clients do is not what is measured.
-    load = subprocess.Popen([sys.executable, __file__, web])
-    await asyncio.sleep(5)
-    before_s = waited_s(pid)
-    shown(f"ok, {IDLE} idle and {ACTIVE} active", await oks(port))
-    shown(f"status, {IDLE} idle and {ACTIVE} active", await statuses(web))
-    print(await link_report(port), flush=True)
-    print(f"waited {waited_s(pid) - before_s:.2f} s of {2 * SECONDS:.0f} s", flush=True)
-    load.wait()
+    for count in CLIENTS:
+        # In a process of their own: what these clients do is not what is measured.
+        load = subprocess.Popen([sys.executable, __file__, web, str(count)])
+        await asyncio.sleep(5)
+        before_s = waited_s(pid)
+        shown(f"ok, {count} idle and {count // 10} active", await oks(port))
+        shown(f"status, {count} idle and {count // 10} active", await statuses(web))
+        print(await link_report(port), flush=True)
+        print(f"waited {waited_s(pid) - before_s:.2f} s of {2 * SECONDS:.0f} s", flush=True)
+        load.wait()
     status = (await client.status.get()).status
     print(f"state {status.state.name}, faults {len(status.faults)}")
 
 
-async def load(web: str) -> None:
-    """The clients, for as long as the measurements take."""
+async def load(web: str, count: int) -> None:
+    """So many clients that listen, and the active ones, for as long as the measurements take."""
     answers: list[float] = []
     place = f"ws{web.removeprefix('http')}/api/v1/feed"
     clients = [
-        asyncio.create_task(listen(place, answers, active=number < ACTIVE))
-        for number in range(ACTIVE + IDLE)
+        asyncio.create_task(listen(place, answers, active=number < count // 10))
+        for number in range(count + count // 10)
     ]
     _, running = await asyncio.wait(clients, timeout=2 * SECONDS + 6)
     shown("scripts of the active clients", answers)
@@ -147,7 +149,7 @@ async def load(web: str) -> None:
 def main() -> None:
     if sys.argv[1:]:
         os.nice(10)  # clients have processors of their own
-        return asyncio.run(load(sys.argv[1]))
+        return asyncio.run(load(sys.argv[1], int(sys.argv[2])))
     with tempfile.TemporaryDirectory() as folder:
         process, web, port = served(Path(folder))
         try:

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import en from "./en.json";
 import it from "./it.json";
 import { keyOf, t } from "./index.svelte";
-import { bytes, celsius, clockTime, duration, millimetres, percent } from "./units";
+import { bytes, celsius, clockTime, duration, millimetres, percent, short } from "./units";
 
 test("values are put into a text", () => {
   expect(t("job.waits", { heater: "bed", now: 41, target: 60 })).toBe(
@@ -38,6 +38,7 @@ test.each<[number | null, string]>([
 test("numbers are rounded to what a user can use", () => {
   expect(celsius(204.96)).toBe("205.0");
   expect(celsius(null)).toBe("–");
+  expect([short("20.13157895"), short("0"), short("mzv")]).toEqual(["20.1316", "0", "mzv"]);
   expect(millimetres(-0.001)).toBe("0.00");
   expect(millimetres(-1.234, 1)).toBe("-1.2");
   expect(percent(0.126)).toBe("13 %");

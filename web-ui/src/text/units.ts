@@ -41,3 +41,8 @@ export function bytes(size: number): string {
   if (size < 1e6) return `${(size / 1e3).toFixed(0)} kB`;
   return size < 1e9 ? `${(size / 1e6).toFixed(1)} MB` : `${(size / 1e9).toFixed(1)} GB`;
 }
+
+/** A value of a setting with at most six digits that count; a name as it is. */
+export function short(value: string): string {
+  return Number.isNaN(Number(value)) ? value : String(Number(Number(value).toPrecision(6)));
+}
