@@ -2,7 +2,8 @@
 build. Takes the system's Node if that is new enough, else the one of requirements/web.lock.
 
 Usage: build_page.py [--check | --test PROJECT]; with --check its types are checked; with --test
-tests run, `unit` or `browser`; PROJECT `pictures` makes those of docs/images.
+tests run, `unit` or `browser`; PROJECT `pictures` makes those of docs/images, and `speed` prints
+how fast the page is.
 """
 
 from __future__ import annotations

@@ -4,16 +4,16 @@ import { defineConfig } from "vitest/config";
 export default defineConfig({
   test: {
     projects: [
-      {
-        // The pictures of the README: tools/build_page.py --test pictures
+      // The pictures of the README, and a bench: tools/build_page.py --test pictures
+      ...["pictures", "speed"].map((name) => ({
         test: {
-          name: "pictures",
-          include: ["tests/pictures.ts"],
-          environment: "node",
-          testTimeout: 120_000,
+          name,
+          include: [`tests/${name}.ts`],
+          environment: "node" as const,
+          testTimeout: 240_000,
           hookTimeout: 40_000,
         },
-      },
+      })),
       {
         plugins: [svelte()],
         test: { name: "unit", include: ["src/**/*.test.ts"], environment: "node" },

@@ -22,6 +22,18 @@ const LOOKS = [
   ["it", "dark", 768],
 ] as const;
 
+test("the page is at most 400 kB, and the viewer comes when it is asked for", async ({ page }) => {
+  const loaded = await page.evaluate(() =>
+    (performance.getEntriesByType("resource") as PerformanceResourceTiming[])
+      .filter(({ name }) => name.includes("/assets/"))
+      .map(({ name, encodedBodySize }) => [name.replace(/.*\/|-.*/g, ""), encodedBodySize] as const),
+  );
+  expect(loaded.map(([name]) => name)).not.toContain("scene");
+  const bytes = loaded.reduce((sum, [, size]) => sum + size, 0);
+  expect(bytes).toBeGreaterThan(50_000); // they are counted
+  expect(bytes).toBeLessThan(400_000);
+});
+
 for (const [language, colorScheme, width] of LOOKS) {
   test(`every page in ${language} and ${colorScheme}, ${width} px wide`, async ({ page }) => {
     await page.setViewportSize({ width, height: 900 });

@@ -15,6 +15,8 @@ export interface ServedOptions {
   machine?: string;
   /** How many times as fast as real. */
   clock?: number;
+  /** Files on the card beside the example, by name. */
+  files?: Record<string, string>;
 }
 
 export class Served {
@@ -26,9 +28,10 @@ export class Served {
   #programs = join(this.#folder, "bin");
   #clock: number;
 
-  constructor({ machine = "i3", clock = 20 }: ServedOptions = {}) {
+  constructor({ machine = "i3", clock = 20, files = {} }: ServedOptions = {}) {
     this.#clock = clock;
     cpSync(EXAMPLE, join(this.#card, "demo.gcode"));
+    for (const [name, text] of Object.entries(files)) writeFileSync(join(this.#card, name), text);
     mkdirSync(this.#programs);
     // In place of the program that flashes a Teensy.
     writeFileSync(join(this.#programs, "teensy_loader_cli"), "#!/bin/sh\necho Programming\n", { mode: 0o755 });

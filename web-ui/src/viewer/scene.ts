@@ -6,7 +6,6 @@ import {
   Color,
   DataTexture,
   GLSL3,
-  InstancedBufferAttribute,
   InstancedBufferGeometry,
   InstancedInterleavedBuffer,
   InterleavedBufferAttribute,
@@ -42,6 +41,9 @@ const TRAVEL_MM = 0.12;
 const GRID_MM = 10; // of the bed
 const BESIDE = /custom|skirt|brim|wipe|prime|^other$/i;
 const REACH_PX = 8; // around the pointer
+const SLICE = 8192; // moves that are drawn at once
+const STRIDE = 8; // between the slices that are drawn first
+const FRAME_MS = 24; // of drawing, until the browser has its turn
 
 const VERTEX = `
 precision highp float;
@@ -97,6 +99,13 @@ void main() {
   shown = vec4(colour.rgb * lit * shade, colour.a);
 }`;
 
+/** Slices in the order in which they are drawn: every eighth first, so that even a part of them shows
+ * the shape. */
+export function sliceOrder(count: number): number[] {
+  const all = Array.from({ length: count }, (_, index) => index);
+  return Array.from({ length: STRIDE }, (_, first) => all.filter((index) => index % STRIDE === first)).flat();
+}
+
 /** The corners of what is printed, without what is beside the part. */
 function extent(path: Toolpath): [Vector3, Vector3] {
   const beside = new Set(path.header.features.flatMap((name, index) => (BESIDE.test(name) ? [index] : [])));
@@ -113,6 +122,8 @@ function extent(path: Toolpath): [Vector3, Vector3] {
   return [low, high];
 }
 
+/** A path is drawn in slices, some in each frame: a renderer that is slow for all of them shows a part
+ * of them at once, and answers to the mouse. */
 export class PathScene {
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
@@ -120,6 +131,12 @@ export class PathScene {
   readonly #controls: OrbitControls;
   #bed: LineSegments | undefined;
   #mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial> | undefined;
+  readonly #alone = new Scene(); // the path without the bed
+  #slices: InstancedBufferGeometry[] = [];
+  /** The slices that this picture still lacks. */
+  #left: number[] = [];
+  #begun = false;
+  #triangles = 0;
   #path: Toolpath | undefined;
   #palette = new DataTexture(new Uint8Array(256 * 4), 256, 1);
   #colouring: Colouring | undefined;
@@ -129,7 +146,8 @@ export class PathScene {
 
   /** Throws without WebGL 2. */
   constructor(readonly canvas: HTMLCanvasElement) {
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
+    this.#renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance", preserveDrawingBuffer: true });
+    this.#renderer.autoClear = false;
     this.#renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.#camera.up.set(0, 0, 1);
     this.#controls = new OrbitControls(this.#camera, canvas);
@@ -139,8 +157,7 @@ export class PathScene {
   dispose(): void {
     cancelAnimationFrame(this.#waiting);
     this.#controls.dispose();
-    this.#mesh?.geometry.dispose();
-    this.#mesh?.material.dispose();
+    this.#removePath();
     this.#bed?.geometry.dispose();
     this.#palette.dispose();
     this.#renderer.dispose();
@@ -172,22 +189,19 @@ export class PathScene {
   }
 
   setPath(path: Toolpath): void {
+    this.#removePath();
     this.#path = path;
-    if (this.#mesh) {
-      this.#scene.remove(this.#mesh);
-      this.#mesh.geometry.dispose();
-      this.#mesh.material.dispose();
-    }
-    const geometry = new InstancedBufferGeometry();
-    const corners = new Float32Array([0, -1, 0, 1, -1, 0, 0, 1, 0, 1, 1, 0]);
-    geometry.setAttribute("position", new BufferAttribute(corners, 3));
-    geometry.setIndex([0, 1, 2, 2, 1, 3]);
+    const corners = new BufferAttribute(new Float32Array([0, -1, 0, 1, -1, 0, 0, 1, 0, 1, 1, 0]), 3);
     // One buffer gives both ends of a move: that of its row, and that of the row before.
-    const at = path.column("at") as Uint16Array;
-    const rows = new InstancedInterleavedBuffer(at, 4, 1);
-    geometry.setAttribute("begin", new InterleavedBufferAttribute(rows, 4, 0));
-    geometry.setAttribute("end", new InterleavedBufferAttribute(rows, 4, 4));
-    geometry.instanceCount = 0;
+    const rows = new InstancedInterleavedBuffer(path.column("at") as Uint16Array, 4, 1);
+    for (let first = 0; first < path.rows - 1; first += SLICE) {
+      const geometry = new InstancedBufferGeometry();
+      geometry.setAttribute("position", corners);
+      geometry.setIndex([0, 1, 2, 2, 1, 3]);
+      geometry.setAttribute("begin", new InterleavedBufferAttribute(rows, 4, 4 * first));
+      geometry.setAttribute("end", new InterleavedBufferAttribute(rows, 4, 4 * (first + 1)));
+      this.#slices.push(geometry);
+    }
     const { origin_mm, unit_mm } = path.header;
     const material = new RawShaderMaterial({
       glslVersion: GLSL3,
@@ -206,18 +220,29 @@ export class PathScene {
         pickedColour: { value: [1, 1, 1, 1] },
       },
     });
-    this.#mesh = new Mesh(geometry, material);
+    this.#mesh = new Mesh(new InstancedBufferGeometry(), material);
     this.#mesh.frustumCulled = false;
-    this.#scene.add(this.#mesh);
+    this.#alone.add(this.#mesh);
     this.look("angle");
+  }
+
+  #removePath(): void {
+    for (const geometry of this.#slices) geometry.dispose();
+    this.#slices = [];
+    if (!this.#mesh) return;
+    this.#alone.remove(this.#mesh);
+    this.#mesh.material.dispose();
+    this.#mesh = undefined;
   }
 
   setColours(colouring: Colouring, picked: string): void {
     this.#colouring = colouring;
     const mesh = this.#mesh;
     if (!mesh) return;
-    const values = colouring.values.subarray(1);
-    mesh.geometry.setAttribute("value", new InstancedBufferAttribute(values, 1));
+    const values = new InstancedInterleavedBuffer(colouring.values, 1, 1);
+    this.#slices.forEach((geometry, index) =>
+      geometry.setAttribute("value", new InterleavedBufferAttribute(values, 1, index * SLICE + 1)),
+    );
     const marked = new Color(picked);
     mesh.material.uniforms["pickedColour"]!.value = [marked.r, marked.g, marked.b, 1];
     this.show(this.#shown);
@@ -231,10 +256,6 @@ export class PathScene {
     const data = this.#palette.image.data as Uint8Array;
     colouring.palette.forEach((colour, index) => data.set([...colour, shown.hidden.has(index) ? 0 : 255], index * 4));
     this.#palette.needsUpdate = true;
-    // An instance is a move between two rows: there is one less.
-    mesh.geometry.instanceCount = Math.max(0, shown.last - 1);
-    mesh.material.uniforms["first"]!.value = Math.max(0, shown.first - 1);
-    mesh.material.uniforms["picked"]!.value = shown.picked - 1;
     mesh.material.uniforms["travels"]!.value = shown.travel;
     this.draw();
   }
@@ -263,21 +284,63 @@ export class PathScene {
     this.draw();
   }
 
-  /** Draws with the next frame of the browser. */
+  /** Begins the picture again, with the next frame of the browser. */
   draw(): void {
+    this.#begun = false;
+    this.#continue();
+  }
+
+  #continue(): void {
     if (this.#waiting) return;
     this.#waiting = requestAnimationFrame(() => {
       this.#waiting = 0;
-      const size = this.#renderer.getDrawingBufferSize(new Vector2());
-      const uniforms = this.#mesh?.material.uniforms;
-      if (uniforms) {
-        uniforms["size"]!.value = size;
-        // Half a millimetre at distance 1, in pixels.
-        uniforms["pixel"]!.value = (size.y / 2 / Math.tan((this.#camera.fov * Math.PI) / 360)) * 0.5;
+      if (!this.#begun) this.#begin();
+      const until = performance.now() + FRAME_MS;
+      while (this.#left.length && performance.now() < until) {
+        this.#drawSlice(this.#left.shift() ?? 0);
+        if (this.#left.length) this.#wait();
       }
-      this.#renderer.render(this.#scene, this.#camera);
-      this.canvas.dataset["triangles"] = String(this.#renderer.info.render.triangles); // for tests
+      this.canvas.dataset["triangles"] = String(this.#triangles); // for tests and the bench
+      if (this.#left.length) this.#continue();
     });
+  }
+
+  /** The bed, and which slices follow. */
+  #begin(): void {
+    this.#begun = true;
+    this.#triangles = 0;
+    const { first, last } = this.#shown;
+    const order = this.#colouring ? sliceOrder(this.#slices.length) : [];
+    this.#left = order.filter((index) => index * SLICE < last - 1 && (index + 1) * SLICE >= first - 1);
+    this.#renderer.clear();
+    this.#renderer.render(this.#scene, this.#camera);
+    const size = this.#renderer.getDrawingBufferSize(new Vector2());
+    const uniforms = this.#mesh?.material.uniforms;
+    if (!uniforms) return;
+    uniforms["size"]!.value = size;
+    // Half a millimetre at distance 1, in pixels.
+    uniforms["pixel"]!.value = (size.y / 2 / Math.tan((this.#camera.fov * Math.PI) / 360)) * 0.5;
+  }
+
+  #drawSlice(index: number): void {
+    const [mesh, geometry] = [this.#mesh, this.#slices[index]];
+    if (!mesh || !geometry) return;
+    const before = index * SLICE;
+    const { first, last, picked } = this.#shown;
+    // An instance is a move between two rows: there is one less.
+    geometry.instanceCount = Math.min(SLICE, last - 1 - before);
+    mesh.geometry = geometry;
+    mesh.material.uniforms["first"]!.value = Math.max(0, first - 1 - before);
+    mesh.material.uniforms["picked"]!.value = picked - 1 - before;
+    mesh.material.uniformsNeedUpdate = true;
+    this.#renderer.render(this.#alone, this.#camera);
+    this.#triangles += this.#renderer.info.render.triangles;
+  }
+
+  /** Until the renderer has drawn: otherwise it would queue all slices, for as long as they take. */
+  #wait(): void {
+    const gl = this.#renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 
   /** The row of the nearest move that is drawn at a point of the canvas, or -1. */
