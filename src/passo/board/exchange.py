@@ -34,8 +34,8 @@ class Exchange:
     """The link to one board: what the host sends, and what the board reports.
 
     Every method that lets time pass raises LinkLostError when the port is closed. When a heater
-    fails, the fault is appended to `faults` and given to `on_fault`, which may raise; without that,
-    it is raised as a MachineError.
+    fails, the fault is appended to `faults` and passed to `on_fault`, which may raise. Without
+    `on_fault`, the fault is raised as a MachineError.
     """
 
     def __init__(self, board: BoardDescription, port: Port, name: str = "") -> None:

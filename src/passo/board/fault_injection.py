@@ -32,7 +32,8 @@ class FaultInjector(Protocol):
         ...
 
     def inject(self, part: str, value: str) -> None:
-        """Gives a part this fault from now on, or `none`. Raises CommandError as `check` does."""
+        """Simulates the fault `value` of a part from now on; `none` ends it. Raises CommandError if
+        the part or the fault does not exist."""
         ...
 
 

@@ -28,8 +28,9 @@ def problem_of(
     file: str = "",
     line: int | None = None,
 ) -> Problem:
-    """The problem to report for a slack. `file` and `line` name its move. `again` is the number of
-    bytes that were repeated to any board: no board gets a commit before the others."""
+    """The problem to report for commands that arrived with this slack. `file` and `line` name the
+    move. `again` is the number of bytes that were sent again to any board: repeats to one board
+    delay all boards, because they get each commit together."""
     hz = connection.board.clock_hz
     values = {
         "value": _before(slack.slack / hz),

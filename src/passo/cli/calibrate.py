@@ -45,7 +45,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Guides through the rounds, or computes from given points. Raises ConfigError, InputError."""
+    """Guides the user through the rounds of measurements, or computes β from the points on the
+    command line. Raises ConfigError, InputError."""
     heater, number = _heater(arguments)
     ntc = _thermistor(arguments, heater)
     if arguments.points:

@@ -181,7 +181,8 @@ class MachineConfig(Model):
 
     @property
     def home_point(self) -> Point:
-        """The position of the nozzle when all axes are at home, mm. Raises Unreachable."""
+        """The position of the nozzle in mm when all axes are at their home positions. Raises
+        Unreachable."""
         if not self.axes_of_arms:
             x, y, z = (self._home_of(name) for name in "xyz")
             return x, y, z

@@ -39,8 +39,8 @@ Damping = Annotated[float, Field(ge=0, le=0.99)]
 
 
 class Axis(Model):
-    """An axis: a direction of the nozzle, X, Y or Z, or a further linear axis with its own motors.
-    A further axis may be an `extruder`, as in APrinter."""
+    """An axis of the machine. X, Y and Z are directions of the nozzle. A further axis is linear and
+    has its own motors; it may be an `extruder`, as in APrinter."""
 
     extruder: bool = False
     """Whether a further axis moves filament. Then it has no limits and no home, and M82 and M83

@@ -105,8 +105,8 @@ class Toolpath:
         return min(self.top, max(1, round(self.top / 2)))
 
     def data(self) -> dict[str, object]:
-        """The data for the script. Each line has four coordinates, in units of `unit` mm from
-        `origin` on, and a colour from 1, or 0 for a move without extrusion."""
+        """The data for the script of the page. Each line has four coordinates relative to `origin`,
+        in units of `unit` mm, and a colour: 1 or more, or 0 for a move without extrusion."""
         x0, y0, x1, y1 = _box(self.lines, self.bed)
         unit = max(x1 - x0, y1 - y0) / _GRID
         ends, colours = array("H"), array("B")

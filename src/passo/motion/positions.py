@@ -82,8 +82,8 @@ class Positions:
         self._loose = set() if axes is None else self._loose.difference(axes)
 
     def origins(self) -> dict[str, int]:
-        """For each motor, its position in steps at which the board's count is 0. Empty if a motor
-        was switched off after homing."""
+        """For each motor, the position, in steps, at which the board's step counter is 0. Empty if
+        a motor was switched off after homing."""
         if self._loose:
             return {}
         return {

@@ -42,8 +42,9 @@ def not_made(name: str, problem: Problem) -> CommandError:
 
 
 class PredefinedMoves:
-    """The moves of one printer, as SET_MOVE has changed them. Callers hold the motion lock, and the
-    machine is idle. Methods raise CommandError, Stopped after M108 or M410, and MachineError."""
+    """The predefined moves of one printer, with the changes by SET_MOVE. The caller must hold the
+    motion lock, and the machine must be idle. Methods raise CommandError, Stopped after M108 or
+    M410, and MachineError."""
 
     def __init__(
         self,

@@ -59,6 +59,7 @@ class TriggeredMoves:
 
     @active.setter
     def active(self, active: bool) -> None:
+        """Switches the filters off or on again, except while the printer is halted."""
         self._active = active
         if not self._interrupts.halted:
             self._rig.job.use_filters(not active)

@@ -116,8 +116,8 @@ class Dispatch:
         return self._take(lambda: self._feed(text), reply)
 
     def take_delayed(self, name: str, reply: Reply) -> Wait | None:
-        """As `take_line`, for the delayed G-code `name`. Raises CommandError if its template
-        fails."""
+        """Runs the delayed G-code `name` in the way `take_line` runs a line. Raises CommandError if
+        its template fails."""
 
         def insert() -> None:
             self.select(console=True)

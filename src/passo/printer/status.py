@@ -264,8 +264,9 @@ class BedStatus:
 
 @dataclass(frozen=True, slots=True)
 class ScrewStatus:
-    """The last measurement of a bed screw: the height of the bed there, mm, and the adjustment
-    `adjust`: `CW` or `CCW` with full turns and minutes of a clock. `base`: this screw stays."""
+    """The last measurement of a bed screw. `height_mm` is the height of the bed at the screw.
+    `adjust` is how to turn it: `CW` or `CCW`, and turns as `full:minutes`, where 60 minutes are one
+    turn. `base` marks the reference screw, which is not turned."""
 
     name: str
     height_mm: float

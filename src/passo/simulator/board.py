@@ -216,7 +216,8 @@ class SimulatedBoard:
                     self.device.feel(pin, other.device, other._step_pin(stepper))
 
     def net_steps(self, stepper: str) -> int:
-        """Steps executed so far, forward minus backward. KeyError if not yet configured."""
+        """Steps that the motor has executed so far, forward minus backward. Raises KeyError if the
+        host has not configured the motor yet."""
         return self._sign(stepper) * self.device.net_steps(self._step_pin(stepper))
 
     def steps(self, stepper: str) -> int:

@@ -94,7 +94,8 @@ class SimulatedMachine:
         return host if distant is None else distant.clock_at(host)
 
     def net_steps(self, stepper: str) -> int:
-        """Steps executed so far, forward minus backward. KeyError if not yet configured."""
+        """Steps that the motor has executed so far, forward minus backward. Raises KeyError if the
+        host has not configured the motor yet."""
         return self._of("steppers", stepper).net_steps(stepper)
 
     def steps(self, stepper: str) -> int:

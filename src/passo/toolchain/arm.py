@@ -45,8 +45,8 @@ _COMPILE = (
 
 @dataclass(frozen=True, slots=True)
 class ArmBoard:
-    """The board of an image; `console` are the pins of `uart`: receive, send. `older_hosts`: the
-    image uses the older protocol version."""
+    """The board for which an image is built. `console` names the receive and the transmit pin of
+    `uart`. With `older_hosts`, the image uses the older protocol version."""
 
     chip: Chip
     clock_hz: int

@@ -62,9 +62,9 @@ def _unpacked(content: memoryview) -> Carried | None:
 
 def unlike(dictionary: Dictionary, board: Board) -> tuple[str, str] | None:
     """The differences between an image's dictionary and the board's file, as (file, image); None if
-    they agree. Values that the dictionary lacks are not compared. Klipper's name of a chip may be
-    longer, and the clock frequency is compared only on AVR chips, where both firmwares count the
-    crystal."""
+    they agree. Values that the dictionary lacks are not compared. The name of the chip in the
+    dictionary may be longer than `board.mcu`. The clock frequency is compared only for AVR chips:
+    there, both firmwares use the frequency of the crystal."""
     console, avr = board.console, board.chip is not None and board.chip.core == "avr"
     expected = {"MCU": board.mcu, "CLOCK_FREQ": board.clock_hz}
     if console is not None and console.pins:

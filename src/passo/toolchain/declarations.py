@@ -47,7 +47,7 @@ class Command:
 @dataclass(frozen=True, slots=True)
 class Hook:
     """A C function that lower modules call. `kind` is the suffix of DECL_<kind>, `file` the name of
-    the source file. A task has one of TASK_PHASES."""
+    the source file. For a task, `phase` is one of TASK_PHASES; otherwise it is empty."""
 
     kind: str
     function: str

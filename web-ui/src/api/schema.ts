@@ -391,8 +391,8 @@ export interface HeaterTarget {
   celsius: number;
 }
 
-/** A heater to tune at a temperature in °C. The result is PID gains from a relay oscillation, or
- * the thermal model from a rise at full power, which needs a cold heater. */
+/** A heater to tune at a temperature in °C. A relay oscillation gives PID gains. A rise at full
+ * power gives the thermal model; for it, the heater must be cold. */
 export interface HeaterTune {
   heater: string;
   celsius: number;
@@ -779,8 +779,9 @@ export interface Refusal {
   others: Fault[];
 }
 
-/** The last measurement of a bed screw: the height of the bed there, mm, and the adjustment
- * `adjust`: `CW` or `CCW` with full turns and minutes of a clock. `base`: this screw stays. */
+/** The last measurement of a bed screw. `height_mm` is the height of the bed at the screw.
+ * `adjust` is how to turn it: `CW` or `CCW`, and turns as `full:minutes`, where 60 minutes are
+ * one turn. `base` marks the reference screw, which is not turned. */
 export interface ScrewStatus {
   name: string;
   height_mm: number;

@@ -16,9 +16,9 @@ _HEADERS = (".h", ".hpp")
 
 
 def imported(path: Path, stored: Path | None = None) -> Draft:
-    """The machine file of a configuration, with remarks: by its ending that of Marlin
-    (`Configuration.h`), of APrinter (`.json`), else of Klipper (`printer.cfg`). `stored` is a file
-    with what the firmware has stored since. Raises ConfigError."""
+    """Converts a configuration to a machine file with remarks. The file name selects the format:
+    Marlin (`.h`), APrinter (`.json`), otherwise Klipper (`printer.cfg`). `stored` is a file with
+    the settings that the firmware has stored since. Raises ConfigError."""
     ending = path.suffix.lower()
     if ending == ".json":
         return aprinter.imported(path, stored)

@@ -90,8 +90,8 @@ class History:
         note: str = "",
         row: int | None = None,
     ) -> int | None:
-        """Adds a print, or updates `row` if it still exists; returns its row. Durable when it
-        returns."""
+        """Adds a print, or updates the print with the number `row` if it still exists. Returns the
+        number of the row. When this returns, the row survives a power cut."""
         with self._base:
             return self._base.execute(
                 "insert or replace into prints"

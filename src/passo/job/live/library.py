@@ -55,8 +55,8 @@ class Library:
         return self._card is not None
 
     def mount(self) -> None:
-        """Mounts the card again. A print that has stopped because a line or the card failed can
-        still be resumed, if its file is unchanged. Raises CardError."""
+        """Mounts the card again. A print that has stopped at an invalid line or a failed read of
+        the card can still be resumed, if its file is unchanged. Raises CardError."""
         if not self._runner.stands:
             self._runner.release()
         self._leave()

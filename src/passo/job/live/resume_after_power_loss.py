@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Recovery:
-    """The recovery of one interrupted print, on a printer that is idle. The caller must hold the
+    """The recovery of one interrupted print. The printer must be idle. The caller must hold the
     motion lock. Raises CommandError, MachineError, Stopped."""
 
     def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:

@@ -92,8 +92,8 @@ class ManualProbe:
         return WaitForProcedure(begin)
 
     def adjust_screws(self, screws: Sequence[Place], reply: Reply) -> Wait:
-        """Starts a test that moves the nozzle over each screw at Z 0, until the user has accepted
-        all of them in one round. Raises CommandError."""
+        """Starts a paper test that moves the nozzle over each screw at Z 0. It ends when the user
+        has accepted every screw without an adjustment in between. Raises CommandError."""
 
         def done(_: Sequence[Measured], reply: Reply) -> None:
             reply.say("// All screws are as high as the bed at Z 0")

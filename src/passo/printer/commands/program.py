@@ -186,6 +186,7 @@ class Commands:
 
     @ended.setter
     def ended(self, ended: bool) -> None:
+        """Ends the program, or with False lets the next one start."""
         self.flow.ended = ended
 
     def problem(self, path: str = "") -> Problem:

@@ -30,8 +30,8 @@ Variables = Mapping[str, Mapping[str, object]]
 
 
 def objects(machine: MachineConfig, status: Status, variables: Variables) -> Objects:
-    """Functions that make the objects of a printer on demand, by the name of the object.
-    `variables` are those of the macros, by name."""
+    """For each object of a printer, by name, a function that computes it. `variables` maps the name
+    of a macro to the variables of the macro."""
     found: Objects = {
         "webhooks": lambda: webhooks(status),
         "configfile": lambda: configfile(machine, status.files.folder, status.unsaved),

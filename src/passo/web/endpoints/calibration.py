@@ -39,8 +39,8 @@ _MAP = range(11)  # indices of the points of a sampled fit along each axis
 
 
 class HeaterTune(Struct, forbid_unknown_fields=True):
-    """A heater to tune at a temperature in °C. The result is PID gains from a relay oscillation, or
-    the thermal model from a rise at full power, which needs a cold heater."""
+    """A heater to tune at a temperature in °C. A relay oscillation gives PID gains. A rise at full
+    power gives the thermal model; for it, the heater must be cold."""
 
     heater: str
     celsius: Celsius

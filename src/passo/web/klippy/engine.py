@@ -1,5 +1,5 @@
-"""Klipper's methods and objects of a printer, for clients of the socket. Sans-IO except for its
-bridge."""
+"""Klipper's methods and objects of one printer, for the clients of the API socket. The engine does
+no input or output itself; the bridge connects it to the printer."""
 
 from __future__ import annotations
 
