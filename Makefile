@@ -4,7 +4,7 @@
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make soak   memory over a day, in scaled time
 # make corpus DIR=...                print a folder of real files
-# make import DIR=...                import a folder of configurations of Klipper
+# make import DIR=...                import a folder of configurations of other firmwares
 # make web    builds the page             make wheel  a wheel with the page, in dist/
 # make sizes  docs/reference/firmware.md: how large the firmware is
 # make reference  writes the generated pages of docs/reference/

@@ -23,7 +23,8 @@ def main() -> int:
     dropped = Counter[str]()
     good = total = 0
     files = sorted({*folder.glob("printer-*.cfg"), *folder.glob("example-*.cfg")})
-    for path in files or sorted(folder.glob("*.cfg")):
+    others = [*folder.glob("*Configuration.h"), *folder.glob("*.json")]
+    for path in [*(files or sorted(folder.glob("*.cfg"))), *sorted(others)]:
         total += 1
         try:
             draft = imported(path)

@@ -43,6 +43,12 @@ IMPORT: Mapping[str, Entry] = {
     "import.long-line": _import(
         "the line has more than {limit} characters", "Shorten the line, or divide it"
     ),
+    "export.kinematics": Entry(
+        "import",
+        "geometry.kind is {value!r}: Passo exports {limit}",
+        "Write the configuration by hand",
+        ExitStatus.BAD_CONFIG,
+    ),
     "import.stored": _import(
         "stored values are read with a configuration of APrinter alone",
         "Leave --stored out, and compare them by hand",

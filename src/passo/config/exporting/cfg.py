@@ -1,0 +1,57 @@
+"""A printer.cfg that is being written, and what it cannot say."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from passo.config.pin_names import bare, placed
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+Option = str | float | int | bool | None
+
+
+@dataclass
+class Cfg:
+    """Sections in their order, each with its options, and sentences on what was left out."""
+
+    machine: MachineConfig
+    sections: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
+    left_out: list[str] = field(default_factory=list[str])
+
+    def put(self, section: str, **options: Option) -> None:
+        """Adds options to a section; None leaves one out."""
+        found = self.sections.setdefault(section, {})
+        found |= {name: _text(value) for name, value in options.items() if value is not None}
+
+    def pin(self, written: str) -> str:
+        """A pin as Klipper writes it: the chip's name of it after its board and its marks."""
+        board, _ = placed(written)
+        pin = self.machine.pin(written)
+        name = bare(pin)
+        marks = pin[: len(pin) - len(name)].replace("!^", "^!").replace("!~", "~!")
+        name = re.sub(r"^GP(\d+)$", r"gpio\1", name)  # of an RP2040
+        return f"{marks}{board}:{name}" if board else f"{marks}{name}"
+
+    def text(self, head: str) -> str:
+        """The file: `head` as comments, then the sections: sensors before the heaters that name
+        them, as Klipper asks for."""
+        lines = [f"# {line}".rstrip() for line in head.splitlines()]
+        later = {name: own for name, own in self.sections.items() if not _defines_sensor(name)}
+        first = {name: own for name, own in self.sections.items() if _defines_sensor(name)}
+        for section, options in {**first, **later}.items():
+            lines += ["", f"[{section}]", *(f"{name}: {value}" for name, value in options.items())]
+        return "\n".join(lines) + "\n"
+
+
+def _defines_sensor(section: str) -> bool:
+    return section.startswith("thermistor ")
+
+
+def _text(value: str | float | int | bool) -> str:
+    if isinstance(value, float):
+        return f"{value:.8g}"
+    return str(value).replace("\n", "\n  ")

@@ -1,0 +1,131 @@
+"""Heaters, their sensors and fans as sections of Klipper."""
+
+from __future__ import annotations
+
+from math import exp, log
+from typing import TYPE_CHECKING, Any
+
+from passo.config.sensors import (
+    Converter,
+    Platinum,
+    PlatinumAmplifier,
+    Thermistor,
+    ThermocoupleAmplifier,
+)
+from passo.config.thermistor import ZERO_C
+
+if TYPE_CHECKING:
+    from passo.config.exporting.cfg import Cfg
+    from passo.config.heat import Heater
+
+_POINTS_C = (25.0, 150.0, 250.0)
+_WATERMARK_C = 2.0
+
+
+def put_heat(cfg: Cfg) -> None:
+    """All heaters, then all fans."""
+    names: dict[str, str] = {}
+    hotends = [name for name, heater in cfg.machine.heaters.items() if heater.kind == "hotend"]
+    for name, heater in cfg.machine.heaters.items():
+        if heater.kind == "hotend":
+            names[name] = f"extruder{hotends.index(name) or ''}"
+        else:
+            names[name] = "heater_bed" if heater.kind == "bed" else f"heater_generic {name}"
+        _put_heater(cfg, name, heater, names[name])
+    _put_fans(cfg, names)
+
+
+def _put_heater(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
+    cfg.put(section, heater_pin=cfg.pin(heater.pin), sensor_pin=cfg.pin(heater.sensor_pin))
+    _put_sensor(cfg, name, heater, section)
+    control: Any = heater.control
+    gains = [getattr(control, gain, None) for gain in ("kp", "ki", "kd")]
+    if control.kind == "pid" and None not in gains:
+        kp, ki, kd = gains
+        cfg.put(section, control="pid", pid_Kp=kp, pid_Ki=ki, pid_Kd=kd)
+    else:
+        band = control.hysteresis_c if control.kind == "bang-bang" else _WATERMARK_C
+        cfg.put(section, control="watermark", max_delta=max(band, 0.1))
+        if control.kind != "bang-bang":
+            cfg.left_out.append(f"heaters.{name}.control: find its gains with PID_CALIBRATE")
+    power = heater.max_power if heater.max_power < 1 else None
+    cfg.put(section, min_temp=heater.min_c, max_temp=heater.max_c, max_power=power)
+    protection = heater.protection
+    if protection.watch_rise_c > 0 and protection.runaway_c > 0:
+        cfg.put(
+            f"verify_heater {section.removeprefix('heater_generic ')}",
+            check_gain_time=protection.watch_s,
+            heating_gain=protection.watch_rise_c,
+            hysteresis=protection.runaway_c,
+        )
+    else:
+        cfg.left_out.append(f"heaters.{name}.protection: Klipper's own protection is on")
+
+
+def _put_sensor(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
+    sensor, kind = heater.sensor, heater.sensor.kind.upper()
+    if isinstance(sensor, Thermistor):
+        _put_thermistor(cfg, name, sensor)
+        cfg.put(section, sensor_type=f"thermistor_{name}", pullup_resistor=sensor.pullup_ohm)
+    elif isinstance(sensor, Platinum):
+        cfg.put(section, sensor_type=kind, pullup_resistor=sensor.pullup_ohm)
+    elif isinstance(sensor, PlatinumAmplifier) and sensor.kind == "pt100-amplifier":
+        cfg.put(section, sensor_type="PT100 INA826", adc_voltage=sensor.full_scale_v)
+    elif isinstance(sensor, Converter):
+        cfg.put(
+            section,
+            sensor_type=kind,
+            spi_software_sclk_pin=cfg.pin(sensor.clock_pin),
+            spi_software_miso_pin=cfg.pin(sensor.miso_pin),
+            spi_software_mosi_pin=cfg.pin(sensor.mosi_pin),
+        )
+    elif isinstance(sensor, ThermocoupleAmplifier):
+        cfg.put(section, sensor_type=kind, adc_voltage=sensor.full_scale_v)
+    else:
+        cfg.left_out.append(f"heaters.{name}.sensor: give sensor_type of [{section}] by hand")
+
+
+def _put_thermistor(cfg: Cfg, name: str, sensor: Thermistor) -> None:
+    """By β, or by three points of 1/T = A + ln R / β + C·(ln R)³, which Klipper solves for."""
+    section = f"thermistor thermistor_{name}"
+    if sensor.c_per_k == 0:
+        cfg.put(section, temperature1=25.0, resistance1=sensor.r25_ohm, beta=sensor.beta_k)
+        return
+    for number, celsius in enumerate(_POINTS_C, 1):
+        ohm = _ohm(sensor, celsius)
+        cfg.put(section, **{f"temperature{number}": celsius, f"resistance{number}": ohm})
+
+
+def _ohm(sensor: Thermistor, celsius: float) -> float:
+    """The resistance at a temperature, by Newton's method on ln R."""
+    b, c, log_r25 = 1 / sensor.beta_k, sensor.c_per_k, log(sensor.r25_ohm)
+    a = 1 / (25 + ZERO_C) - b * log_r25 - c * log_r25**3
+    x = log_r25
+    for _ in range(50):
+        x -= (a + b * x + c * x**3 - 1 / (celsius + ZERO_C)) / (b + 3 * c * x**2)
+    return exp(x)
+
+
+def _put_fans(cfg: Cfg, heaters: dict[str, str]) -> None:
+    for name, fan in cfg.machine.fans.items():
+        moved = fan.follows_motors
+        if fan.follows:
+            section = f"heater_fan {name}"
+            cfg.put(section, heater=heaters[fan.follows], heater_temp=fan.above_c)
+        elif moved:
+            section = f"controller_fan {name}"
+            cfg.put(section, idle_timeout=int(fan.stays_on_s))
+        elif fan.number == 0 and "fan" not in cfg.sections:
+            section = "fan"
+        else:
+            section = f"fan_generic {name}"
+        cfg.put(
+            section,
+            pin=cfg.pin(fan.pin),
+            max_power=fan.max_power if fan.max_power < 1 else None,
+            off_below=fan.off_below or None,
+            kick_start_time=fan.kick_start_s if section == "fan" else None,
+            cycle_time=1 / fan.pwm_hz,
+        )
+        if fan.min_power:
+            cfg.left_out.append(f"fans.{name}.min_power: set off_below of [{section}] by hand")

@@ -1,0 +1,271 @@
+"""A machine as a printer.cfg of Klipper."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import TYPE_CHECKING
+
+from passo.config.exporting.cfg import Cfg
+from passo.config.exporting.heat import put_heat
+from passo.config.exporting.motors import put_stepper
+from passo.errors import ConfigError
+from passo.geometry.delta import Delta
+from passo.probes.base import SensingProbe
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+# The motor of Passo: Klipper's letter of its stepper.
+_STEPPERS = {
+    "cartesian": {"x": "x", "y": "y", "z": "z"},
+    "corexy": {"a": "x", "b": "y", "z": "z"},
+    "corexz": {"a": "x", "y": "y", "b": "z"},
+    "delta": {"a": "a", "b": "b", "c": "c"},
+}
+_NOZZLE_MM, _FILAMENT_MM = 0.4, 1.75
+_RESULTS = {"median": "median", "mean": "average"}
+
+
+def exported(machine: MachineConfig) -> Cfg:
+    """The sections of a printer.cfg, with what they cannot say. Raises ConfigError of a geometry
+    that is not exported."""
+    kind = machine.geometry.kind
+    if kind not in _STEPPERS:
+        raise ConfigError.of("export.kinematics", value=kind, limit=", ".join(_STEPPERS))
+    cfg = Cfg(machine)
+    for name, board in machine.all_boards.items():
+        port = board.port or "/dev/serial/by-id/..."
+        usual = None if board.baud == 250_000 else board.baud
+        cfg.put(f"mcu {name}" if name else "mcu", serial=port, baud=usual)
+    _put_printer(cfg, kind)
+    for motor, letter in _STEPPERS[kind].items():
+        _put_axis(cfg, kind, motor, letter)
+    for number, name in enumerate(machine.extruders):
+        _put_extruder(cfg, name, f"extruder{number or ''}")
+    put_heat(cfg)
+    _put_probe(cfg)
+    _put_levelling(cfg)
+    for axis, shaper in machine.shaping.items():
+        cfg.put(
+            "input_shaper",
+            **{
+                f"shaper_type_{axis}": shaper.type,
+                f"shaper_freq_{axis}": shaper.frequency_hz,
+                f"damping_ratio_{axis}": shaper.damping,
+            },
+        )
+    _put_macros(cfg)
+    _put_what_is_left(cfg)
+    return cfg
+
+
+def _put_printer(cfg: Cfg, kind: str) -> None:
+    """Klipper has one limit for X and Y, and a speed at square corners: that of a deviation d is
+    √(d·a / (√2 - 1)), and that of a jerk the jerk itself."""
+    machine, limits = cfg.machine, cfg.machine.limits
+    x, y, z = (machine.axes[axis] for axis in "xyz")
+    accel = min(limits.print_accel_mm_s2 or x.accel_mm_s2, x.accel_mm_s2, y.accel_mm_s2)
+    speed = min(limits.speed_mm_s or x.speed_mm_s, x.speed_mm_s, y.speed_mm_s)
+    if (x.speed_mm_s, x.accel_mm_s2) != (y.speed_mm_s, y.accel_mm_s2):
+        cfg.left_out.append("X and Y have one speed and one acceleration: the smaller ones")
+    corner: float | None = None
+    if limits.junction == "deviation":
+        corner = sqrt(limits.junction_deviation_mm * accel / (sqrt(2) - 1))
+    elif limits.junction == "jerk":
+        corner = min(x.jerk_mm_s, y.jerk_mm_s)
+    else:
+        cfg.left_out.append("limits.junction: set square_corner_velocity by hand")
+    upright = kind != "delta"
+    cfg.put(
+        "printer",
+        kinematics=kind,
+        max_velocity=speed,
+        max_accel=accel,
+        max_z_velocity=z.speed_mm_s if upright or z.speed_mm_s != speed else None,
+        max_z_accel=z.accel_mm_s2 if upright else None,
+        square_corner_velocity=corner,
+        minimum_cruise_ratio=limits.minimum_cruise_ratio,
+    )
+    geometry = machine.geometry
+    if isinstance(geometry, Delta):
+        cfg.put(
+            "printer",
+            delta_radius=geometry.radius,
+            print_radius=geometry.limit_radius,
+            minimum_z_position=z.min_mm,
+        )
+
+
+def _put_axis(cfg: Cfg, kind: str, motor: str, letter: str) -> None:
+    machine, section = cfg.machine, f"stepper_{letter}"
+    driven = machine.drivable.by_name[motor]
+    motors = [name for name in machine.steppers if machine.driven_by(name) == driven]
+    for number, name in enumerate(motors):
+        put_stepper(cfg, name, f"{section}{number or ''}")
+    delta = kind == "delta"
+    homing = machine.homing.get(motor if delta else letter)
+    if not delta:
+        axis = machine.axes[letter]
+        cfg.put(section, position_min=axis.min_mm, position_max=axis.max_mm)
+    if homing is None:
+        cfg.left_out.append(f"{letter.upper()} has no endstop, which Klipper needs: {section}")
+        return
+    pins = homing.stepper_pins or ({motors[0]: homing.pin} if homing.pin else {})
+    for number, name in enumerate(motors):
+        if name in pins:
+            cfg.put(f"{section}{number or ''}", endstop_pin=cfg.pin(pins[name]))
+    if homing.offsets_mm:
+        cfg.left_out.append(f"homing.{motor}.offsets_mm: endstops trigger at one height")
+    if homing.probe:
+        cfg.put(section, endstop_pin="probe:z_virtual_endstop")
+    else:
+        position = homing.position
+        geometry = machine.geometry
+        if isinstance(geometry, Delta):
+            index = "abc".index(letter)
+            position -= sqrt(geometry.rods[index] ** 2 - geometry.radius**2)
+            cfg.put(section, arm_length=geometry.rods[index], angle=geometry.angles[index])
+        cfg.put(section, position_endstop=round(position, 6))
+    if not delta:
+        cfg.put(section, homing_positive_dir=homing.direction == "max")
+    cfg.put(
+        section,
+        homing_speed=homing.fast,
+        second_homing_speed=homing.slow,
+        homing_retract_dist=homing.retract,
+    )
+
+
+def _put_extruder(cfg: Cfg, name: str, section: str) -> None:
+    extruder = cfg.machine.extruders[name]
+    motors = [
+        motor
+        for motor in cfg.machine.steppers
+        if cfg.machine.driven_by(motor) == cfg.machine.drivable.by_name[name]
+    ]
+    for motor in motors[:1]:
+        put_stepper(cfg, motor, section)
+    if motors[1:]:
+        cfg.left_out.append(f"steppers.{', '.join(motors[1:])}: an extruder has one motor")
+    cfg.put(
+        section,
+        nozzle_diameter=_NOZZLE_MM,
+        filament_diameter=_FILAMENT_MM,
+        max_extrude_only_velocity=extruder.speed_mm_s,
+        max_extrude_only_accel=extruder.accel_mm_s2,
+        instantaneous_corner_velocity=extruder.jerk_mm_s,
+        pressure_advance=extruder.advance_s,
+        pressure_advance_smooth_time=extruder.advance_smooth_s,
+    )
+
+
+def _put_probe(cfg: Cfg) -> None:
+    probe = cfg.machine.probe
+    if probe is None:
+        return
+    if not isinstance(probe, SensingProbe) or probe.kind not in ("fixed", "nozzle", "bltouch"):
+        cfg.left_out.append(f"probe: the kind {probe.kind} has no section of its own")
+        return
+    touch = probe.kind == "bltouch"
+    section = "bltouch" if touch else "probe"
+    cfg.put(
+        section,
+        **{"sensor_pin" if touch else "pin": cfg.pin(probe.pin)},
+        control_pin=cfg.pin(probe.servo_pin) if touch and probe.servo_pin else None,
+        x_offset=probe.offset_mm[0],
+        y_offset=probe.offset_mm[1],
+        z_offset=probe.trigger_height_mm,
+        speed=probe.slow_mm_s,
+        lift_speed=probe.lift_mm_s,
+        sample_retract_dist=probe.retract_mm,
+        samples=probe.samples,
+        samples_result=_RESULTS[probe.result],
+        samples_tolerance=probe.tolerance_mm,
+        samples_tolerance_retries=probe.retries,
+    )
+    home = cfg.machine.homing.get("z")
+    if home is not None and home.probe:
+        (x, y), (dx, dy) = cfg.machine.probe_home_mm, probe.offset_mm
+        cfg.put("safe_z_home", home_xy_position=f"{x - dx:g}, {y - dy:g}", z_hop=probe.start_mm)
+
+
+def _put_levelling(cfg: Cfg) -> None:
+    """Klipper's places of screws and motors are those of the nozzle with the probe over them."""
+    machine, levelling = cfg.machine, cfg.machine.levelling
+    dx, dy = machine.probe.offset_mm if machine.probe else (0.0, 0.0)
+    sensing = isinstance(machine.probe, SensingProbe)
+    if levelling.method == "mesh" and levelling.area and sensing:
+        x0, y0, x1, y1 = levelling.area
+        bicubic = levelling.interpolation == "bicubic"
+        cfg.put(
+            "bed_mesh",
+            mesh_min=f"{x0:g}, {y0:g}",
+            mesh_max=f"{x1:g}, {y1:g}",
+            probe_count=f"{levelling.count[0]}, {levelling.count[1]}",
+            algorithm="bicubic" if bicubic and min(levelling.count) > 3 else "lagrange",
+            horizontal_move_z=machine.probe.start_mm if machine.probe else None,
+        )
+    elif levelling.method != "none":
+        cfg.left_out.append(f"levelling.method {levelling.method}: Klipper has a mesh")
+    screws = levelling.screws
+    if screws is not None:
+        section = "screws_tilt_adjust" if sensing else "bed_screws"
+        size, _, way = screws.thread.partition(" ")
+        for number, screw in enumerate(screws.places, 1):
+            at = (screw.x - dx, screw.y - dy) if sensing else (screw.x, screw.y)
+            cfg.put(
+                section,
+                **{
+                    f"screw{number}": f"{at[0]:g}, {at[1]:g}",
+                    f"screw{number}_name": screw.name,
+                },
+            )
+        if sensing:
+            cfg.put(section, screw_thread=f"{way.upper()}-{size}")
+    motors = levelling.motors
+    if motors is None or not sensing:
+        return
+    points = "".join(f"\n{point.x - dx:g}, {point.y - dy:g}" for point in motors.points)
+    pivots = list(motors.pivots.values())
+    common = {"points": points, "retry_tolerance": motors.tolerance_mm, "retries": motors.retries}
+    if len(pivots) == 4:
+        corners = f"\n{pivots[0][0]:g}, {pivots[0][1]:g}\n{pivots[2][0]:g}, {pivots[2][1]:g}"
+        cfg.put("quad_gantry_level", gantry_corners=corners, max_adjust=motors.max_adjust_mm)
+        cfg.put("quad_gantry_level", **common)
+    else:
+        cfg.put("z_tilt", z_positions="".join(f"\n{x:g}, {y:g}" for x, y in pivots), **common)
+
+
+def _put_macros(cfg: Cfg) -> None:
+    for name, macro in cfg.machine.macros.items():
+        section = f"gcode_macro {name}"
+        for variable, value in macro.variables.items():
+            text = repr(value)
+            cfg.put(section, **{f"variable_{variable}": text})
+        cfg.put(
+            section,
+            description=macro.description or None,
+            rename_existing=macro.rename_existing,
+            gcode=f"\n{macro.gcode.strip()}",
+        )
+    for name, delayed in cfg.machine.delayed_gcode.items():
+        cfg.put(
+            f"delayed_gcode {name}",
+            initial_duration=delayed.initial_duration_s,
+            gcode=f"\n{delayed.gcode.strip()}",
+        )
+
+
+def _put_what_is_left(cfg: Cfg) -> None:
+    machine = cfg.machine
+    for part in ("laser", "mains", "beeper"):
+        if getattr(machine, part) is not None:
+            cfg.left_out.append(f"{part}: write a section of Klipper by hand")
+    further = [name for name, axis in machine.axes.items() if name not in "xyz" or axis.extruder]
+    cfg.left_out += [f"axes.{name}: Klipper has no such axis" for name in further]
+    if machine.moves:
+        cfg.left_out.append("moves: write them as macros")
+    if len(machine.tools) > 1:
+        cfg.left_out.append("tools: write macros T0, T1 with ACTIVATE_EXTRUDER and the offsets")
+    if machine.geometry.kind == "cartesian" and any(getattr(machine.geometry, "skew", ())):
+        cfg.left_out.append("geometry.skew: send SET_SKEW, and save it")
