@@ -87,3 +87,35 @@ def test_no_row_is_unknown_to_a_console(code):
     with Scenario("i3") as s:
         answer = s.host.ok(code, 60)
         assert not any("Unknown command" in line for line in answer)
+
+
+SPELLINGS = {
+    "measure one place": "G30 PROBE",
+    "trigger height": "PROBE_CALIBRATE MANUAL_PROBE TESTZ ACCEPT ABORT",
+    "points": "G32 SET_PROBE_POINT",
+    "mesh": "G29 BED_MESH_CALIBRATE M557",
+    "on, off, show, fade": "M420 M561 M376 M937 BED_MESH_CLEAR BED_MESH_OUTPUT BED_MESH_MAP",
+    "stored meshes": "BED_MESH_PROFILE M374 M375",
+    "one point of the mesh": "M421 G42",
+    "repeatability": "M48 PROBE_ACCURACY",
+    "probing moves": "G38.2 G38.3 G38.4 G38.5",
+    "probe": "M401 M402 ATTACH_PROBE DETACH_PROBE M119 QUERY_PROBE BLTOUCH_DEBUG M280 M558",
+    "offsets": "M851 G31 SET_GCODE_OFFSET M290 Z_OFFSET_APPLY_PROBE Z_OFFSET_APPLY_ENDSTOP",
+    "delta": "G33 DELTA_CALIBRATE DELTA_ANALYZE M665 M666",
+    "motors of Z": "G34 Z_TILT_ADJUST QUAD_GANTRY_LEVEL M666",
+    "screws": "G35 SCREWS_TILT_CALCULATE BED_SCREWS_ADJUST ADJUSTED",
+    "skew": "M852 SET_SKEW SKEW_PROFILE GET_CURRENT_SKEW CALC_MEASURED_SKEW",
+    "motors and moves": "FORCE_MOVE STEPPER_BUZZ MOVE_TO SET_MOVE SET_KINEMATIC_POSITION",
+}
+
+
+def test_every_spelling_of_levelling_has_a_handler():
+    """Those of Marlin, RepRapFirmware, APrinter and Klipper, on machines that have the part."""
+    handled = set[str]()
+    for machine in ("i3-probe", "i3-two-z", "delta-probe"):
+        with Scenario(machine) as s:
+            handled |= s.printer.dispatch.planned.keys() | s.printer.dispatch.immediate.keys()
+    wanted = {"G1 H1", "G1 H2", "G1 A", *" ".join(SPELLINGS.values()).split()}
+    assert sorted(wanted - handled) == []
+    assert all(row_of(name).text for name in wanted)
+    assert row_of("BED_MESH_OFFSET").kind is Kind.NOT_BUILT

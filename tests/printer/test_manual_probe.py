@@ -145,3 +145,19 @@ def test_paper_measures_nothing_by_itself(line):
         assert "a sheet of paper, which measures nothing by itself" in answers(s, line)[-1]
         assert s.positions() == before
         assert "z_probe" not in " ".join(s.host.ok("M119"))
+
+
+def test_whole_mesh_of_the_paper_test_is_raised_to_a_height():
+    with homed((PROBE, 'kind = "manual"'), ('"quadratic"', '"mesh"'), ("[5, 5]", "[2, 2]")) as s:
+        answers(s, "G29 S1")
+        for _ in range(4):
+            lower_to_the_bed(s)
+            answers(s, "G29 S2")
+        before = s.printer.correction.correction.mesh.heights
+        answers(s, "G29 S4 Z0.2")
+        answers(s, "M420 S1")
+        (said,) = answers(s, "G29 S4 Z0.1")
+        assert said == "echo:The mesh is 0.100 mm higher than it was measured"
+        after = s.printer.correction.correction.mesh.heights
+        assert after == tuple(tuple(pytest.approx(z + 0.1) for z in row) for row in before)
+        assert "needs Z" in answers(s, "G29 S4")[0]

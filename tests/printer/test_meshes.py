@@ -1,5 +1,7 @@
 """Meshes that are stored under names, of a part of the bed, and relative to a place."""
 
+import json
+
 import pytest
 from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
@@ -186,3 +188,20 @@ def test_klippers_objects_show_the_bed():
         assert status.bed.left_rms_mm == pytest.approx(0, abs=1e-6)
         assert status.bed.rms_mm == pytest.approx(0.157, abs=1e-3)
         assert len(status.bed.surface.rows_mm) == 21
+
+
+def test_mesh_is_saved_shown_and_faded_as_by_other_firmware():
+    with homed() as s:
+        answers(s, "G29")
+        correction = s.printer.correction
+        mesh = correction.correction.mesh
+        (shown,) = answers(s, "BED_MESH_MAP")
+        found = json.loads(shown.removeprefix("mesh_map_output "))
+        assert found["mesh_min"] == [mesh.xs[0], mesh.ys[0]]
+        assert found["z_positions"] == [list(row) for row in mesh.heights]
+        assert answers(s, 'M374 P"glass.csv"') == ["echo:Height map saved as glass"]
+        answers(s, "M376 H10")
+        assert correction.correction.fade.end_mm == 10
+        answers(s, "M561")
+        assert "Mesh glass is in use" in answers(s, 'M375 P"glass.csv"')[0]
+        assert correction.correction.mesh == mesh

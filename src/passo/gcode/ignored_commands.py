@@ -39,6 +39,7 @@ _declare(
     None,
     ("G12", "Passo has no nozzle wiper."),
     ("SET_PIN", "Passo has no free outputs; SET_FAN_SPEED sets fans, M3 the laser."),
+    ("BED_MESH_OFFSET", "The correction of the bed follows the nozzle of the tool in use (M218)."),
     ("G27 M125", "M25 and M601 park the head."),
     ("M111", "Passo has no debug levels; see passo serve --log."),
     ("M142 M192", "Passo has no cooler."),

@@ -31,8 +31,8 @@ _T = TypeVar("_T")
 
 # These change or use what was measured. Before that they would need what a served printer stores.
 _AFTER = {
-    *("ATTACH_PROBE", "BED_MESH_CLEAR", "DETACH_PROBE", "G42", "M401", "M402", "M420", "M421"),
-    "M561",
+    *("ATTACH_PROBE", "BED_MESH_CLEAR", "DETACH_PROBE", "G42", "M376", "M401", "M402", "M420"),
+    *("M421", "M561"),
 }
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from decimal import Decimal
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
     from passo.motion.rig import Rig
 
+_P = re.compile(r'P\s*(?:"([^"]*)"|(\S+))', re.ASCII)
 TERMS = ("C0", "CX", "CY", "CXX", "CXY", "CYY")
 DEFAULT = "default"
 """The name of a mesh that was just measured."""
@@ -42,6 +45,7 @@ class BedCorrectionCommands:
         self._rig, self._correction = rig, correction
         self._config = rig.machine.levelling
         self.profile = ""
+        self._raised_mm = 0.0  # by `raise_to`
         self.meshes = MeshStore()
 
     @property
@@ -60,8 +64,11 @@ class BedCorrectionCommands:
             correction = replace(correction, fade=replace(correction.fade, target_mm=mean))
         if correction is not None and on:
             self._check_limits(correction)
+        before = self._correction.correction
         self._correction.use(correction, on=on)
         self.profile = profile if correction is not None else ""
+        if correction is None or before is None or correction.mesh != before.mesh:
+            self._raised_mm = 0.0
 
     def _check_limits(self, correction: Correction) -> None:
         x0, y0, x1, y1 = self._rig.machine.bed_area_mm
@@ -95,6 +102,26 @@ class BedCorrectionCommands:
     def _print_mesh(self, _: Command, reply: Reply) -> Wait | None:
         for line in probed_rows(self.mesh()):
             reply.say(line)
+        return None
+
+    @command(
+        "BED_MESH_MAP",
+        Subject.LEVELLING,
+        When.PLANNED,
+        "",
+        "Prints the measured heights of the mesh as JSON.",
+        kind=Kind.QUIET,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _map_mesh(self, _: Command, reply: Reply) -> Wait | None:
+        mesh = self.mesh()
+        shown = {
+            "mesh_min": [mesh.xs[0], mesh.ys[0]],
+            "mesh_max": [mesh.xs[-1], mesh.ys[-1]],
+            "z_positions": [list(row) for row in mesh.heights],
+        }
+        reply.say(f"mesh_map_output {json.dumps(shown)}")
         return None
 
     def mesh(self) -> Mesh:
@@ -157,6 +184,21 @@ class BedCorrectionCommands:
         words = command.words()
         verbose = "V" in command.letters()
         return WaitForMoves(lambda: self._switched(words, reply, verbose=verbose))
+
+    @command(
+        "M376",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "H(mm)",
+        "Sets the height at which the correction of the bed has faded out, as M420 Z; 0: it does"
+        " not fade.",
+        kind=Kind.PROBED,
+        lacks=NO_PROBE,
+    )
+    def _taper(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        faded = {"Z": words["H"]} if "H" in words else dict[str, float]()
+        return WaitForMoves(lambda: self._switched(faded, reply, verbose=False))
 
     def _switched(self, words: dict[str, float], reply: Reply, *, verbose: bool) -> None:
         now = self._correction
@@ -273,6 +315,16 @@ class BedCorrectionCommands:
         empty = correction.fit is None and correction.mesh is None
         self.put(None if empty else correction, on=self._correction.on and not empty)
 
+    def raise_to(self, mm: float, reply: Reply) -> None:
+        """G29 S4: the whole mesh is higher than it was measured, loaded or edited, by so much.
+        Raises CommandError."""
+        self.mesh()
+        now = self._correction
+        assert now.correction is not None
+        self.put(now.correction.raised(mm - self._raised_mm), on=now.on, profile=self.profile)
+        self._raised_mm = mm
+        reply.say(f"echo:The mesh is {mm:.3f} mm higher than it was measured")
+
     # -- stored meshes ----------------------------------------------------------------------------
 
     @command(
@@ -301,6 +353,36 @@ class BedCorrectionCommands:
         if "LOAD" not in pairs:
             return None
         stored = self.meshes.named(pairs["LOAD"])
+        return WaitForMoves(lambda: self.load_mesh(stored, reply))
+
+    @command(
+        "M374",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        'P"name"',
+        "Stores the mesh under a name, as BED_MESH_PROFILE SAVE; without P as `default`.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _save(self, command: Command, reply: Reply) -> Wait | None:
+        name = _file_name(command)
+        self.save_mesh(name)
+        reply.say(f"echo:Height map saved as {name}")
+        return None
+
+    @command(
+        "M375",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        'P"name"',
+        "Corrects by a stored mesh, as BED_MESH_PROFILE LOAD; without P by `default`.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _load(self, command: Command, reply: Reply) -> Wait | None:
+        stored = self.meshes.named(_file_name(command))
         return WaitForMoves(lambda: self.load_mesh(stored, reply))
 
     def save_mesh(self, name: str) -> None:
@@ -347,6 +429,12 @@ class BedCorrectionCommands:
                     yield f"G29 W I{i} J{j} Z{exact(z)}"
         fade = correction.fade.end_mm if correction.fade else 0.0
         yield f"M420 S{int(now.on)} Z{exact(fade)}"
+
+
+def _file_name(command: Command) -> str:
+    """P of RepRapFirmware, whose names of files end in .csv. Raises CommandError."""
+    given = _P.search(command.text)
+    return check_name((given[1] or given[2]).removesuffix(".csv")) if given else DEFAULT
 
 
 def describe(stored: StoredMesh) -> str:

@@ -139,7 +139,7 @@ class DeltaCommands:
         "Takes the lengths that were measured on Klipper's calibration part, with commas, in one"
         " command or several. The part was printed with the geometry in force. CALIBRATE=extended"
         " then probes 7 points as G33, and finds the lengths of the rods, too.",
-        kind=Kind.SERVED,
+        kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )

@@ -236,7 +236,8 @@ class LevellingCommands:
         "D J, W I J Z(mm), S(0-5)",
         "Measures the bed by the method of the machine file; this replaces the correction before."
         " D only measures, J alone forgets the correction. W sets one point of the mesh. S0 to S5"
-        " are those of the paper test (start, next, set, forget), or of RepRapFirmware.",
+        " are those of the paper test (show, start, next, set, raise by Z, forget), or of"
+        " RepRapFirmware.",
         kind=Kind.PROBED,
         bare=ANY,
         lacks=NO_PROBE,
@@ -266,6 +267,11 @@ class LevellingCommands:
             for line in bilinear_grid(corrections.mesh()):
                 reply.say(line)
             return None
+        if paper and step == 4:
+            mm = command.words().get("Z")
+            if mm is None:
+                raise CommandError.of("input.missing-word", axis="G29 S4", value="Z")
+            return WaitForMoves(lambda: corrections.raise_to(mm, reply))
         if (paper and step == 5) or (not paper and step == 2):
             return WaitForMoves(lambda: corrections.put(None, on=False))
         if not paper and step == 1:
@@ -275,7 +281,7 @@ class LevellingCommands:
             return WaitForMoves(lambda: corrections.save_mesh(DEFAULT))
         if step == (1 if paper else 0):
             return self._measure(reply, dry=False)
-        raise CommandError.bad_value("S", step, "0, 1, 2, 3 or 5" if paper else "0 to 3")
+        raise CommandError.bad_value("S", step, "0 to 5" if paper else "0 to 3")
 
     def _measure(self, reply: Reply, *, dry: bool) -> Wait:
         if self._config.method not in ("linear", "quadratic"):

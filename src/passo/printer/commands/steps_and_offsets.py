@@ -11,6 +11,7 @@ from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
 from passo.gcode.registry import Kind, Subject, When, command, in_program
 from passo.geometry.base import Unreachable
+from passo.motion.axis_slots import Z
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
 from passo.printer.commands.extruder_words import extruder_of, with_extruders
@@ -317,6 +318,37 @@ class MotionCommands:
     @in_program("M290", "SET_GCODE_OFFSET")
     def _babystep_in_place(self, command: Command, reply: Reply) -> Wait | None:
         return self._rig.commands.run(command, reply)
+
+    @command(
+        "Z_OFFSET_APPLY_ENDSTOP",
+        Subject.POSITIONS,
+        When.EXCLUSIVE,
+        "",
+        "Makes the babysteps of Z (M290, SET_GCODE_OFFSET) part of its home offset (M206), as Z"
+        " counts from the endstop. No motor moves. M500 stores it.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    def _apply_to_endstop(self, command: Command, reply: Reply) -> Wait | None:
+        homing = self._machine.homing.get("z")
+        if homing is not None and homing.probe:
+            limit = "Z_OFFSET_APPLY_PROBE, since the probe homes Z"
+            raise CommandError.of("command.value", axis="it", value=command.code, limit=limit)
+        return WaitForMoves(lambda: self._absorb_babysteps(reply))
+
+    def _absorb_babysteps(self, reply: Reply) -> None:
+        by, before = self.offsets.babysteps_mm["z"], self.offsets.home_mm["z"]
+        if by == 0:
+            reply.say("// Nothing to do: Z Offset is 0")
+            return
+        self.require_scales("Z_OFFSET_APPLY_ENDSTOP")
+        after = round(before - by, 6)
+        self.offsets.home_mm |= self.home_offsets({"Z": after})
+        # Z of the program stays: what the babysteps have added is now counted from the endstop.
+        self._rig.job.set_axes([(Z, self._rig.job.machine_position[Z] - by)])
+        self._homer.offset_mm["z"] = after
+        self.offsets.babysteps_mm["z"] = 0.0
+        reply.say(f"// M206 Z: {before:.3f} -> {after:.3f}. M500 or SAVE_CONFIG stores it")
 
 
 def _report(reply: Reply, lines: Iterable[str]) -> None:
