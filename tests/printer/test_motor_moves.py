@@ -108,6 +108,8 @@ def nozzle(s):
         ("corexy", ["G91", "G1 B3 F600"], {"b": 3.0}),
         ("delta", ["G91", "G1 H2 X-3 Z-1.5 F600"], {"a": -3.0, "c": -1.5}),
         ("delta", ["G91", "G1 B-2 F600"], {"b": -2.0}),
+        ("scara", ["G91", "G1 H2 X4 Y-3 F600"], {"a": 4.0, "b": -3.0}),
+        ("scara", ["G91", "G1 H2 Z2 F300"], {"z": 2.0}),
     ],
 )
 def test_raw_move_turns_these_motors_of_an_unhomed_machine(machine, lines, moved):

@@ -113,7 +113,8 @@ def _put_skew(job: Import) -> None:
         factors = [section.number(f"{plane}_skew", 0.0) or 0.0 for plane in ("xy", "xz", "yz")]
         if any(factors):
             words = " ".join(f"{word}{value:g}" for word, value in zip("IJK", factors, strict=True))
-            text = f"give min_mm and max_mm of the motors, then send M852 {words} and M500"
+            reach = "min_mm and max_mm of the motors (of crossed belts reach_x_mm and reach_y_mm)"
+            text = f"give {reach}, then send M852 {words} and M500"
             job.draft.decide(section.place, f"[{section.name}]", text)
 
 

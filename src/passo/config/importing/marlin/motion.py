@@ -33,6 +33,11 @@ _KINDS = {  # by define; of the second three the motor that subtracts turns the 
     "COREZY": "coreyz",
     "DELTA": "delta",
 }
+_BELTS = "reach_x_mm and reach_y_mm in [geometry]"
+_CARRIAGES = {  # the keys that skew needs: where its carriages get to
+    "cartesian": "min_mm and max_mm of the motors",
+    **dict.fromkeys(("corexy", "corexz", "coreyz"), _BELTS),
+}
 _REVERSED = ("COREYX", "COREZX", "COREZY")
 _OTHER_KINDS = (
     "MORGAN_SCARA",
@@ -122,8 +127,8 @@ def _put_skew(job: Job) -> None:
     defines = job.defines
     if not defines.on("SKEW_CORRECTION"):
         return
-    if job.kind != "cartesian":
-        job.dropped("SKEW_CORRECTION", "Passo corrects the skew of cartesian machines alone")
+    if job.kind not in _CARRIAGES:
+        job.dropped("SKEW_CORRECTION", "Passo does not correct the skew of machines with arms")
         return
     commands: list[str] = []
     for plane, letter, side in (("XY", "I", "XY"), ("XZ", "J", "XY"), ("YZ", "K", "YZ")):
@@ -135,7 +140,8 @@ def _put_skew(job: Job) -> None:
         elif len(lengths) == len(names) and lengths[0] != lengths[1]:
             commands.append(f"SET_SKEW {plane}={','.join(f'{mm:g}' for mm in lengths)}")
     if commands:
-        text = f"give min_mm and max_mm of the motors, then send {', '.join(commands)} and M500"
+        reach = _CARRIAGES[job.kind]
+        text = f"give {reach}, then send {', '.join(commands)} and M500"
         job.decide("SKEW_CORRECTION", text)
 
 
