@@ -11,7 +11,6 @@ from math import ceil
 from pathlib import Path
 from typing import Any
 
-import passo
 from passo import _core, config
 from passo.config.board import Console
 from passo.errors import FirmwareError, Problem
@@ -20,11 +19,12 @@ from passo.toolchain.formats import intel_hex, uf2
 from passo.toolchain.images import About, about_path, write_about
 from passo.toolchain.tables import compress
 from passo.toolchain.targets import Target, no_firmware
+from passo.version import __version__
 
 
 def firmware_folder() -> Path:
     """The folder of the firmware's sources: in a checkout, or in the installed package."""
-    checkout = Path(passo.__file__).parents[2] / "firmware"
+    checkout = Path(__file__).parents[3] / "firmware"
     return checkout if checkout.is_dir() else Path(_core.__file__).with_name("firmware")
 
 
@@ -158,7 +158,7 @@ def _version(header: str, firmware: Path, *, older_hosts: bool) -> str:
     digest = hashlib.sha256(f"{older_hosts} {header}".encode())
     for path in sorted([*firmware.rglob("*.[chS]"), *firmware.rglob("*.ld")]):
         digest.update(path.read_bytes())
-    return f"{passo.__version__}-{digest.hexdigest()[:12]}"
+    return f"{__version__}-{digest.hexdigest()[:12]}"
 
 
 def _name_of(compiler: list[str]) -> str:
