@@ -4,9 +4,9 @@ import re
 from array import array
 
 import pytest
+from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
 from passo.printer.setup.boards import simulated_bed
 
@@ -24,21 +24,13 @@ KINDS = {
 
 
 def machine(kind, *, passo=False, faults=""):
-    text = shipped_text("i3-probe").replace("noise_mm = 0.002\n", "")
-    assert FIXED in text
-    text = text.replace(FIXED, KINDS.get(kind, kind))
-    text = text.replace("[heaters.hotend]", f"[simulated.probe]\n{faults}\n[heaters.hotend]")
-    return load_text(text + ('firmware = "passo"\n' if passo else ""))
+    jammed = "[heaters.hotend]", f"[simulated.probe]\n{faults}\n[heaters.hotend]"
+    more = 'firmware = "passo"\n' if passo else ""
+    return edited("i3-probe", STILL, (FIXED, KINDS.get(kind, kind)), jammed, more=more)
 
 
 def homed(kind, **options):
-    s = Scenario(machine(kind, **options))
-    s.host.ok("G28", 60)
-    return s
-
-
-def answers(s, line):
-    return [x for x in s.host.ok(line, 120) if x not in ("ok", "echo:busy: processing")]
+    return at_home(machine(kind, **options))
 
 
 def failed(s, line="G30 X110 Y110", **faults):

@@ -5,28 +5,23 @@ from array import array
 from functools import partial
 
 import pytest
+from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.config.load import load_text, shipped_text
 from passo.printer.setup.boards import connect_simulated, simulated_bed
 from passo.simulator import Cable
 
 STEP = 1 / 400
+ON_TOOL = '"^Z_MAX"', '"^tool:Z_MAX"'
 POINTS = [(15, 15), (215, 15), (110, 110), (60.5, 170.25)]
 
 
-def machine(*changes, name="i3-probe"):
-    text = shipped_text(name).replace("noise_mm = 0.002\n", "")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return load_text(text)
+def machine(*changes, more=""):
+    return edited("i3-probe", STILL, *changes, more=more)
 
 
 def homed(*changes, **options):
-    s = Scenario(machine(*changes), **options)
-    s.host.ok("G28", 60)
-    return s
+    return at_home(machine(*changes), **options)
 
 
 def probed(s, x, y):
@@ -39,8 +34,7 @@ def probed(s, x, y):
 
 def refusal(s, line="G30 X110 Y110"):
     """What G30 answers instead of a height."""
-    said = [x for x in s.host.ok(line, 60) if x not in ("ok", "echo:busy: processing")]
-    (text,) = said
+    (text,) = answers(s, line)
     return text
 
 
@@ -71,11 +65,8 @@ def test_probe_measures_the_bed_to_one_step():
 def test_probe_and_motor_may_be_on_two_boards(monkeypatch):
     cable = Cable(5e-3, 1e-3)
     monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
-    text = shipped_text("i3-probe").replace("noise_mm = 0.002\n", "")
-    text = text.replace('"^Z_MAX"', '"^tool:Z_MAX"')
-    tool = '\n[boards.tool]\nbase = "ramps"\ndrift_ppm = 100.0\nstart_s = 77.0\n'
-    with Scenario(load_text(text + tool)) as s:
-        s.host.ok("G28", 60)
+    tool = '[boards.tool]\nbase = "ramps"\ndrift_ppm = 100.0\nstart_s = 77.0\n'
+    with at_home(machine(ON_TOOL, more=tool)) as s:
         bed = simulated_bed(s.machine).shape
         for x, y in POINTS:
             assert probed(s, x, y) == pytest.approx(bed.height(x, y), abs=STEP + 5e-4)
@@ -85,11 +76,9 @@ def test_probe_and_motor_may_be_on_two_boards(monkeypatch):
 
 
 def test_delta_probes_and_knows_its_carriages():
-    text = shipped_text("delta")
-    pin = '\n[probe]\nkind = "fixed"\npin = "^E0_STOP"\ntrigger_height_mm = 0.0\n'
+    pin = '[probe]\nkind = "fixed"\npin = "^E0_STOP"\ntrigger_height_mm = 0.0\n'
     pin += "[simulated.bed]\ntilt_mm = [0.3, 0.2]\n"
-    with Scenario(load_text(text + pin)) as s:
-        s.host.ok("G28", 60)
+    with at_home(edited("delta", more=pin)) as s:
         bed = simulated_bed(s.machine).shape
         for x, y in [(0, 0), (40, 20), (-30, -35)]:
             assert probed(s, x, y) == pytest.approx(bed.height(x, y), abs=1.5 / 87 + 5e-4)
@@ -213,9 +202,7 @@ def test_descents_that_differ_by_more_than_1_mm_are_refused_at_once():
 def test_lost_board_of_the_probe_stops_the_descent(monkeypatch):
     cable = Cable(1e-4, 0.0)
     monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
-    text = shipped_text("i3-probe").replace('"^Z_MAX"', '"^tool:Z_MAX"')
-    with Scenario(load_text(text + '\n[boards.tool]\nbase = "ramps"\n')) as s:
-        s.host.ok("G28", 60)
+    with at_home(machine(ON_TOOL, more='[boards.tool]\nbase = "ramps"\n')) as s:
         s.host.send("G30 X110 Y110")
         assert s.until(lambda: s.positions()["x"] == 135 and s.positions()["z"] < 8, 30)
         s.printer.board.cut_cable("tool")
