@@ -6,6 +6,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
+from functools import cache
 from typing import Annotated, Any
 
 from msgspec import Meta, Struct
@@ -230,7 +231,9 @@ async def shipped(_: Call, name: str) -> ShippedFile:
     return ShippedFile(name, config.shipped_text(name))
 
 
+@cache
 def _shipped() -> list[ShippedMachine]:
+    """They stay the same while Passo runs, and take half a second to load."""
     machines = [(name, config.load(name)) for name in config.shipped_machines()]
     return [
         ShippedMachine(
