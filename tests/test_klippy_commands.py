@@ -11,7 +11,7 @@ from passo.web.klippy.objects import PrinterObjects
 LEFT_OUT = {"M112", "M28", "M928", "M932", "EOF", "RESTART", "FIRMWARE_RESTART"}
 
 
-def test_each_command_runs_or_says_why_not(tmp_path):
+def test_each_command_runs_or_reports_why_not(tmp_path):
     wrong: list[str] = []
 
     async def main():

@@ -291,7 +291,7 @@ def test_files_that_cannot_be_printed(part, tmp_path):
     assert live(main) == ("input.out-of-range", "bad.gcode", 2)
 
 
-def test_a_print_of_a_file_goes_on_after_a_power_cut(part, tmp_path):
+def test_a_print_of_a_file_resumes_after_a_power_cut(part, tmp_path):
     part.write_text("G28\n" + "".join(f"G1 X{10 + i % 50} F600\n" for i in range(100)))
 
     state = str(tmp_path / "state")

@@ -183,7 +183,7 @@ def test_an_unanswered_question_is_named():
     assert bench.connection.ask("debug_ping data=0a7e0b", "pong") == {"data": b"\x0a\x7e\x0b"}
 
 
-def test_a_late_answer_is_nobody_elses():
+def test_a_late_answer_is_not_sent_to_another_client():
     bench = Bench()
     plan = Planner()
     plan.steps(0, True, 40_000, 7)
@@ -213,7 +213,7 @@ def test_a_late_answer_is_not_taken_for_news():
     assert bench.connection.net_steps("x") == 12  # the answer to the repetition said 7
 
 
-def test_the_loop_goes_on_while_a_lost_port_is_opened():
+def test_the_loop_continues_while_a_lost_port_is_opened():
     heard = threading.Event()
     near, far = socket.socketpair()
     descriptors = [near.detach()]

@@ -60,7 +60,7 @@ def test_a_damaged_dictionary_is_named(data):
         Dictionary.parse(data)
 
 
-def test_a_constant_that_is_no_number_is_named():
+def test_a_constant_that_is_not_a_number_is_named():
     text = b'{"commands":{},"responses":{},"config":{"CLOCK_FREQ":"fast"},"enumerations":{}}'
     with pytest.raises(DictionaryError, match="the board's CLOCK_FREQ is 'fast', not a number"):
         Dictionary.parse(zlib.compress(text)).number("CLOCK_FREQ")

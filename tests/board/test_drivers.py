@@ -260,7 +260,7 @@ def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
 
 @pytest.mark.parametrize("chip", WIRES)
 @pytest.mark.parametrize("lost", range(4))
-def test_a_reset_is_told_of_though_an_answer_is_lost(chip: ChipName, lost: int):
+def test_a_reset_is_reported_though_an_answer_is_lost(chip: ChipName, lost: int):
     """A TMC2130 forgets it as it tells of it."""
     made, drivers = bench(chip)
     drivers.configure()
@@ -274,7 +274,7 @@ def test_a_reset_is_told_of_though_an_answer_is_lost(chip: ChipName, lost: int):
 
 @pytest.mark.parametrize("chip", ["TMC2130", "TMC5160"])
 @pytest.mark.parametrize("spoilt", range(8))
-def test_one_damaged_answer_by_spi_is_no_fault(chip: ChipName, spoilt: int):
+def test_one_damaged_answer_by_spi_is_not_a_fault(chip: ChipName, spoilt: int):
     made, drivers = bench(chip)
     drivers.configure()
     made.connection.link = SpoilingLink(made, spoilt)

@@ -170,7 +170,7 @@ def test_open_coils():
     assert open_coils("TMC5160", Reading(0, 3 << 29)) == ["A", "B"]
 
 
-def test_a_wire_that_is_always_low_is_no_driver():
+def test_a_wire_that_is_always_low_is_not_a_driver():
     exchange = DriverLink("x", "TMC5160", SpiWire(0), "PG2").status()
     next(exchange)
     with pytest.raises(DriverFailure, match="does not answer"):

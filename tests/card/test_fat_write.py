@@ -85,7 +85,7 @@ def test_slots_of_deleted_files_are_used_again(small: Image):
     small.check()
 
 
-def test_garbage_behind_the_end_mark_stays_invisible(small: Image):
+def test_garbage_after_the_end_mark_stays_invisible(small: Image):
     card = small.card()
     where = card._volume.layout.offset(2)
     card.close()

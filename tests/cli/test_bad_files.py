@@ -65,7 +65,7 @@ def test_bad_input_is_one_sentence(capsys, tmp_path, name):
     assert sentence in err
 
 
-def test_a_print_that_failed_tells_its_warnings_and_its_cost(capsys, tmp_path):
+def test_a_print_that_failed_reports_its_warnings_and_its_cost(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G28\nM9999\nG1 X10 F3000\nM9999\nG1 X300\n")
     assert main(["print", str(path), "--assume-ready", "--json"]) == 4

@@ -87,7 +87,7 @@ def test_a_full_file_is_renamed_and_five_are_kept(tmp_path, monkeypatch):
     assert "record 299" in (tmp_path / "log").read_text()
 
 
-def test_a_full_disk_is_reported_once_and_the_print_goes_on(tmp_path):
+def test_a_full_disk_is_reported_once_and_the_print_continues(tmp_path):
     (tmp_path / "part.g").write_text("G28\nG1 X20 F3000\n")
     told = []
     log = LogFile("/dev/full", "text", "debug")

@@ -75,7 +75,7 @@ def test_the_least_accelerations_of_a_program_print(capsys, tmp_path, line):
         ),
     ],
 )
-def test_lesser_limits_are_told_and_change_nothing(capsys, tmp_path, line, says):
+def test_lesser_limits_are_reported_and_change_nothing(capsys, tmp_path, line, says):
     _, plain, _ = told(capsys, tmp_path, PROGRAM)
     status, result, err = told(capsys, tmp_path, f"{line}\n{PROGRAM}")
     assert status == 0
@@ -145,7 +145,9 @@ def test_wrong_limits_are_named_with_their_line(capsys, tmp_path, line, says):
         ),
     ],
 )
-def test_keys_without_effect_are_told_and_the_others_act(capsys, tmp_path, junction, words, says):
+def test_keys_without_effect_are_reported_and_the_others_act(
+    capsys, tmp_path, junction, words, says
+):
     machine = tmp_path / "m.toml"
     text = shipped_text("i3").replace('junction = "deviation"', f'junction = "{junction}"')
     machine.write_text(text)
@@ -169,7 +171,7 @@ def test_blanks_around_the_sign_of_a_pair_mean_nothing(capsys, tmp_path):
 @pytest.mark.parametrize(
     "line", ["N1 G1 X5*{}", "M92 {}=", "SET_VELOCITY_LIMIT {}=1", "G5.{}", "#{}", "M104 S1 {}"]
 )
-def test_of_a_long_text_only_its_beginning_is_told(capsys, tmp_path, line):
+def test_of_a_long_text_only_its_beginning_is_reported(capsys, tmp_path, line):
     _, result, err = told(capsys, tmp_path, f"G28\n{line.format('A' * 5000)}\nG1 X1\n")
     assert all(len(text) < 700 for text in err.splitlines())
     assert all(len(text) < 700 for text in result["warnings"] + result["errors"])

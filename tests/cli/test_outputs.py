@@ -50,7 +50,7 @@ def test_npz_within_the_bound(short, tmp_path, machine):
         assert (np.diff(ticks) > 0).all()
 
 
-def test_steps_tells_what_print_warns_of(capsys, tmp_path):
+def test_steps_prints_the_warnings_of_print(capsys, tmp_path):
     path = tmp_path / "a.gcode"
     path.write_text("G28\nM999999\nG1 X5 F3000\nM0\nG1 X6\n")
     assert main(["print", str(path), "--assume-ready"]) == 0
@@ -262,7 +262,7 @@ LINES = {
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_explain_tells_the_commands_of_a_line(capsys, tmp_path, line):
+def test_explain_shows_the_commands_of_a_line(capsys, tmp_path, line):
     path = tmp_path / "a.gcode"
     path.write_text(f"G28\n{line}\n")
     rows = explained(capsys, path, 2).split("\n\n")[1].splitlines()
@@ -307,7 +307,7 @@ LAW = "junction deviation: v"
         (19, "at 17.32 mm/s: what comes before or after it allows no more", "is no move after it."),
     ],
 )
-def test_explain_tells_what_bounds_a_corner(capsys, tmp_path, line, before, after):
+def test_explain_shows_what_limits_a_corner(capsys, tmp_path, line, before, after):
     path = tmp_path / "a.gcode"
     path.write_text(CORNERS)
     corners = [
@@ -319,7 +319,7 @@ def test_explain_tells_what_bounds_a_corner(capsys, tmp_path, line, before, afte
 
 
 @pytest.mark.parametrize("bad", ["G1 X300", "M112", "M104 S"])
-def test_explain_does_not_mind_what_is_wrong_behind_the_line(capsys, tmp_path, bad):
+def test_explain_ignores_errors_after_the_line(capsys, tmp_path, bad):
     path = tmp_path / "a.gcode"
     path.write_text(f"G28\nG1 X5 F600\n{bad}\nG1 X7\n")
     assert "a travel move of 5.000 mm" in explained(capsys, path, 2)
@@ -415,7 +415,7 @@ sys.exit(main())
     assert [p.name for p in tmp_path.iterdir()] == ["short.gcode"]
 
 
-def test_a_time_that_is_no_number_is_told(short, capsys):
+def test_a_time_that_is_not_a_number_is_reported(short, capsys):
     assert main(["steps", short, "--output", "o.npz", "--from", "soon"]) == 2
     assert "'soon' is not a time in seconds" in capsys.readouterr().err
 
@@ -497,7 +497,7 @@ def test_characters_unknown_to_terminal_are_replaced(short, plain):
     assert b"mm/s\\xb2" in run.stdout
 
 
-def test_names_that_are_no_text_are_readable(tmp_path):
+def test_names_that_are_not_text_are_readable(tmp_path):
     path = tmp_path / os.fsdecode(b"caf\xc3\xa9 \xff.g")
     path.write_text("G28\nG1 X1 F600\n")
     page = tmp_path / "page.html"

@@ -42,7 +42,7 @@ def test_standard_output_that_is_full_is_one_sentence(tmp_path, words, unbuffere
     assert "ignored" not in run.stderr
 
 
-def test_a_reader_that_has_gone_is_no_error():
+def test_a_reader_that_has_gone_is_not_an_error():
     command = f"{sys.executable} -m passo machines | true; echo ${{PIPESTATUS[0]}}"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert (run.stdout, run.stderr) == ("0\n", "")
@@ -75,7 +75,7 @@ def test_full_disk_is_reported_only_if_output_was_lost():
     assert [line.partition(":")[0] for line in run.stderr.splitlines()] == ["missing.toml"]
 
 
-def test_a_closed_standard_output_is_no_error():
+def test_a_closed_standard_output_is_not_an_error():
     command = f"{sys.executable} -m passo machines >&-"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert (run.returncode, run.stderr) == (0, "")

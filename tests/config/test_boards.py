@@ -293,7 +293,7 @@ def test_console_flash_and_clock(name: str) -> None:
     assert board.incomplete == ("usb" if connector == "usb" else "")
 
 
-def test_boards_that_need_hands_say_so() -> None:
+def test_boards_that_need_manual_steps_state_them() -> None:
     need = {n for n in BOARDS if (f := config.load_board(n).flash) and (f.before or f.after)}
     assert need == {*BOARDS} - {"ramps", "mks-gen", "mks-gen-l"}
 

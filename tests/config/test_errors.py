@@ -256,7 +256,7 @@ def test_an_empty_file_lacks_every_table() -> None:
     }
 
 
-def test_bytes_that_are_no_text(tmp_path: Path) -> None:
+def test_bytes_that_are_not_text(tmp_path: Path) -> None:
     path = tmp_path / "binary.toml"
     path.write_bytes(b"name = '\xff'")
     with pytest.raises(ConfigError, match=r":1: is not UTF-8 text: byte 0xFF at column 9\. Save"):
@@ -315,7 +315,7 @@ def test_text_beyond_parser_limits_is_one_sentence(text: str, sentence: str) -> 
     assert problem.entry.status == 3
 
 
-def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path, i3_text: str) -> None:
+def test_a_byte_order_mark_is_not_part_of_the_text(tmp_path: Path, i3_text: str) -> None:
     path = tmp_path / "mark.toml"
     path.write_bytes(b"\xef\xbb\xbf" + i3_text.encode())
     assert config.load(path).name == "i3"

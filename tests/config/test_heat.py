@@ -165,7 +165,7 @@ def duet(text: str) -> str:
     return text
 
 
-def test_a_board_says_what_its_pull_ups_are(i3_text):
+def test_a_board_file_states_its_pull_ups(i3_text):
     heaters = config.load_text(duet(i3_text)).heaters
     assert [getattr(h.sensor, "pullup_ohm", None) for h in heaters.values()] == [1000.0, 1000.0]
     # 100 kΩ at 25 °C, β 3950 K: 743.5 Ω at 200 °C.

@@ -245,7 +245,7 @@ def test_numbers_of_fans() -> None:
             config.load_text(I3.replace('pin = "D9"', f'pin = "D9"\nnumber = {number}'))
 
 
-def test_known_words_are_told_if_they_are_few() -> None:
+def test_known_words_are_reported_if_they_are_few() -> None:
     assert did_you_mean("d9", ["D8", "D9"]) == "Did you mean 'D9'?"
     assert did_you_mean("q", []) == ""
     assert did_you_mean("q", map(str, range(17))) == ""
@@ -259,7 +259,7 @@ def test_unknown_machine_names_the_close_one() -> None:
     assert str(caught.value) == "there is no machine called 'corexz'. Did you mean 'corexy'?"
 
 
-def test_a_file_without_the_ending_toml_is_no_machine(tmp_path, monkeypatch) -> None:
+def test_a_file_without_the_ending_toml_is_not_a_machine(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "ok.g").touch()
     with pytest.raises(ConfigError) as caught:

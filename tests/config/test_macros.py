@@ -50,7 +50,7 @@ def test_macros_that_cannot_be_used(text, told):
         with_macros(text)
 
 
-def test_the_core_is_told_of_macros_and_what_they_replace():
+def test_the_core_gets_macros_and_what_they_replace():
     text = macro("G28", "G28.1", rename_existing='"G28.1"') + macro("FOO", "M400")
     assert with_macros(text).core_spec()["macros"] == {
         "names": ["G28", "FOO"],

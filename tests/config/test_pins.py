@@ -226,7 +226,7 @@ def test_functions_without_a_pin_have_the_boards_own() -> None:
     assert machine.fans["part"].pin == "FAN"
 
 
-def test_any_function_may_be_bound_anew(i3_text: str) -> None:
+def test_any_function_may_be_rebound(i3_text: str) -> None:
     text = i3_text.replace('pin = "D9"', 'pin = "D11"').replace('"^X_MIN"', '"^X_MAX"')
     text = text.replace('socket = "E0"', 'socket = "E0"\nstep_pin = "D40"')
     rebound = {b.key: (b.pin, b.original) for b in bindings(config.load_text(text)) if b.rebound}
@@ -363,7 +363,7 @@ def test_without_a_dictionary_the_clock_must_be_told(tmp_path: Path) -> None:
         b'{"config": {"CLOCK_FREQ": 72000000}, "enumerations": [1]}',
     ],
 )
-def test_a_file_that_is_no_dictionary_is_named(tmp_path: Path, content: bytes) -> None:
+def test_a_file_that_is_not_a_dictionary_is_named(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "board.dict").write_bytes(content)
     (broken,) = problems_of(KLIPPER, str(tmp_path / "my.toml"))
     assert "expected a data dictionary of Klipper's protocol" in broken

@@ -76,7 +76,7 @@ def test_temperatures_that_come_anyway_are_not_doubled(s):
     assert len([line for line in s.host.heard if " T:" in line]) == 2
 
 
-def test_a_fault_that_nobody_has_told_yet_ends_a_wait():
+def test_an_unreported_fault_ends_a_wait():
     """The thread of the link knows of it before the event loop does."""
     machine = config.load("i3")
     own = {n: h.model_copy(update={"on_fault": "heater"}) for n, h in machine.heaters.items()}
@@ -97,7 +97,7 @@ ASKED = ["prompt_button Continue", "prompt_show"]
 
 @pytest.mark.parametrize("command", ["M600", "M601", "M25"])
 @pytest.mark.parametrize("answer", ["M24", "M602", "M876 S0", "M108"])
-def test_hosts_know_of_a_pause_in_a_file(tmp_path, command, answer):
+def test_hosts_are_notified_of_a_pause_in_a_file(tmp_path, command, answer):
     (tmp_path / "a.g").write_text(f"G92 X20 Y20 Z20\nG1 X30 F6000\n{command}\nG1 X50\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M23 a.g")
@@ -132,7 +132,7 @@ def test_a_wait_for_a_person_in_a_file_ends_as_a_pause_does(tmp_path, answer):
         assert actions(s.host) == ["prompt_begin Look", *ASKED, "prompt_end"]
 
 
-def test_a_cancel_in_a_pause_asks_nobody_any_more(tmp_path):
+def test_a_cancel_in_a_pause_ends_the_question_to_the_user(tmp_path):
     (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\nG1 X30 F6000\nM600\nG1 X50\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M23 a.g")

@@ -53,7 +53,7 @@ def oks(host, start=0):
 
 
 @pytest.mark.parametrize("numbers", [False, True])
-def test_m112_acts_behind_many_lines_of_its_console(s, numbers):
+def test_m112_acts_after_many_lines_of_its_console(s, numbers):
     start = len(s.host.heard)
     s.host.send(*piped("M112", numbers=numbers))
     assert s.printer.halted == "emergency stop by M112"

@@ -44,7 +44,7 @@ def test_uploaded_file_prints_and_survives(image):
     assert clean(image)
 
 
-def test_a_block_device_is_printed_from_and_let_go(image, monkeypatch):
+def test_a_block_device_is_printed_from_and_released(image, monkeypatch):
     device = BlockDevice(image, monkeypatch)
     with Scenario("i3", card=str(image)) as s:
         s.host.ok("M28 a long name.gcode")
@@ -65,7 +65,7 @@ def test_a_block_device_is_printed_from_and_let_go(image, monkeypatch):
     assert clean(image)
 
 
-def test_a_full_card_keeps_what_it_has_and_says_so(image):
+def test_a_full_card_keeps_its_files_and_reports_it(image):
     with Scenario("i3", card=str(image)) as s:
         s.host.ok("M28 a.g")
         s.host.ok("G28 X")
@@ -84,7 +84,7 @@ def test_a_full_card_keeps_what_it_has_and_says_so(image):
     assert clean(image)
 
 
-def test_a_file_is_no_card(tmp_path):
+def test_a_file_is_not_a_card(tmp_path):
     (tmp_path / "not.img").write_bytes(b"no file system" * 1000)
     with pytest.raises(CardError, match="FAT32"), Scenario("i3", card=str(tmp_path / "not.img")):
         pass

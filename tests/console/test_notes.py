@@ -61,7 +61,7 @@ def test_a_note_is_no_failure(s):
     assert s.host.ok("M105")[0].startswith("ok T:")
 
 
-def test_a_file_tells_its_notes_once(tmp_path):
+def test_a_file_reports_its_notes_once(tmp_path):
     (tmp_path / "a.g").write_text("M907 X1\nM907 X2\nM300\n" * 3)
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
@@ -196,7 +196,7 @@ def test_m106_at_most_turns_the_fan_fully_on(s):
     ("words", "layer"),
     [("L0.2", "0.200,0.240"), ("H16 L0.22", "0.200,0.240"), ("H8 L0.15", "0.140,0.160")],
 )
-def test_m92_tells_the_heights_of_whole_steps(s, words, layer):
+def test_m92_reports_the_heights_of_whole_steps(s, words, layer):
     """400 microsteps a mm: sixteen of them are 0.04 mm."""
     before = s.host.ok("M92")[0]
     (told, ok) = s.host.ok(f"M92 {words}")
@@ -226,7 +226,7 @@ def test_m92_tells_the_heights_of_whole_steps(s, words, layer):
         ("i3", "M220 S4000", "echo:M220: 4000 % is not within 10 to 1000 %, 1000 % is taken"),
     ],
 )
-def test_letters_that_move_nothing_and_limits_are_told(machine, line, told):
+def test_letters_that_move_nothing_and_limits_are_reported(machine, line, told):
     with Scenario(machine) as s:
         assert told in s.host.ok(line)[0]
         assert s.host.ok("M201")[0].startswith("M201 X")

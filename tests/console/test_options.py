@@ -19,7 +19,7 @@ def s():
         yield scenario
 
 
-def test_options_are_told(s):
+def test_options_are_reported(s):
     for name, value in {
         "XStepsPerUnit": "80",
         "ZMaxSpeed": "12",
@@ -96,7 +96,7 @@ def test_machine_file_values_have_aprinter_names(machine):
             assert s.host.ok(f"M925 I{name}") == [f"{value:g}", "ok"], name
 
 
-def test_a_platinum_sensor_and_currents_of_drivers_are_told():
+def test_a_platinum_sensor_and_currents_of_drivers_are_reported():
     text = machine_text()
     begin = text.index("[heaters.hotend]")
     text = text[:begin] + text[begin:].replace(
@@ -155,7 +155,7 @@ def test_a_new_value_is_pending_until_m930(s):
     assert s.host.ok("M925 IXStepsPerUnit")[0] == "80"  # as at the start
 
 
-def test_m408_tells_what_is_pending(s):
+def test_m408_reports_what_is_pending(s):
     def pending(form=0):
         return json.loads(s.host.ok(f"M408 S{form}")[0])["pending"]
 

@@ -158,7 +158,7 @@ def test_a_comment_may_be_of_any_length(protocol, line):
     ],
 )
 @pytest.mark.parametrize("before", [[], [numbered(1, "G28")]])
-def test_a_star_in_a_text_is_no_checksum(protocol, text, before):
+def test_a_star_in_a_text_is_not_a_checksum(protocol, text, before):
     fed(protocol, *before)
     (found,) = fed(protocol, text)
     # Amid numbered lines a file's name or a message may be what is left of one.
@@ -198,7 +198,7 @@ def test_a_line_that_comes_twice_is_taken_once(protocol):
     assert fed(protocol, numbered(3, "G1 X1")) == [Line("G1 X1", 3)]
 
 
-def test_a_host_that_counts_anew_without_saying_so_is_told(protocol):
+def test_a_host_that_restarts_its_numbers_gets_a_resend(protocol):
     fed(protocol, numbered(1, "G1 X1"), numbered(2, "G1 X2"))
     assert fed(protocol, numbered(1, "G28"))[0].resend == 3
     assert fed(protocol, "M110 N0", numbered(1, "G1 X1"))[1] == Line("G1 X1", 1)
@@ -235,7 +235,7 @@ def test_arbitrary_bytes_do_no_harm(protocol):
     assert found[0] == Line("G1 X1\udcff\udcfe")
 
 
-def test_a_checksum_counts_bytes_that_are_no_text(protocol):
+def test_a_checksum_counts_bytes_that_are_not_text(protocol):
     text = numbered(1, "M117 \xb0C")
     assert fed(protocol, text) == [Line("M117 \udcb0C", 1)]
 

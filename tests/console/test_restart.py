@@ -22,7 +22,7 @@ def at_once(s, *texts):
     s.run(receive())
 
 
-def test_the_lines_behind_it_find_the_printer_ready(s):
+def test_the_lines_after_it_find_the_printer_ready(s):
     s.host.ok("M112")
     s.passes(1)
     s.host.send("M999", "G28", "M104 S50", "G1 X5 F6000", "M400")
@@ -33,7 +33,7 @@ def test_the_lines_behind_it_find_the_printer_ready(s):
     assert s.positions()["x"] == 5
 
 
-def test_directly_behind_the_emergency_stop(s):
+def test_directly_after_the_emergency_stop(s):
     s.host.send("M112", "M999", "G92 X0 Y0 Z0", "G1 X5 F6000", "M400")
     for _ in range(5):
         s.host.expect("^ok", 10)
@@ -68,7 +68,7 @@ def test_an_emergency_stop_behind_it_in_the_same_moment_holds(s):
 
 
 @pytest.mark.parametrize("question", ["M119", "M114 R", "M114 D"])
-def test_a_stopped_board_tells_nothing_more(s, question):
+def test_a_stopped_board_reports_nothing_more(s, question):
     s.host.send("M112")
     s.passes(1)
     *_, told, ok = s.host.ok(question)

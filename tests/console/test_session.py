@@ -379,7 +379,7 @@ def test_m118_speaks_to_all_consoles(s, command, heard):
     assert other.heard == [heard]
 
 
-def test_advanced_ok_tells_number_and_room(ready):
+def test_advanced_ok_reports_number_and_room(ready):
     ready.host.session.advanced_ok = True
     assert ready.host.ok("N0 M110 N0*125") == [f"ok N0 P2048 B{BACKLOG}"]
     assert ready.host.ok("M110 N0") == [f"ok P2048 B{BACKLOG}"]
@@ -481,7 +481,7 @@ def test_m112_acts_ahead_of_every_queue(ready, busy, own):
 
 
 @pytest.mark.parametrize("own", [True, False])
-def test_m108_ends_a_wait_behind_a_full_backlog(ready, own):
+def test_m108_ends_a_wait_after_a_full_backlog(ready, own):
     other = ready.host if own else Host(ready)
     ready.host.send("M109 S250", *["M110"] * (BACKLOG - 1))
     ready.passes(1)
@@ -493,7 +493,7 @@ def test_m108_ends_a_wait_behind_a_full_backlog(ready, own):
     assert ready.host.ok("G1 X25 F6000") == ["ok"]
 
 
-def test_m108_ends_the_wait_for_moves_and_the_moves_go_on(ready):
+def test_m108_ends_the_wait_for_moves_and_the_moves_continue(ready):
     ready.host.send("G1 X60 F1200", "M400")
     ready.passes(0.5)
     ready.host.send("M108")
@@ -512,7 +512,7 @@ def test_m108_before_a_wait_does_not_end_it(s):
 
 
 @pytest.mark.parametrize("own", [True, False])
-def test_m410_stops_the_moves_behind_a_full_backlog(ready, own):
+def test_m410_stops_the_moves_after_a_full_backlog(ready, own):
     other = ready.host if own else Host(ready)
     ready.host.send("G1 X200 F3000", "M400", *["M110"] * (BACKLOG - 2))
     ready.passes(1)
@@ -573,7 +573,7 @@ def test_a_console_that_goes_while_it_waits_for_its_turn(ready):
     assert ready.positions()["x"] == 60.0
 
 
-def test_after_m999_consoles_go_on(ready):
+def test_after_m999_consoles_continue(ready):
     ready.host.ok("M112")
     ready.host.expect("^Error:Printer halted", 1)
     assert "Printer stopped: emergency stop by M112" in ready.host.ok("G28")[0]
@@ -595,7 +595,7 @@ def test_lines_of_a_file_are_not_commands_ahead_of_the_queue(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["G28", "M109 S250", "G1 X100 F600\nM400", "M303 E0 S200"])
-def test_m999_right_behind_m112_leaves_no_wait_behind(ready, command):
+def test_m999_right_after_m112_leaves_no_wait_behind(ready, command):
     other = Host(ready)
     other.send(*command.split("\n"))
     ready.passes(0.5)

@@ -84,7 +84,7 @@ def test_idle_times_and_the_stop_at_endstops_are_settings(tmp_path):
         assert s.host.ok("M540")[0] == "M540 S0"
 
 
-def test_factors_of_the_moment_are_no_settings(tmp_path):
+def test_factors_of_the_moment_are_not_settings(tmp_path):
     """M220 and M221 belong to one print: they are neither reported nor stored."""
     with Scenario("i3", state=str(tmp_path)) as s:
         before = report(s)
@@ -262,7 +262,7 @@ def test_a_stored_value_beyond_the_files_limits_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("code", ["M501", "M502"])
-def test_settings_come_back_when_the_machine_stands(tmp_path, code):
+def test_settings_come_back_when_the_machine_is_idle(tmp_path, code):
     """Its moves were planned in the scales of before."""
     with Scenario("i3", state=str(tmp_path)) as s:
         s.host.ok("M500")
@@ -369,7 +369,7 @@ def test_a_new_feed_factor_acts_on_moves_that_are_planned(s):
     assert s.printer.job.speed_factor == 4
 
 
-def test_the_flow_is_told(s):
+def test_the_flow_is_reported(s):
     assert s.host.ok("M221")[0] == "echo:E0 Flow: 100%"
     s.host.ok("M221 S95")
     assert s.host.ok("M221")[0] == "echo:E0 Flow: 95%"

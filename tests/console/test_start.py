@@ -56,13 +56,13 @@ def closed(monkeypatch):
     return times
 
 
-def test_a_card_that_cannot_be_used_lets_go_of_the_board(tmp_path, closed):
+def test_a_card_that_cannot_be_used_releases_the_board(tmp_path, closed):
     with pytest.raises(CardError):
         Scenario(card=str(tmp_path / "nothing"))
     assert len(closed) == 1
 
 
-def test_a_board_that_fails_at_once_is_let_go(monkeypatch, closed):
+def test_a_board_that_fails_at_once_is_released(monkeypatch, closed):
     def fails(*_: object) -> None:
         raise PassoError.of("machine.place-unknown")
 

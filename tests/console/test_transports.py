@@ -181,7 +181,7 @@ async def test_the_link_of_a_pty_goes_with_it(s, tmp_path):
 
 
 @served
-async def test_a_pty_takes_the_place_of_a_stale_link(s, tmp_path):
+async def test_a_pty_replaces_a_stale_link(s, tmp_path):
     path = tmp_path / "port"
     path.symlink_to(tmp_path / "gone")
     await s.pty(path)
@@ -200,7 +200,7 @@ async def test_a_pty_leaves_a_file_alone(s, tmp_path):
 
 
 @served
-async def test_a_host_that_does_not_read_blocks_nobody(s, tmp_path):
+async def test_a_host_that_does_not_read_blocks_no_other_client(s, tmp_path):
     console = await s.pty(tmp_path / "port")
     listener = await at_tcp(await s.tcp())
     for _ in range(3000):

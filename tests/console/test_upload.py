@@ -237,7 +237,7 @@ def test_m112_after_queued_upload_is_text_if_upload_begins(s, tmp_path):
     assert s.printer.halted == "emergency stop by M112"
 
 
-def test_m112_behind_the_end_of_an_upload_in_hand_acts_at_once(s):
+def test_m112_after_the_end_of_an_upload_in_hand_acts_at_once(s):
     s.host.ok("G92 X20 Y20 Z20")
     s.host.send("G1 X100 F600", "M400", "M28 old.g", "G28", "M29", "M112")
     s.passes(0.1)

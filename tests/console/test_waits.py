@@ -237,7 +237,7 @@ def test_a_fault_in_what_is_waited_for_halts(s, monkeypatch):
     assert not s.printer.halted
 
 
-def test_a_fault_behind_a_full_plan_gives_the_turn(s, monkeypatch):
+def test_a_fault_after_a_full_plan_releases_the_motion_lock(s, monkeypatch):
     s.host.ok("G1 X100 F600")
     s.host.send("G1 X120", "M118 after")
     monkeypatch.setattr(s.printer.dispatch, "take_line", broken)

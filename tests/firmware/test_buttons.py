@@ -37,7 +37,7 @@ def pressed(board: RawBoard, on: bool, looks: int):
     return board.wait(looks * REST)
 
 
-def test_a_bounce_of_one_look_is_nothing(board):
+def test_a_bounce_of_one_sample_does_not_trigger(board):
     assert pressed(board, False, 10) == []
     assert pressed(board, True, 1) == []
     assert pressed(board, False, 10) == []
@@ -56,7 +56,7 @@ def test_an_input_that_bounces_does_not_hold_up_another(board):
     assert states(said) == [(0, [1])]
 
 
-def test_states_are_told_until_they_are_acknowledged(board):
+def test_states_are_reported_until_they_are_acknowledged(board):
     assert states(pressed(board, True, 2)) == [(0, [1])]
     assert states(pressed(board, False, 2)) == [(0, [1, 0])]
     assert states(board.wait(AGAIN * REST)) == [(0, [1, 0])]

@@ -69,7 +69,7 @@ def test_an_unknown_type_shuts_the_board_down():
     assert board.device.fault == "Invalid thermocouple chip type"
 
 
-def test_a_converter_that_is_no_longer_asked_watches_nothing():
+def test_a_converter_that_is_not_read_checks_nothing():
     board = RawBoard()
     for line in (
         "allocate_oids count=3",

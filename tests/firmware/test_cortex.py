@@ -414,7 +414,7 @@ def test_an_endstop_is_looked_at_every_15_us(case: Case) -> None:
     assert 0 <= clock - rises[-1] < 1.05 * interval
 
 
-def test_reset_starts_the_chip_anew(case: Case) -> None:
+def test_reset_restarts_the_chip(case: Case) -> None:
     host = case.host()
     host.send("emergency_stop")
     host.give("reset")

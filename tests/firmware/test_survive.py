@@ -59,7 +59,7 @@ class Host:
 
 
 @pytest.mark.parametrize("words", [("survive_off", "survive_arm"), ("survive_home", "survive_arm")])
-def test_commits_are_counted_anew(words):
+def test_commits_are_counted_again(words):
     host = Host()
     host.commit(host.board.now + 500_000, rest=True)
     assert host.state() == ("resting", 1)
@@ -116,7 +116,7 @@ def test_without_a_further_commit_the_tails_stop_the_motors():
 @given(
     st.lists(st.tuples(st.integers(2, 12), st.integers(0, 4)), min_size=2, max_size=8), st.data()
 )
-def test_each_commit_takes_the_place_of_the_one_before(periods, data):
+def test_each_commit_replaces_the_one_before(periods, data):
     """The link breaks at any of the commits, before or behind its message."""
     host = Host()
     until = data.draw(st.integers(0, len(periods) - 1), "commits that arrive")
@@ -414,7 +414,7 @@ def test_host_gets_decision_and_late_commands():
     assert host.state() == ("held", 1)
 
 
-def test_nobody_turns_a_laser_on_while_the_board_holds():
+def test_the_laser_stays_off_while_the_board_holds():
     host = Host()
     host.tell("survive_output oid=2 value=0 seconds=0")
     host.tell("survive_output oid=3 value=0 seconds=0")
@@ -502,7 +502,7 @@ def test_expired_duration_without_survive_shuts_down():
     assert host.board.device.fault == "Missed scheduling of next digital out event"
 
 
-def test_a_heater_that_is_told_late_takes_its_value_at_once():
+def test_a_late_heater_command_takes_effect_at_once():
     """A frame that had to be repeated on a bad link is no reason to stop."""
     host = Host()
     heater = host.board.dictionary.enumerations["pin"]["PB4"]

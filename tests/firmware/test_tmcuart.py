@@ -95,7 +95,7 @@ def test_nobody_answers():
     assert ticks == pytest.approx(REST + BIT * (40 + 68), abs=BIT)
 
 
-def test_a_line_that_is_always_low_is_no_answer():
+def test_a_line_that_is_always_low_is_not_an_answer():
     board = RawBoard()
     for line in (
         "allocate_oids count=1",

@@ -9,7 +9,7 @@ def states(said: list) -> list[tuple[int, int, int]]:
     return [(v["clock"], v["can_trigger"], v["trigger_reason"]) for v in found]
 
 
-def test_a_second_start_takes_the_place_of_the_first():
+def test_a_second_start_replaces_the_first():
     board = RawBoard()
     board.configure()
     start = board.now

@@ -115,7 +115,7 @@ def test_tools_that_are_drawn_back_share_the_hop():
     assert heights(lines, "dual-extruder")[2:] == [11, 10, 10, 11, 13, 14, 13, 13, 14]
 
 
-def test_the_programs_height_is_told_without_the_hop():
+def test_the_programs_height_is_reported_without_the_hop():
     job = Job(spec("i3"), False)
     job.feed(f"{RETRACTED}G92 Z3\nG28 X\n".encode())
     while job.advance() == JobStatus.EVENT:

@@ -28,7 +28,7 @@ def test_e_is_relative_while_g91_or_m83_is_in_force(modes, x, e):
     assert out.ends == [(10, 0, 0, 1), (x, 0, 0, e)]
 
 
-def test_the_extruder_axis_goes_on_where_relative_moves_left_it():
+def test_the_extruder_axis_continues_after_relative_moves():
     out = run("G1 X1 E5\nM83\nG1 X2 E1\nM82\nG1 X3 E7\n")
     assert [end[3] for end in out.ends] == [5, 6, 7]
 
@@ -79,7 +79,7 @@ def test_kinds_of_moves():
     ],
 )
 @pytest.mark.parametrize("hop", ["", "M207 Z.7\nG10\n"])
-def test_a_rounding_is_no_move(line, kind, hop):
+def test_a_rounding_is_not_a_move(line, kind, hop):
     """Ten tenths are not 1: the difference made a print of a retraction."""
     steps = 10 * "G1 X.1 Y.1 Z.1 E.1\n"
     out = run(f"{hop}G1 Z5 F600\nG91\nM83\n{steps}G90\n{line}\n", "unbounded")
@@ -241,7 +241,7 @@ def test_a_machine_without_tools_has_no_volumes(words):
     assert run("M200 T1 D0\n", "laser").errors == [(1, Fault.MISSING_TOOL, "T", 1, 0)]
 
 
-def test_axes_behind_what_means_nothing_here_are_moves():
+def test_axes_after_what_means_nothing_here_are_moves():
     """Headers of many mills: the first cut begins where they go."""
     out = run("G0 G90 G54 X50 Y40 S300 M3\nG43 H1 Z15\nG94 F600\nG1 Z1\nG43 H2\nG54\n", "cnc")
     assert out.errors == []

@@ -14,7 +14,7 @@ NAMELESS = (
 
 @pytest.mark.parametrize("code", NAMELESS.split())
 @pytest.mark.parametrize("modal", ["", "G0 X1\n", "G1 X1\n"])
-def test_a_move_behind_a_command_without_axes(code, modal):
+def test_a_move_after_a_command_without_axes(code, modal):
     out = run(f"{modal}{code} X10 Y5\nY6\n")
     assert out.errors == []
     assert out.ends[-2:] == [(10, 5, 0, 0), (10, 6, 0, 0)]
@@ -64,7 +64,7 @@ def test_without_axes_such_a_command_changes_nothing():
 
 
 @pytest.mark.parametrize("line", ["M6 T1", "M06 T1", "M6T1", "T1 M6", "m6 t1"])
-def test_a_tool_behind_a_change_of_tools_is_taken(line):
+def test_a_tool_after_a_change_of_tools_is_taken(line):
     out = run(f"{line}\nG1 X30 E1\n", "dual-extruder")
     assert sorted(out.commands) == ["M6", "T1"]
     assert out.moves[-1].extruder == 1
@@ -91,7 +91,7 @@ def test_a_tool_behind_a_change_of_tools_is_taken(line):
         ("G90 X10 T5", [(10, 5)]),
     ],
 )
-def test_a_tool_behind_a_move_or_what_has_no_words_is_taken(line, places):
+def test_a_tool_after_a_move_or_what_has_no_words_is_taken(line, places):
     """A number that is no tool of the machine is the move's duration, in s."""
     out = run(f"{line}\nG1 E1\n", "dual-extruder")
     assert out.errors == []
@@ -107,7 +107,7 @@ def test_a_number_behind_what_has_no_words_is_a_missing_tool():
 
 
 @pytest.mark.parametrize("line", ["G10 L2 P1 X5 Y5", "G10 L20 X5", "G10 P1 L20"])
-def test_the_zero_of_a_coordinate_system_is_no_retraction(line):
+def test_the_zero_of_a_coordinate_system_is_not_a_retraction(line):
     out = run(f"G1 X1\n{line}\nG1 X2\n")
     assert out.ends == [(1, 0, 0, 0), (2, 0, 0, 0)]
     assert len(out.commands) == 1

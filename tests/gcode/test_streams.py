@@ -99,7 +99,7 @@ def test_a_line_of_10_mb(chunk):
 
 @pytest.mark.parametrize("mark", [b"", BOM])
 @pytest.mark.parametrize("end", [b"", b"\n", b"\r\nG1 X3\n", b";\nG1 X3"])
-def test_a_line_that_is_too_long_is_told_before_its_end(mark, end):
+def test_a_line_that_is_too_long_is_reported_before_its_end(mark, end):
     job, status = Job(spec("i3"), False), JobStatus
     job.feed(mark + b"G1 X" + b"1" * (LONGEST - 4))
     assert job.advance() == status.NEED_INPUT

@@ -94,13 +94,13 @@ def test_what_a_template_may_not_do(text, line, reason):
 @pytest.mark.parametrize(
     ("text", "line"), [("a\n{% if %}", 2), ("{ 1 + }", 1), ("\n{% for %}", 2), ("{ a", 1)]
 )
-def test_what_is_no_template(text, line):
+def test_what_is_not_a_template(text, line):
     with pytest.raises(TemplateFault) as caught:
         Template(text)
     assert caught.value.line == line
 
 
-def test_what_is_nested_without_end_is_no_template():
+def test_what_is_nested_without_end_is_not_a_template():
     with pytest.raises(TemplateFault, match="nested too deeply"):
         Template("{" + "(" * 5000 + ")" * 5000 + "}")
 

@@ -44,7 +44,7 @@ def test_an_unknown_line_is_one_event(line, name):
     assert out.ends == [(2, 0, 0, 0)]
 
 
-def test_a_command_behind_a_program_number_counts():
+def test_a_command_after_a_program_number_counts():
     out = run("O1000 G91 G1 X5\nX5\n")
     assert out.commands == ["O1000"]
     assert out.ends == [(5, 0, 0, 0), (10, 0, 0, 0)]
@@ -140,7 +140,7 @@ def test_a_remark_without_a_semicolon_is_none_of_the_words(line):
         b"\n\x1a" + bytes(range(128, 256)) * 600,
     ],
 )
-def test_end_of_cut_or_dos_file_is_no_line(end, chunk):
+def test_end_of_cut_or_dos_file_is_not_a_line(end, chunk):
     out = run(b"G1 X1\r\nG1 X2" + end, chunk=chunk)
     assert (out.errors, out.events) == ([], [])
     assert [e[0] for e in out.ends] == [1, 2]

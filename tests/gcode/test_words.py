@@ -78,7 +78,7 @@ def test_a_star_in_a_comment_begins_no_checksum(line):
     "text",
     ["M486 S0 Aspanner 13*10.stl", "M486 Apart 13*10", "M117 3*4", "EXCLUDE_OBJECT_START NAME=a*2"],
 )
-def test_a_star_in_a_text_of_a_numbered_line_is_no_checksum(text):
+def test_a_star_in_a_text_of_a_numbered_line_is_not_a_checksum(text):
     command, _, rest = text.partition(" ")
     for line in (text, f"N5 {text}", checked(f"N5 {text}"), checked(f"N5 {text}") + " ; 1*2"):
         job = Job(spec("i3"), False)
@@ -89,7 +89,7 @@ def test_a_star_in_a_text_of_a_numbered_line_is_no_checksum(text):
         assert job.heard[2] == [(command, [], rest)]
 
 
-def test_a_checksum_is_behind_the_last_star():
+def test_a_checksum_is_after_the_last_star():
     text = "N3 G1 X5 (3*4)"
     sum_ = reduce(xor, text.encode())
     assert run(f"{text}*{sum_}\n").errors == []
@@ -142,13 +142,13 @@ def test_an_e_that_may_be_a_word_is_one(line, end):
         ("G90 X1e-02 E1e-02", (0.01, 0, 0, 0.01)),
     ],
 )
-def test_an_e_that_is_no_word_is_an_exponent(line, end):
+def test_an_e_that_is_not_a_word_is_an_exponent(line, end):
     out = run(f"M83\n{line}\n", "unbounded")
     assert out.errors == []
     assert out.ends[-1] == pytest.approx(end, abs=1e-12)
 
 
-def test_an_exponent_where_e_is_no_word_of_the_command():
+def test_an_exponent_where_e_is_not_a_word_of_the_command():
     out = run("G4 P1.5e3\nM204 P1E3\nM104 S2.1E2\nM92 X8E1\nM117 at 1e-05\nM23 a1e-05.gco\n")
     assert out.statistics["dwell_s"] == 1.5
     assert out.commands == [

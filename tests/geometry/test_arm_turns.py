@@ -59,13 +59,13 @@ def assert_goes_on(rows):
 
 
 @pytest.mark.parametrize("towards", range(0, 360, 15))
-def test_angles_go_on_over_all_of_the_bed_wherever_it_lies(towards):
+def test_angles_are_continuous_over_all_of_the_bed(towards):
     away = 156.0
     x, y = 100 - away * cos(radians(towards)), 100 - away * sin(radians(towards))
     assert_goes_on(angles_over(arms(x, y).geometry, BED, BED))
 
 
-def test_angles_of_two_shoulders_go_on_below_them():
+def test_angles_of_two_shoulders_are_continuous_below_them():
     lengths = {"proximal1": 150.0, "proximal2": 150.0, "distal1": 100.0, "distal2": 100.0}
     below = DualScara(kind="dual_scara", **lengths).facing((0.0, -100.0, 0.0), [(-inf, inf)] * 3)
     assert_goes_on(angles_over(below, range(-100, 101, 5), range(-150, -59, 5)))

@@ -96,7 +96,7 @@ def test_heater_already_too_warm_is_not_waited_for():
         assert done(s) - begin == pytest.approx(10, abs=0.3)
 
 
-def test_nobody_waits_for_ever_for_the_last_degree():
+def test_a_wait_ends_without_the_last_degree():
     """Without an integral the temperature ends two degrees below."""
     control = "control = { kind = 'pid', kp = 51.0, ki = 0.0, kd = 0.0 }"
     with scenario(f"{control}\narrival = {{ window_c = 0.2 }}") as s:

@@ -151,7 +151,7 @@ def test_a_model_may_err(rise_c, time_constant_s):
     assert all(abs(body - 200) < 0.5 for s, body, _, _ in rise if s > 140)
 
 
-def test_gains_that_are_far_too_small_are_no_fault():
+def test_gains_that_are_far_too_small_are_not_a_fault():
     oven = Oven("control = { kind = 'pid', kp = 10.2, ki = 0.1275, kd = 25.5 }")
     oven.heat(210.0)
     slow = oven.run(600)

@@ -76,7 +76,7 @@ def test_a_broken_cable(make, share, kind):
 
 @pytest.mark.parametrize("broken", [0.0, 1.0])
 @pytest.mark.parametrize("name", ["hotend", "bed"])
-def test_readings_of_broken_cable_are_no_heat(name, broken):
+def test_readings_of_broken_cable_are_not_heat(name, broken):
     """It is rearmed as soon as it is mended, while the model's room is still far off."""
     oven = Oven(name=name)
     oven.heat(60.0)
@@ -205,7 +205,7 @@ def test_a_bed_that_is_stuck_on(target):
     assert oven.board.temperature("bed") < before + 16
 
 
-def test_cooling_down_is_no_fault():
+def test_cooling_down_is_not_a_fault():
     oven = hot()
     oven.heat(0.0)
     oven.run(300)
@@ -239,7 +239,7 @@ def test_the_wind_of_the_fan_is_in_the_model():
     assert oven.faults == []
 
 
-def test_a_slow_heater_near_its_end_is_no_fault():
+def test_a_slow_heater_near_its_end_is_not_a_fault():
     oven = Oven(name="bed")
     oven.heat(110.0)
     oven.run(900)

@@ -47,7 +47,7 @@ def test_max6675():
     assert _core.read_converter(MAX6675, 0b0000_0011_0010_0100)[1] == FAULT.OPEN
 
 
-def test_a_bus_on_which_nobody_answers():
+def test_a_bus_on_which_no_device_answers():
     assert _core.read_converter(MAX31855, 0xFFFF_FFFF)[1] == FAULT.NO_ANSWER
     assert _core.read_converter(MAX6675, 0xFFFF)[1] == FAULT.NO_ANSWER
 

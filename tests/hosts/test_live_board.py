@@ -118,7 +118,7 @@ def test_a_stall_at_the_start_of_a_move_costs_nothing(cable: Cable) -> None:
     assert net_steps([cable])["x"] == 5 * 80
 
 
-def test_a_print_goes_on_when_the_cable_is_back() -> None:
+def test_a_print_resumes_when_the_cable_is_back() -> None:
     cable = Cable(RUNS_FIRMWARE)
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host, other = scenario.host, Host(scenario)

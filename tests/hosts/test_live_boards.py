@@ -83,7 +83,7 @@ def test_a_switch_stops_a_motor_on_the_other_board(scenario, cables):
     assert 0 not in scenario.printer.job.locked_axes
 
 
-def test_a_board_that_is_plugged_in_again_goes_on_with_the_other() -> None:
+def test_a_board_plugged_in_again_continues_with_the_other() -> None:
     machine = two_boards(firmware="passo", **{'socket = "X"': 'socket = "tool:X"'})
     cables = {name: Cable(machine, name) for name in machine.all_boards}
     scenario = Scenario(on(cables), loop=asyncio.new_event_loop())
@@ -115,7 +115,7 @@ def test_a_board_that_is_unplugged_stops_the_other(scenario, cables):
     assert main.look(lambda: main.board.position("y")) == at
 
 
-def test_another_host_goes_on_where_both_have_stopped(tmp_path) -> None:
+def test_another_host_resumes_where_both_boards_have_stopped(tmp_path) -> None:
     """The one before falls silent in mid-print: nothing is homed again."""
     machine = two_boards(firmware="passo", **{'socket = "X"': 'socket = "tool:X"'})
     cables = {name: Cable(machine, name) for name in machine.all_boards}

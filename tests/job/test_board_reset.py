@@ -13,7 +13,7 @@ from passo.config.pin_names import MAIN
 printing = test_place_lost.printing
 
 
-def test_a_print_goes_on_from_the_journal(printing):
+def test_a_print_resumes_from_the_journal(printing):
     s = printing
     reset(s)
     s.host.expect("^Error:the board restarted .reset or power failure.; position lost", 1)

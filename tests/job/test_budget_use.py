@@ -56,7 +56,7 @@ def test_without_a_bound_link_there_is_no_share_of_it(dense):
 TOOL = '\n[boards.tool]\nbase = "ramps"\nlink = "serial"\nport = "/dev/y"\n'
 
 
-def test_of_several_boards_the_one_that_binds_is_told(dense):
+def test_of_several_boards_the_limiting_one_is_reported(dense):
     """The tool's link is slower than the main board's, its processor faster."""
     tool = TOOL + "baud = 19_200\nmove_count = 2000\nbudget = { cycles_per_step = 80 }\n"
     found = use(dense, LINK + tool)

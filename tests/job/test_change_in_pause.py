@@ -77,7 +77,7 @@ def test_filament_that_was_taken_back_comes_back_with_the_file(s, pause_s, chang
     ends_where_it_should(s)
 
 
-def test_m25_right_behind_m600(s):
+def test_m25_right_after_m600(s):
     s.host.send("M600")
     Host(s).send("M25")
     s.passes(30)

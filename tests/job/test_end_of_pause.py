@@ -122,7 +122,7 @@ def test_aborted_homing_in_pause_of_unhomed_print(machine, tmp_path):
 
 
 @pytest.mark.parametrize("after", [0.0, 0.05, 0.1, 0.2])
-def test_axes_that_know_no_place_know_none_behind_a_pause(after, tmp_path):
+def test_axes_that_know_no_place_know_none_after_a_pause(after, tmp_path):
     (tmp_path / "a.g").write_text("M302 P1\nM83\nG1 E20 F120\nG1 E5\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")

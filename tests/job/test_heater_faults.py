@@ -42,7 +42,7 @@ def test_a_print_ends_with_its_heater(job, on_fault):
     assert printing.board.device.fault == stopped
 
 
-def test_a_print_goes_on_without_a_heater_that_it_can_do_without(job):
+def test_a_print_continues_without_an_unused_heater(job):
     printing = prepared("heater")
     printing.board.force_heater("bed", 0.0)
     result = printing.run(job)

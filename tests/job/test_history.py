@@ -23,7 +23,7 @@ def places(tmp_path):
     return {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
 
 
-def test_prints_that_are_done_cancelled_or_failed_are_told(places, tmp_path):
+def test_prints_that_are_done_cancelled_or_failed_are_reported(places, tmp_path):
     with Scenario("i3", **places) as s:
         s.host.ok("M32 a.g")
         s.host.expect("Done printing", 60)
@@ -52,7 +52,7 @@ def test_prints_that_are_done_cancelled_or_failed_are_told(places, tmp_path):
         assert "Prints: 0" in s.host.ok("M78")[0]
 
 
-def test_a_print_that_is_gone_on_with_stays_one(places):
+def test_a_resumed_print_stays_one_print(places):
     Path(places["card"], "bad.g").write_text("G28 X\nG1 X999\nG1 X50 F600\n")
     with Scenario("i3", **places) as s:
         s.host.ok("M32 bad.g")
@@ -109,7 +109,7 @@ def rows(path):
         history.close()
 
 
-def test_prints_that_a_host_sends_are_told(tmp_path):
+def test_prints_that_a_host_sends_are_reported(tmp_path):
     with Scenario("i3", state=str(tmp_path)) as s:
         s.host.ok("M302 P1")
         s.host.ok("G92 E0")
@@ -190,7 +190,7 @@ def test_locked_history_is_reported_and_not_waited_for(tmp_path, places):
         assert s.host.ok("M78")[0].startswith("echo:Prints: 0")
 
 
-def test_a_history_that_is_damaged_is_told(tmp_path):
+def test_a_damaged_history_is_reported(tmp_path):
     (tmp_path / "history.sqlite").write_bytes(b"no base" * 999)
     with Scenario("i3", state=str(tmp_path)) as s:
         told = s.host.ok("M78")[0].removeprefix(f"echo:{tmp_path}: ")

@@ -67,7 +67,7 @@ def test_the_nozzle_leaves_the_print_and_comes_back(s, command, answer):
 
 
 @pytest.mark.parametrize("answer", ["M108", "M876 S0", "M602", "M24"])
-def test_the_console_that_has_paused_can_go_on_by_itself(s, answer):
+def test_the_console_that_has_paused_can_resume_by_itself(s, answer):
     s.host.send("M601")
     s.passes(20)
     s.host.silent(5, "^ok")
@@ -240,7 +240,7 @@ def test_an_emergency_stop_ends_the_pause(s):
     assert s.printer.job.suspended is False
 
 
-def test_a_machine_that_does_not_know_where_it_is_stays(tmp_path):
+def test_a_machine_that_is_not_homed_does_not_move(tmp_path):
     with Scenario("i3") as s:
         before = at(s)
         s.host.send("M600")
@@ -314,7 +314,7 @@ def test_axes_home_to_the_end_before_it_pauses(mild):
     assert [s.positions()[n] for n in "xy"] == pytest.approx([30, 30], abs=0.1)
 
 
-def test_a_machine_that_stands_idle_only_tells(mild):
+def test_a_fault_on_an_idle_machine_moves_nothing(mild):
     s = mild
     s.passes(60)
     before = at(s)

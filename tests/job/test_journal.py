@@ -66,7 +66,7 @@ def test_journal_is_at_most_a_second_behind_and_never_ahead(places):
 
 
 @pytest.mark.parametrize("machine", ["i3", "corexy", "delta"])
-def test_a_print_goes_on_after_a_power_cut(machine, places):
+def test_a_print_resumes_after_a_power_cut(machine, places):
     arguments, state = places
     with Scenario(machine, **arguments) as s:
         s.host.ok("M32 wall.gcode")
@@ -149,7 +149,7 @@ def test_card_pulled_during_recovery_leaves_heaters_off(places, monkeypatch):
 
 
 @pytest.mark.parametrize("start", [("M26 S{}", "M24"), ("M24 S{}",)])
-def test_a_print_begun_in_its_midst_goes_on_where_it_was(start, places):
+def test_a_print_started_at_a_line_resumes_where_it_was(start, places):
     arguments, state = places
     layer = WALL.index("G1 Z0.8")
     with Scenario("i3", **arguments) as s:
@@ -168,7 +168,7 @@ def test_a_print_begun_in_its_midst_goes_on_where_it_was(start, places):
         assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
 
 
-def test_another_file_is_not_gone_on_with(places, tmp_path):
+def test_another_file_is_not_resumed(places, tmp_path):
     arguments, state = places
     with Scenario("i3", **arguments) as s:
         s.host.ok("M32 wall.gcode")
@@ -213,7 +213,7 @@ def test_print_that_heats_first_has_its_own_journal(places, tmp_path):
             assert (program.path, moment.line) == ("/heats.g", 0)
 
 
-def test_behind_a_line_that_failed_a_print_does_not_begin_anew(places, tmp_path):
+def test_a_print_does_not_restart_after_a_line_that_failed(places, tmp_path):
     arguments, state = places
     (tmp_path / "card" / "fails.g").write_text("G28\nG1 X20 F6000\nG1 X9999\n" + HEATS)
     with Scenario("i3", **arguments) as s:
@@ -244,7 +244,7 @@ def test_a_torn_record_is_left_out(tmp_path):
     assert Journal(tmp_path).read() is None
 
 
-def test_a_cancelled_print_leaves_nothing_to_go_on_with(places):
+def test_a_cancelled_print_cannot_be_resumed(places):
     arguments, state = places
     with Scenario("i3", **arguments) as s:
         s.host.ok("M32 wall.gcode")
@@ -253,7 +253,7 @@ def test_a_cancelled_print_leaves_nothing_to_go_on_with(places):
         assert journal_of(state) is None
 
 
-def test_a_halted_print_can_be_gone_on_with_in_the_same_session(places):
+def test_a_halted_print_can_be_resumed_in_the_same_session(places):
     arguments, _ = places
     with Scenario("i3", **arguments) as s:
         s.host.ok("M32 wall.gcode")

@@ -35,7 +35,7 @@ def test_m220_in_a_file_leaves_the_moves_before_it_alone(s):
     assert_in_order(legs(s))
 
 
-def test_m220_behind_a_move_of_a_console_leaves_the_move_alone(s):
+def test_m220_after_a_move_of_a_console_leaves_the_move_alone(s):
     s.host.send("G92 X20 Y20 Z20", "G1 X120 F3000 M220 S50", "G1 X20 M220 S100")
     assert_in_order(legs(s))
 
@@ -55,7 +55,7 @@ def test_m220_of_a_console_acts_at_once(s, beside):
     assert reached(s, 120.0) == pytest.approx(2 - 0.2, abs=0.1)  # 0.16 s are with the board
 
 
-def test_m220_beside_a_print_acts_on_all_that_is_planned(s):
+def test_m220_during_a_print_acts_on_all_that_is_planned(s):
     s.host.send("M32 a.g")
     assert s.until(lambda: s.positions()["x"] > 70.0, 5)
     s.host.ok("M220 S200")
@@ -86,7 +86,7 @@ def test_limits_in_a_file_leave_the_moves_before_them_alone(tmp_path, line):
         assert reached(s, 120.0) == pytest.approx(2.02, abs=0.04)
 
 
-def test_m204_from_beside_acts_on_all_that_is_planned(tmp_path):
+def test_m204_of_another_console_acts_on_all_that_is_planned(tmp_path):
     with Scenario("i3", card=str(tmp_path)) as s:
         (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\n" + "G1 X120 F6000\nG1 X20\n" * 5)
         s.host.send("M32 a.g")

@@ -110,7 +110,7 @@ def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_b
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])
 @pytest.mark.parametrize("seconds", [0.2, 0.5, 2.0])
-def test_the_first_move_behind_homing_comes_late(monkeypatch, tmp_path, board, seconds):
+def test_the_first_move_after_homing_comes_late(monkeypatch, tmp_path, board, seconds):
     """Its motors were stopped by switches."""
     with scenario(monkeypatch, tmp_path, "fast") as s:
         s.host.ok("G28", 60)

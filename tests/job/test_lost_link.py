@@ -91,7 +91,7 @@ def test_the_boards_clock_is_known_after_a_long_time(seconds):
         assert s.board.net_steps("x") == 4000
 
 
-def test_motors_are_on_when_the_print_goes_on():
+def test_motors_are_on_when_the_print_continues():
     """The word that turns them on was on its way when the cable came out."""
     with Scenario(FIRMWARE) as s:
         s.host.ok("G92 X0 Y0 Z0")

@@ -60,7 +60,7 @@ def test_a_motor_that_was_turned_by_hand(printing, monkeypatch):
     goes_on(s)
 
 
-def test_a_board_that_was_reset_while_nobody_heard_it(printing):
+def test_a_board_that_was_reset_without_being_connected(printing):
     s = printing
     port, queue = s.printer.connection.main.port, s.printer.queue
     port.unplug()
@@ -89,7 +89,7 @@ def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
     assert "// action:pause" not in s.host.heard
 
 
-def test_a_board_that_cannot_be_reached_anew_is_switched_off(printing, monkeypatch):
+def test_a_board_that_cannot_be_reached_again_is_switched_off(printing, monkeypatch):
     """What it keeps warm would wait for nobody."""
     s = printing
 

@@ -71,7 +71,7 @@ def test_babysteps_of_suspended_job_survive_homing(places, pause):
     assert gone_on(places, left)["z"] == pytest.approx(1.6 + 0.3, abs=0.01)
 
 
-def test_babysteps_before_and_behind_homing_in_a_pause_add_up(places):
+def test_babysteps_before_and_after_homing_in_a_pause_add_up(places):
     left = left_after(places, "M290 Z0.3", "M25", "G28 Z", "M290 Z0.2", "M24")
     assert recorded(places)[1].babysteps_mm == {"z": 0.5}
     assert gone_on(places, left)["z"] == pytest.approx(1.6 + 0.5, abs=0.01)
@@ -169,7 +169,7 @@ def test_a_long_journal_is_read_to_its_end(tmp_path):
     assert journal.read() == (program, Moment(8, 9.5, 0.2))
 
 
-def test_a_line_without_end_is_no_record(tmp_path):
+def test_a_line_without_end_is_not_a_record(tmp_path):
     journal = Journal(tmp_path)
     journal.begin(Program("m", "/a", 5, 7), Moment(3, 1.0))
     journal.leave()
@@ -247,7 +247,7 @@ NEAR = WALL.replace("G92 E0\n", "G92 E0\nG1 X100 Y100 F6000\n")  # no straight w
 
 @pytest.mark.parametrize("text", [FAR, NEAR])
 @pytest.mark.parametrize(("machine", "when"), [("scara", 6.5), ("scara", 0.9), ("scara", 13.3)])
-def test_a_print_goes_on_with_arms(machine, when, text, tmp_path):
+def test_a_print_resumes_with_arms(machine, when, text, tmp_path):
     """Arms find their switches anew, and their way; Z, which moves alone, is kept."""
     (tmp_path / "card").mkdir()
     (tmp_path / "card" / "wall.gcode").write_text(text)
@@ -403,7 +403,7 @@ def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
         ("dual-extruder", ("G28", "G1 X90 Y60 Z5 F6000", "M218 T1 X-20 Y1 Z-0.5", "T1")),
     ],
 )
-def test_a_print_goes_on_with_what_it_was_begun_with(machine, before, places):
+def test_a_print_resumes_with_its_settings_from_the_start(machine, before, places):
     """Settings that nobody has stored, modes, a tool and places that its file does not name."""
     home = "" if "G28" in before else "G28\nG1 X2 Y2 Z0.2\n"
     text = f"M302 P1\n{home}" + "".join(f"G1 X{i % 2 + 1} E{i / 10} F60\n" for i in range(16))
@@ -446,7 +446,7 @@ def test_a_print_goes_on_with_what_it_was_begun_with(machine, before, places):
                 assert s.positions()[axis] == pytest.approx(where[axis], abs=0.03)
 
 
-def test_a_machine_without_switches_goes_on_from_home(tmp_path):
+def test_a_print_without_endstops_resumes_from_home(tmp_path):
     """Nobody but a person can bring it there, so it says so."""
     (tmp_path / "card").mkdir()
     (tmp_path / "card" / "a.g").write_text("G1 X20 Y10 F600\nG1 X60 Y40\nG1 X10\n")
@@ -499,7 +499,7 @@ def test_settings_of_consoles_survive_interruption(places, lines):
     assert state_after(places, "wall.gcode", *lines, killed=True) == whole
 
 
-def test_a_tool_offset_set_beside_a_print_is_not_forgotten(places):
+def test_a_tool_offset_set_during_a_print_is_not_forgotten(places):
     left = left_after(places, "M218 T0 X1")
     assert recorded(places)[0].changes[0][1] == ["G21", "M218 T0 X1 Y0 Z0", "G21"]
     assert gone_on(places, left)["x"] == pytest.approx(9.0, abs=0.02)

@@ -103,7 +103,7 @@ def test_m524_ends_it(places):
         ends_at_its_height(s)
 
 
-def test_a_pause_of_what_did_not_go_on_is_none_of_the_next_print(places, tmp_path, monkeypatch):
+def test_a_pause_of_a_failed_resume_does_not_pause_the_next(places, tmp_path, monkeypatch):
     (tmp_path / "card" / "b.g").write_text("G28 X\nG1 X9\n")
 
     def pulled(reader, offset):
@@ -196,7 +196,7 @@ def test_second_resume_without_endstops_starts_where_first_ended(places):
 
 
 @pytest.mark.parametrize("seconds", [0.5, 2.0, 4.0])
-def test_a_pause_in_m1000_comes_as_soon_as_the_print_goes_on(places, seconds):
+def test_a_pause_in_m1000_acts_as_soon_as_the_print_resumes(places, seconds):
     with again(places, cut(places)) as s:
         other = Host(s)
         s.host.send("M1000")

@@ -19,7 +19,7 @@ def printing(folder: Path, text: str) -> Scenario:
     return scenario
 
 
-def test_records_behind_what_is_held_wait_for_it(tmp_path: Path) -> None:
+def test_records_after_what_is_held_wait_for_it(tmp_path: Path) -> None:
     text = "G1 X100 F3000\nM106 S255\nG1 X0\nM106 S51\n"
     with printing(tmp_path, text) as s:
         s.board.trace_output("part")
@@ -46,7 +46,7 @@ def test_a_cancelled_print_sets_no_temperature_any_more(tmp_path: Path, moment: 
         assert s.printer.connection.heaters["hotend"].target == 0
 
 
-def test_a_fan_set_at_once_behind_a_stop_is_known_as_that() -> None:
+def test_a_fan_set_at_once_after_a_stop_keeps_its_value() -> None:
     """What was planned of it acts no more."""
     with Scenario("i3") as s:
         for line in ("G92 X0 Y0 Z0", "G1 X100 F600", "M106 S255", "G1 X0"):

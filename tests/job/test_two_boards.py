@@ -82,7 +82,7 @@ def test_links_that_answer_when_they_like_keep_the_skew_small(
 
 
 @pytest.mark.parametrize("firmware", ["virtual", "passo"])
-def test_commands_do_not_wait_behind_the_parts_of_a_long_one(monkeypatch, tmp_path, firmware):
+def test_commands_do_not_wait_for_all_parts_of_a_long_one(monkeypatch, tmp_path, firmware):
     """X moves evenly, in commands of 60 ms that become several there; the extruder does not."""
     moves = [f"G1 X{4 * i} E{0.05 if i % 2 else 0.02}" for i in range(1, 60)]
     path = tmp_path / "even.gcode"

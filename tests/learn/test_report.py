@@ -178,7 +178,7 @@ def test_speeds_are_in_mm_where_the_path_is_measured_in_steps(page, tmp_path):
     assert acceleration.corners[0][1] == pytest.approx(1000, rel=1e-4)
 
 
-def test_the_machine_stands_still_while_it_waits(page):
+def test_the_machine_is_at_standstill_while_it_waits(page):
     shown = page("G28\nG4 S500\nG1 Z200 F12\nG4 S300\nG1 Z100 F60\n")
     (speed,) = shown.curves("speed")
     t, v = zip(*speed.corners, strict=True)

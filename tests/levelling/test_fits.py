@@ -142,7 +142,7 @@ def test_a_hexagon_with_its_middle_is_enough():
     assert found.coefficients == pytest.approx((0, 0, 0, 0, 1e-5, 0), abs=1e-12)
 
 
-def test_a_height_that_is_no_number_is_refused():
+def test_a_height_that_is_not_a_number_is_refused():
     with pytest.raises(CommandError, match="the height at point 2 is nan"):
         fit([(0, 0, 0), (100, 0, float("nan")), (0, 100, 0)], "linear")
 

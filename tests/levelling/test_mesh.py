@@ -115,7 +115,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_mesh_is_refused(name):
+def test_what_is_not_a_mesh_is_refused(name):
     made_of, words = REFUSED[name]
     with pytest.raises(CommandError, match=words):
         Mesh(*made_of)

@@ -52,7 +52,7 @@ def test_bed_visualizer_reads_each_table(name):
 
 
 @pytest.mark.parametrize("name", TABLES)
-def test_screens_read_each_table_behind_its_heading(name):
+def test_screens_read_each_table_after_its_heading(name):
     lines, skipped, columns = TABLES[name]
     rows = [[float(n) for n in line.split()[columns:]] for line in lines[skipped:]]
     assert rows == [pytest.approx(row, abs=1e-3) for row in MESH.heights]

@@ -284,7 +284,7 @@ def with_room_for_once():
 
 
 @pytest.mark.parametrize("settled", [True, False])
-def test_a_cut_gives_back_what_is_planned_anew(settled):
+def test_a_cut_gives_back_what_is_planned_again(settled):
     motion, targets, _ = with_room_for_once()
     for target in targets:
         motion.push(target, 300.0, "print")
@@ -299,7 +299,7 @@ def test_a_cut_gives_back_what_is_planned_anew(settled):
 
 
 @pytest.mark.parametrize("how", ["dwell", "wait"])
-def test_while_the_machine_stands_the_slots_become_free(how):
+def test_while_the_machine_is_idle_the_slots_become_free(how):
     motion, targets, least = with_room_for_once()
     motion.set_position([0.0, 0.0, 0.0, 0.0])
     for target in targets:

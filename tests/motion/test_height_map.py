@@ -277,7 +277,7 @@ def test_a_fade_shorter_than_the_heights_is_refused():
 
 @pytest.mark.parametrize("x", [-30.0, -15.5, 40.0])
 @pytest.mark.parametrize("y", [-35.0, -11.25, 30.0])
-def test_beyond_the_grid_its_edge_goes_on_level(x, y):
+def test_beyond_the_grid_its_edge_continues_level(x, y):
     motion = Motion(cartesian())
     motion.set_position([0.0, 0.0, 1.0, 0.0])
     motion.set_height_map(FIRST, SPACING, HEIGHTS)

@@ -44,7 +44,7 @@ def nozzle(move, tick):
 @pytest.mark.parametrize("name", REACH)
 @given(path=paths)
 @settings(max_examples=10, deadline=None)
-def test_steps_stand_where_the_inverse_says(name, path):
+def test_steps_are_where_the_inverse_kinematics_puts_them(name, path):
     motion, spec, geometry = in_the_middle(name)
     begin = motion.counts()
     push_shares(motion, name, path)
@@ -267,7 +267,7 @@ def test_no_motor_beyond_its_limits_next_to_a_shoulder(changes, away, feed):
 
 
 @pytest.mark.parametrize("away", NEAR[0][1])
-def test_steps_stand_where_the_inverse_says_next_to_a_shoulder(away):
+def test_steps_next_to_a_shoulder_match_inverse_kinematics(away):
     motion, spec, geometry = near_a_shoulder({}, away, with_steps=True)
     begin = motion.counts()
     motion.push([139.0, 50.0, 0.0, 0.0], 150.0)

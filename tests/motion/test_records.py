@@ -42,7 +42,7 @@ def test_values_at_different_places_are_all_sent():
     assert len({clock for _, clock, _ in found}) == 20
 
 
-def test_motion_from_a_stop_comes_behind_the_record_there():
+def test_motion_from_a_stop_comes_after_the_record_there():
     """Commands are due 20 ms before their first step, but messages of a board in order."""
     motion = Motion(cartesian())
     for i in range(3):

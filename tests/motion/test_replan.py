@@ -168,7 +168,7 @@ def test_a_record_that_is_revoked_comes_again():
 
 @given(st.floats(0, 1), st.floats(0, 1), st.booleans())
 @settings(max_examples=60, deadline=None)
-def test_a_cut_takes_back_clocks_that_were_set_anew(sent, where, hold):
+def test_a_cut_takes_back_clocks_that_were_set_again(sent, where, hold):
     # Z rests for 40 s between its moves, longer than 2**28 ticks, and turns each time.
     motion = Motion(cartesian(), True)
     for i in range(8):
@@ -205,7 +205,7 @@ def test_a_step_at_the_end_of_a_stop_may_be_taken_back_at_once():
 
 
 @pytest.mark.parametrize("follows", [True, False])
-def test_a_dwell_ends_early_and_what_was_due_behind_it_is_done(follows):
+def test_a_dwell_ends_early_and_what_was_due_after_it_is_done(follows):
     motion = Motion(cartesian(), True)
     motion.push([10, 0, 0, 0], 50.0)
     motion.push([10, 0, 0, 0], 50.0, "dwell", duration_s=60.0)
@@ -312,7 +312,7 @@ def test_a_move_that_is_held_counts_once():
     assert job.statistics()["moves"] == 2
 
 
-def test_moves_behind_those_that_were_held_have_the_rules_of_now():
+def test_moves_after_those_that_were_held_have_the_rules_of_now():
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 0], 10.0)
     motion.flush()
@@ -359,7 +359,7 @@ def test_event_done_at_stop_keeps_position_after_cut(dwells_first):
     ]
 
 
-def test_a_dwell_that_was_cut_is_no_longer_for_a_cut_before_it():
+def test_a_cut_dwell_keeps_its_length_at_an_earlier_cut():
     motion = Motion(cartesian(), True)
     motion.push([10, 0, 0, 0], 50.0)
     motion.push([10, 0, 0, 0], 50.0, "dwell", duration_s=1.0)

@@ -117,7 +117,7 @@ def test_a_reversal_too_close_for_the_driver_is_removed_in_pairs(beyond, pairs):
     assert all(b[0] - a[0] >= 32 for a, b in itertools.pairwise(executed))
 
 
-def test_long_gaps_set_the_clock_anew():
+def test_long_gaps_set_the_clock_again():
     motion = Motion(cartesian(), True)
     motion.push([1, 0, 0, 0], 50.0)
     motion.push([1, 0, 0, 0], 50.0, "dwell", duration_s=300.0)

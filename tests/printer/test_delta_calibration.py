@@ -168,7 +168,7 @@ def test_m665_and_m666_speak_marlin():
         assert "needs L" in answers(s, "M665 A1")[0]
 
 
-def test_m666_speaks_repraps_signs_where_the_file_says_so():
+def test_m666_has_reprap_signs_if_the_machine_file_sets_it():
     with homed(("[simulated.bed]", '[levelling]\ndialect = "rrf"\n[simulated.bed]')) as s:
         answers(s, "M666 X-0.1 Y0.3 Z-0.2")
         assert answers(s, "M666") == ["  M666 X-0.1000 Y0.3000 Z-0.2000 ; RepRapFirmware's signs"]

@@ -125,7 +125,7 @@ def test_driver_settings_sent_at_link_loss_arrive_later(ms):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_noise_on_the_link_is_no_fault_of_a_driver(monkeypatch, tmp_path, seed):
+def test_noise_on_the_link_is_not_a_fault_of_a_driver(monkeypatch, tmp_path, seed):
     """The board's answers are lost, not the driver's."""
     monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=CABLE))
     (tmp_path / "a.g").write_text(spiral())
@@ -167,7 +167,7 @@ def test_lost_driver_settings_are_restored_before_resume():
         assert s.positions()["x"] == 150
 
 
-def test_heat_is_told_of_before_it_stops_the_motor(s):
+def test_overheating_is_reported_before_it_stops_the_motor(s):
     s.host.ok("M17")
     s.board.drivers["e"].set(r.DRV_STATUS, 1 << 26)
     s.host.expect("^echo:motor e: its driver, a TMC5160, is hot", 2)
@@ -223,7 +223,7 @@ def test_hold_current_above_run_current_is_within_range():
         assert any("1.74 A standing" in line for line in s.host.ok("M122"))
 
 
-def test_microsteps_are_told_and_fixed(s):
+def test_microsteps_are_reported_and_fixed(s):
     assert s.host.ok("M350")[:-1] == [f"{m} microsteps: 16" for m in "XYZE"]
     s.host.send("M350 X32")
     s.host.expect("steppers is fixed while the printer runs", 1)
@@ -261,7 +261,7 @@ def test_drivers_and_a_thermocouple_share_a_bus(firmware):
         s.host.expect("halted: motor z: coil B has a short circuit to ground", 3)
 
 
-def test_the_state_of_each_driver_is_told(s):
+def test_the_state_of_each_driver_is_reported(s):
     s.board.drivers["z"].set(r.DRV_STATUS, 1 << 6)
     s.passes(2)
     lines = s.host.ok("M122")

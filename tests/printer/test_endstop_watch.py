@@ -16,7 +16,7 @@ def s():
         yield scenario
 
 
-def test_a_hit_is_told_with_its_place_if_switches_are_watched(s):
+def test_a_trigger_is_reported_with_its_position_if_watched(s):
     s.host.ok("M120")
     s.passes(0.2)
     s.host.ok("G1 X150 F1200")

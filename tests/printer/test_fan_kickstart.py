@@ -36,7 +36,7 @@ def s():
         yield s
 
 
-def test_a_fan_that_stands_starts_with_full_power(s):
+def test_a_stopped_fan_starts_with_full_power(s):
     s.host.ok("M106 S51")
     s.passes(2)
     assert changes(s) == [(0, 255), (HZ // 2, 51)]

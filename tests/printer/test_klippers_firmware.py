@@ -69,7 +69,7 @@ def test_klipper_firmware_homes_and_reports_position(s: Scenario, board: Board) 
     assert s.host.ok("M119")
 
 
-def test_a_switch_that_is_pressed_already_is_left_first(s: Scenario, board: Board) -> None:
+def test_an_endstop_that_is_triggered_already_is_left_first(s: Scenario, board: Board) -> None:
     s.host.ok("G28", 60)
     s.host.ok("G1 X0 Y0 Z0 F3000")
     s.host.ok("M400", 30)
@@ -93,7 +93,7 @@ def test_a_short_circuit_stops_the_motors(s: Scenario, board: Board) -> None:
     assert board.place("x") == stands
 
 
-def test_a_board_that_was_reset_has_its_drivers_set_up_anew(s: Scenario, board: Board) -> None:
+def test_a_board_that_was_reset_has_its_drivers_set_up_again(s: Scenario, board: Board) -> None:
     s.host.ok("G28", 60)
     s.host.ok("M906 X500")
     s.passes(1)
@@ -147,7 +147,7 @@ def test_a_board_without_a_command_to_reset_it(
     assert board.is_config == 1
 
 
-def test_a_board_that_begins_anew_all_of_a_sudden(s: Scenario, board: Board) -> None:
+def test_a_board_that_restarts_unexpectedly(s: Scenario, board: Board) -> None:
     s.host.ok("G28", 60)
     s.host.send("G1 X50 F600")
     s.passes(1)

@@ -46,7 +46,7 @@ STANDING = {
 
 @pytest.mark.parametrize("before", STANDING.values(), ids=STANDING)
 @pytest.mark.parametrize("seconds", [0.05, 0.3, 1.5])
-def test_a_stop_of_a_standing_machine_harms_nothing(s, before, seconds):
+def test_a_stop_of_an_idle_machine_changes_nothing(s, before, seconds):
     for line in before:
         s.host.ok(line)
     s.passes(seconds)

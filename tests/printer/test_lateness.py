@@ -107,7 +107,7 @@ def test_retransmissions_are_named_for_late_commands(printing):
     assert s.host.ok("M78")[3] == told.replace("echo:", "echo:    ")
 
 
-def test_a_stalled_program_is_told_at_most_every_ten_seconds(printing):
+def test_a_stall_is_reported_at_most_every_ten_seconds(printing):
     s, wire = printing
     for _ in range(3):
         wire.stall = s.printer.queue.hz // 10
@@ -117,7 +117,7 @@ def test_a_stalled_program_is_told_at_most_every_ten_seconds(printing):
     assert re.search(r"the computer did not let Passo run for 0\.(0[7-9]|10) s\. End", told[0])
 
 
-def test_a_board_that_braked_for_late_commands_goes_on(printing, tmp_path):
+def test_a_board_that_braked_for_late_commands_continues(printing, tmp_path):
     s, wire = printing
     if s.machine.board.firmware != "passo":
         wire.cut = True

@@ -150,7 +150,7 @@ def test_delayed_gcode_comes_after_its_time():
         s.host.silent(60, "first|again")
 
 
-def test_delayed_gcode_is_taken_back_and_set_anew():
+def test_delayed_gcode_is_taken_back_and_set_again():
     with Scenario(with_macros(delayed("one", "M118 one"))) as s:
         s.host.ok("UPDATE_DELAYED_GCODE ID=one DURATION=2")
         s.host.ok("UPDATE_DELAYED_GCODE ID=one DURATION=0")
@@ -161,7 +161,7 @@ def test_delayed_gcode_is_taken_back_and_set_anew():
         assert "DURATION" in answer
 
 
-def test_delayed_gcode_that_fails_says_so():
+def test_delayed_gcode_that_fails_reports_it():
     text = delayed("one", "\n{ 1 / 0 }", 1.0) + macro("GOOD", "M118 good")
     with Scenario(with_macros(text)) as s:
         told = s.host.expect("^echo:", 3)

@@ -42,7 +42,7 @@ def test_a_burst_of_lines_is_planned_together(s):
     assert min(speeds(s, 0.6)) == pytest.approx(50, abs=2)  # 60 mm at 50 mm/s, never slower
 
 
-def test_moves_that_come_in_drops_go_on_without_a_stop(s):
+def test_moves_that_arrive_one_by_one_run_without_a_stop(s):
     """A host that sends 10 mm every 0.2 s, as they are driven: the plan is always about to end."""
     for i in range(1, 4):
         s.host.send(f"G1 X{20 + 10 * i} F3000")
@@ -55,7 +55,7 @@ def test_moves_that_come_in_drops_go_on_without_a_stop(s):
     assert s.positions()["x"] == 150.0
 
 
-def test_moves_that_come_too_late_begin_anew_and_lose_nothing(s):
+def test_moves_that_come_too_late_start_again_and_lose_nothing(s):
     for i in range(1, 6):
         s.host.send(f"G1 X{20 + 10 * i} F3000")
         assert s.until(lambda: s.printer.queue.standing, 2)
@@ -85,7 +85,7 @@ def test_a_host_that_stops_sending_is_at_rest_soon(s):
     assert s.until(lambda: s.printer.queue.standing, BUFFER_S + 0.5)
 
 
-def test_free_time_stands_while_nothing_waits():
+def test_free_time_pauses_while_nothing_waits():
     with Scenario("i3", free=True) as s:
         queue = s.printer.queue
         s.passes(1)
@@ -114,7 +114,7 @@ def test_free_time_passes_only_while_something_waits():
     "lines",
     [["M0"], ["M600"], ["M0", "G1 X5"], ["M600", "G1 X5 F3000"], ["M104 S200", "G4 P500", "M0"]],
 )
-def test_free_time_stands_while_a_person_is_waited_for(lines):
+def test_free_time_pauses_while_a_user_is_waited_for(lines):
     with Scenario("i3", free=True) as s:
         queue = s.printer.queue
         s.host.ok("G28", 100)
@@ -219,7 +219,7 @@ def test_reports_come_at_their_print_time_in_free_time(line, report, every_s):
         assert len(heard_s) == count
 
 
-def test_reports_come_at_host_time_while_free_time_stands():
+def test_reports_come_at_host_time_while_free_time_pauses():
     with Scenario("i3", free=True) as s:
         s.host.ok("M155 S5")
         s.passes(52)

@@ -57,7 +57,7 @@ def test_kernel_applies_the_law_before_the_geometry(kind):
     assert skewed.forward(tuple(skewed.inverse(i, at) for i in range(3))) == pytest.approx(at)
 
 
-def test_motors_go_where_the_law_says():
+def test_motors_follow_the_skew_formula():
     with homed() as s:
         answers(s, f"M852 I{XY} J{XZ} K{YZ}")
         for place in ((100, 200, 20), (200, 10, 50), (20, 150, 0.2)):

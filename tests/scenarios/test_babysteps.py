@@ -27,7 +27,7 @@ def logical_z(s):
     return float(re.search(r"Z:([-\d.]+)", s.host.ok("M114")[0])[1])
 
 
-def test_a_long_move_leans_over_while_it_is_under_way(s):
+def test_a_long_move_takes_a_babystep_while_it_runs(s):
     s.host.ok("G91")
     s.host.ok("G1 X60 F600")
     s.passes(2)
@@ -60,7 +60,7 @@ def test_nothing_is_shifted_out_of_range(s):
     assert height(s) == pytest.approx(5.0, abs=0.02)
 
 
-def test_an_axis_that_does_not_know_where_it_is_stays():
+def test_an_axis_that_is_not_homed_does_not_move():
     with Scenario("i3") as s:
         before = s.positions()
         assert "axis Z is not homed" in s.host.ok("M290 Z0.2")[0]

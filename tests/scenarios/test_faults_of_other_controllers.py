@@ -32,7 +32,7 @@ def test_a_speed_factor_that_is_none_changes_nothing(s, line):
     assert s.host.ok("M220") == ["Speed factor override: 120", "ok"]
 
 
-def test_a_speed_factor_that_is_no_number_changes_nothing(s):
+def test_a_speed_factor_that_is_not_a_number_changes_nothing(s):
     s.host.ok("M220 S120")
     s.host.ok("M220 Snan")
     assert s.host.ok("M220") == ["Speed factor override: 120", "ok"]
@@ -80,7 +80,7 @@ def test_a_code_with_a_subcode_of_no_meaning_is_unknown(s, line):
     assert not s.printer.halted
 
 
-def test_a_file_is_told_once_of_each_such_code(tmp_path, capsys):
+def test_a_file_is_warned_once_of_each_such_code(tmp_path, capsys):
     (tmp_path / "a.gcode").write_text("G28\nG1.1 X2\nG1.1 X3\nM104.5 S50\nM862.3 P MK3S\n")
     assert main(["print", str(tmp_path / "a.gcode"), "--clock", "virtual"]) == 0
     told = [x.partition("a.gcode:")[2] for x in capsys.readouterr().err.splitlines()]
@@ -107,7 +107,7 @@ def test_e_is_a_word_and_no_exponent(s):
     assert s.host.ok("M114")[0].startswith("X:1.000 Y:0.000 Z:0.000 E:3.0000")
 
 
-def test_a_comment_is_no_error(s):
+def test_a_comment_is_not_an_error(s):
     assert s.host.ok("G1 X3 F6000 ; over there") == ["ok"]
     assert s.host.ok("G1 X4 (over there) Y1") == ["ok"]
     assert x_of(s) == 4
@@ -190,7 +190,7 @@ def test_m112_stops_at_once_and_no_job_counts_as_done(tmp_path):
         assert "Done printing" not in " ".join(s.host.ok("M78"))
 
 
-def test_a_failed_home_is_no_home(s):
+def test_an_axis_that_failed_to_home_is_not_homed(s):
     s.board.force_switch("x", False)
     answer = s.host.ok("G28 X", 120)[-2]
     assert "axis X was not homed" in answer

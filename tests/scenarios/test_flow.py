@@ -43,7 +43,7 @@ def pushed_s(s, seconds):
     return filament(s) - before
 
 
-def test_beside_a_print_it_acts_at_once(s):
+def test_during_a_print_it_acts_at_once(s):
     begun(s)
     assert s.printer.queue.ahead_s > 4
     before = filament(s)
@@ -64,7 +64,7 @@ def test_the_other_axes_do_not_notice(s):
     assert s.positions()["x"] - x == pytest.approx(5 * (s.loop.time() - start), abs=0.05)
 
 
-def test_m114_tells_the_programs_e_on_the_way(s):
+def test_m114_reports_the_programs_e_on_the_way(s):
     begun(s)
     s.host.ok("M221 S50")
     s.passes(2)

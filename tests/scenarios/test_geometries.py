@@ -23,7 +23,7 @@ def axes(s):
     return tuple(float(v) for v in re.findall(r":(-?[\d.]+)", line))
 
 
-def test_a_delta_stands_where_its_formula_says(delta):
+def test_a_delta_moves_to_the_position_of_its_formula(delta):
     # Z 100 at the centre: each carriage is sqrt(160² - 81²) = 137.982 mm higher.
     at = delta.positions()
     assert [at[k] for k in "abc"] == pytest.approx([237.982] * 3, abs=0.02)

@@ -56,7 +56,7 @@ def test_progress_of_a_slicer(s):
     assert s.host.ok("M73")[0] == "echo:Progress: 40%, 12 min left"
 
 
-def test_a_host_tells_when_its_print_begins_and_ends(s):
+def test_a_host_reports_when_its_print_begins_and_ends(s):
     s.passes(50)
     assert s.host.ok("M530 S1 L20") == ["echo:Start Printing", "ok"]
     assert s.host.ok("M531 G1 part") == ["ok"]
@@ -137,7 +137,7 @@ def test_only_the_named_motors_go_off(s):
     assert s.board.output_value("x-enable") == 0  # a move turns it on
 
 
-def test_corrections_and_network_are_told(s):
+def test_corrections_and_network_are_reported(s):
     assert s.host.ok("M937") == ["echo:M937 does nothing here. This machine has no probe.", "ok"]
     assert "computer" in s.host.ok("M940")[0]
 

@@ -171,7 +171,7 @@ def test_firmware_retraction(s):
         ("G28 Z", 0, 0),
     ],
 )
-def test_a_hop_is_no_part_of_the_programs_z(s, meanwhile, hopped, z):
+def test_a_hop_is_not_part_of_the_programs_z(s, meanwhile, hopped, z):
     for line in ("G28", "M207 S2 F1200 Z0.4", "G1 Z10 E5 F6000", "G10", meanwhile):
         s.host.ok(line, 60)
     assert position(s)["Z"] == pytest.approx(hopped, abs=0.01)
@@ -303,7 +303,7 @@ def test_filament_is_loaded_and_unloaded(s):
     assert "cold" in s.host.ok("M702")[0]
 
 
-def test_letters_behind_r_are_relative(s):
+def test_letters_after_r_are_relative(s):
     s.host.ok("G1 X10 Y10 F6000")
     s.host.ok("G1 X5 Y5 F600 RX")
     assert position(s) | {"Z": 0, "E": 0} == {"X": 15, "Y": 5, "Z": 0, "E": 0}
@@ -322,7 +322,7 @@ def test_letters_behind_r_are_relative(s):
     ("line", "homed"),
     [("G28 W", "xyz"), ("G28 O", "xyz"), ("g28 x y", "xy"), ("G28 XY", "xy"), ("G28 X0 Z0", "xz")],
 )
-def test_letters_that_slicers_put_behind_g28(line, homed):
+def test_letters_that_slicers_put_after_g28(line, homed):
     with Scenario("i3") as s:
         s.host.ok(line, 60)
         at = s.positions()

@@ -46,7 +46,7 @@ def test_a_file_that_cannot_be_deleted_and_one_without_a_name(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_m408_tells_the_state_as_json(s):
+def test_m408_reports_the_state_as_json(s):
     s.passes(1)
     first = status(s)
     assert first["status"] == "I"
@@ -73,7 +73,7 @@ def test_m408_tells_the_state_as_json(s):
     assert not {"name", "currentLayer"} & now.keys()
 
 
-def test_m408_tells_the_machine_and_the_print(tmp_path):
+def test_m408_reports_the_machine_and_the_print(tmp_path):
     (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X50 F600\nG1 X0\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         machine = status(s, "M408 S2")
@@ -93,7 +93,7 @@ def test_m408_tells_the_machine_and_the_print(tmp_path):
         assert status(s)["status"] == "H"
 
 
-def test_limits_are_told_and_cannot_be_turned_off(s):
+def test_limits_are_reported_and_cannot_be_turned_off(s):
     axes = s.machine.axes
     line = s.host.ok("M122")[0]
     assert line.startswith("Soft endstops: ON  Min: X:0.00 Y:0.00 Z:0.00  Max: X:")

@@ -54,7 +54,7 @@ def test_a_place_that_is_none_is_refused(s):
     assert s.positions() == before
 
 
-def test_g28_o_homes_what_does_not_know_where_it_is():
+def test_g28_o_homes_axes_that_are_not_homed():
     with Scenario("i3") as s:
         s.host.ok("G28 X", 60)
         s.host.ok("G1 X30 F6000")

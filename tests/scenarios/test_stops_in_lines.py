@@ -17,7 +17,7 @@ def s():
 
 
 @pytest.mark.parametrize("line", ["M400 M112", "G91 M112", "(now) M112", "M104 S200 M112"])
-def test_m112_behind_another_command_halts(s, line):
+def test_m112_after_another_command_halts(s, line):
     s.host.ok("M104 S150")
     s.host.ok(line)
     s.host.expect("Error:Printer halted: emergency stop by M112", 2)
@@ -70,7 +70,7 @@ def test_words_belong_to_their_own_command(s, first):
 
 
 @pytest.mark.parametrize("line", ["M0 P1 then M104 S100", "M1 P1 then M106 S255"])
-def test_the_text_of_a_pause_is_no_command(s, line):
+def test_the_text_of_a_pause_is_not_a_command(s, line):
     s.host.ok(line)
     s.passes(2)
     assert s.printer.connection.heaters["hotend"].target == 0

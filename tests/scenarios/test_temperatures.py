@@ -24,7 +24,7 @@ def target(s, name="hotend"):
     return s.printer.connection.heaters[name].target
 
 
-def test_m105_tells_every_heater_in_one_line(two):
+def test_m105_reports_every_heater_in_one_line(two):
     number = r"-?\d+\.\d\d"
     heater = rf":{number} /{number}"
     line = rf"ok T{heater} T0{heater} T1{heater} B{heater} @:\d+ @0:\d+ @1:\d+ B@:\d+"

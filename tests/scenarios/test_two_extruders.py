@@ -120,7 +120,7 @@ def test_after_a_stop_each_extruder_is_where_it_stands(printing, stop):
     assert moved(printing, "T1", "G1 E1") == pytest.approx((0, 1), abs=0.1)
 
 
-def test_a_pause_right_behind_a_change_of_tools(s):
+def test_a_pause_right_after_a_change_of_tools(s):
     s.host.ok("T1")
     before = filament(s)
     s.host.send("M600")

@@ -96,7 +96,7 @@ def test_analog_reports_have_period_and_sum_of_samples():
     ]
 
 
-def test_analog_reports_go_on_after_a_shutdown():
+def test_analog_reports_continue_after_a_shutdown():
     board = RawBoard()
     board.configure()
     board.tell(f"query_analog_in oid=4 clock={board.clock(1000)} sample_ticks=100 sample_count=1"
@@ -110,7 +110,7 @@ def test_analog_reports_go_on_after_a_shutdown():
     assert [len(v["values"]) for name, v in said if name == "analog_in_state"] == [4] * 5
 
 
-def test_heat_does_not_depend_on_when_one_looks():
+def test_heat_does_not_depend_on_when_it_is_read():
     def heat(looks: int) -> float:
         bench = Bench()
         bench.connection.set_target("hotend", 150.0)

@@ -102,7 +102,7 @@ def test_homing_stops_at_the_switch():
     assert board.device.fault == ""
 
 
-def test_looks_come_at_their_times_behind_a_bounce_too():
+def test_samples_come_at_their_times_after_a_bounce_too():
     board = RawBoard()
     board.configure()
     start = board.now

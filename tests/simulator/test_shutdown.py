@@ -57,7 +57,7 @@ def test_a_misuse_shuts_the_board_down(board, wait, text, fault):
 
 
 @pytest.mark.parametrize("payload", [b"\x60\x7f", b"\x02\x00\x80", b"\x80\x80\x80\x80\x80\x80"])
-def test_a_payload_that_is_no_command_shuts_the_board_down(board, payload):
+def test_a_payload_that_is_not_a_command_shuts_the_board_down(board, payload):
     board.feed(payload)
     assert board.device.fault == "Command parser error"
 

@@ -234,7 +234,7 @@ def test_a_program_that_fails(tools: Path, image: Path, port: Port) -> None:
     assert caught.value.status == 5
 
 
-def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: Path) -> None:
+def test_a_missing_program_is_reported_before_any_manual_step(tools: Path, image: Path) -> None:
     said: list[str] = []
     work = flash(
         "melzi", config.load_board("melzi"), "/dev/null", image, User(said.append, said.append)
@@ -270,7 +270,7 @@ def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: 
         ("a.elf", elf(0x0800_0000, bytes(64))[:-1], "stm32f407-discovery", "content of a .elf"),
     ],
 )
-def test_files_that_are_no_image(
+def test_files_that_are_not_an_image(
     tmp_path: Path, name: str, content: bytes | None, board: str, says: str
 ) -> None:
     image = tmp_path / name
@@ -330,7 +330,7 @@ def test_an_image_fills_the_flash(tools: Path, tmp_path: Path, port: Port) -> No
     assert flashed("radds", port.name, image, port)[-1].startswith("radds: written")
 
 
-def test_bytes_that_align_what_follows_are_no_gap(tools: Path, image: Path, port: Port) -> None:
+def test_bytes_that_align_what_follows_are_not_a_gap(tools: Path, image: Path, port: Port) -> None:
     program(tools, "avrdude")
     image.write_bytes(with_gap(7))
     assert flashed("ramps", port.name, image, port)[-1].startswith("ramps: written")
@@ -441,7 +441,7 @@ def test_ports_that_are_none(tools: Path, image: Path, where: str) -> None:
     assert caught.value.status == 2
 
 
-def test_a_wrong_port_is_told_before_hands_erase_the_board(tools: Path, tmp_path: Path) -> None:
+def test_a_wrong_port_is_reported_before_hands_erase_the_board(tools: Path, tmp_path: Path) -> None:
     program(tools, "bossac")
     image = tmp_path / "duet-0.6.bin"
     image.write_bytes(SAM_CODE)
@@ -530,7 +530,7 @@ def dry(capsys: pytest.CaptureFixture[str], board: str, port: str, image: Path) 
     return lines
 
 
-def test_a_dry_run_does_nothing(
+def test_a_dry_run_changes_nothing(
     tools: Path, image: Path, port: Port, capsys: pytest.CaptureFixture[str]
 ) -> None:
     notes = program(tools, "avrdude")
@@ -540,7 +540,7 @@ def test_a_dry_run_does_nothing(
     assert not notes.exists()
 
 
-def test_a_dry_run_tells_what_is_missing_or_wrong_now(
+def test_a_dry_run_reports_what_is_missing_or_wrong_now(
     tools: Path, image: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     nothing, missing, *lines = dry(capsys, "melzi", "/dev/no-such-port", image)

@@ -124,7 +124,7 @@ def test_connection_with_slow_headers_ends_after_its_time():
     run(test)
 
 
-def test_time_for_headers_begins_anew_with_each_request():
+def test_time_for_headers_restarts_with_each_request():
     async def test(server):
         loop, connection = asyncio.get_running_loop(), Connection(server)
         whole = request("GET", "/api/v1/status")
@@ -195,7 +195,7 @@ def upgrade():
     return request("GET", "/api/v1/feed", *wants)
 
 
-def test_websocket_that_does_not_read_is_dropped_and_others_go_on():
+def test_websocket_that_does_not_read_is_dropped_and_others_stay():
     async def test(server):
         loop, bridge = asyncio.get_running_loop(), server.bridge
         slow, fast = Connection(server, reads=False), Connection(server)
@@ -275,7 +275,7 @@ def test_malformed_frames_end_a_websocket_with_their_code(frames, code):
 
 
 @pytest.mark.parametrize("empty", [b"", b"[]", b'{"type":"nothing"}'])
-def test_message_that_is_none_is_answered_and_the_feed_goes_on(empty):
+def test_message_that_is_none_is_answered_and_the_feed_continues(empty):
     async def test(server):
         connection = Connection(server)
         connection.protocol.data_received(upgrade())

@@ -91,7 +91,7 @@ def test_a_failed_print_says_once_what_to_do(s, folder):
     assert bed.target == 50  # nothing was left to cancel
 
 
-def test_a_print_that_asks_for_statistics_goes_on_without_them(s, folder):
+def test_a_print_that_asks_for_statistics_continues_without_them(s, folder):
     (folder / "a.g").write_text("M78\nG28\nG1 X5\n")
     s.host.ok("M32 a.g")
     s.host.expect("echo:there is no place to store settings", 5)

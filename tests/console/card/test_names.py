@@ -138,7 +138,7 @@ def test_a_file_that_is_not_there_is_named_as_it_was_asked_for(s, name):
     )
 
 
-def test_the_selected_file_is_told_wherever_it_is(s):
+def test_the_selected_file_is_reported_wherever_it_is(s):
     assert s.host.ok("M36")[0].startswith("echo:no file is selected")
     s.host.ok("M23 parts/A long name.gcode")
     told = s.host.ok("M36")[0]

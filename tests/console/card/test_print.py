@@ -46,7 +46,7 @@ def test_a_printed_file_stays_selected_and_can_be_rewound(s):
     printed(s)
 
 
-def test_a_pause_brakes_parks_and_goes_on_from_the_very_point(folder):
+def test_a_pause_brakes_parks_and_resumes_at_the_same_point(folder):
     with Scenario("i3", card=str(folder)) as s:
         s.host.ok("M32 square.gcode")
         printed(s)

@@ -32,7 +32,7 @@ def test_progress_is_by_time_not_by_bytes(s, folder):
     assert s.host.ok("M73")[0] == "echo:Progress: nothing is printed"
 
 
-def test_progress_counts_on_behind_a_line_that_failed(s, folder):
+def test_progress_counts_on_after_a_line_that_failed(s, folder):
     way = "".join(f"G1 X{10 + i % 2 * 50} F600\n" for i in range(20))
     (folder / "half.g").write_text(f"G28 X\n{way}G1 E10001\n{way}")
     s.host.ok("M32 half.g")

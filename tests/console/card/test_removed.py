@@ -10,7 +10,7 @@ from tests.support.scenario import Scenario
 from passo.errors import CardError
 
 
-def test_without_a_card_every_command_says_so():
+def test_without_a_card_every_command_reports_it():
     with Scenario("i3") as s:
         for command in ("M20", "M21", "M23 x.g", "M30 x.g"):
             assert "there is no card" in s.host.ok(command)[0 if command != "M20" else -2]
@@ -37,7 +37,7 @@ def test_a_card_that_is_pulled_stops_the_print(s, folder, monkeypatch):
 
 
 @pytest.mark.parametrize("back", ["the same", "none yet", "another"])
-def test_a_card_that_is_back_lets_its_print_go_on(s, folder, monkeypatch, back):
+def test_a_card_that_is_back_lets_its_print_continue(s, folder, monkeypatch, back):
     ways = "".join(f"G1 X{i % 200}\n" for i in range(20000))
     text = f"G28 X\nM117 begins\n{ways}G1 X77\n"
     (folder / "long.g").write_text(text)

@@ -70,7 +70,7 @@ def test_a_board_configured_otherwise_is_reset():
     chip.close()
 
 
-def test_a_board_that_was_in_use_begins_anew():
+def test_a_board_that_was_in_use_restarts():
     chip = bench()
     description = BoardDescription(HZ, outputs=(Output("light", "PH5"),))
     connection = AvrConnection(description, chip)
@@ -249,7 +249,7 @@ def test_heater_is_off_before_last_messages(monkeypatch):
     chip.close()
 
 
-def test_a_board_that_hangs_starts_anew_with_its_heater_off():
+def test_a_board_that_hangs_restarts_with_its_heater_off():
     chip = bench()
     description = BoardDescription(HZ, outputs=(Output("heater", "PH5"),))
     connection = AvrConnection(description, chip)

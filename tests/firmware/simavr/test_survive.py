@@ -78,7 +78,7 @@ def test_commit_just_in_time_is_taken_while_motors_step(interval):
 
 
 @pytest.mark.parametrize("interval", [400, 300])
-def test_long_tails_come_on_time_behind_fast_steps(interval):
+def test_long_tails_come_on_time_after_fast_steps(interval):
     """Four motors' tails of many moves are queued while three step, at 120 000 and 160 000
     steps/s together; the fourth begins with its tail."""
     tail, count, moves = 3 * interval // 2, 24, 30

@@ -156,7 +156,7 @@ def test_each_slicer_is_known_by_its_line(web, tmp_path, line, slicer):
     assert known(web, "a.gcode")["slicer"] == slicer
 
 
-def test_a_file_that_cannot_be_printed_says_why(web, bridge, tmp_path):
+def test_a_file_that_cannot_be_printed_reports_why(web, bridge, tmp_path):
     (tmp_path / "a.gcode").write_text("G1 X900\n")
     values = {"axis": "X", "value": 900.0, "limit": 250.0, "decimals": 0}
     bridge.answers["estimate /a.gcode"] = InputError.of(

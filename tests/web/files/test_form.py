@@ -92,7 +92,7 @@ def test_fields_are_few_and_short():
 @pytest.mark.parametrize(
     "kind", ["", "text/plain", "multipart/form-data", "multipart/mixed; boundary=b"]
 )
-def test_a_body_that_is_no_form_is_refused(kind):
+def test_a_body_that_is_not_a_form_is_refused(kind):
     with pytest.raises(InputError, match="expected multipart/form-data"):
         Form(kind)
 

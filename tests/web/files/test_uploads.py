@@ -53,7 +53,7 @@ def test_a_file_is_stored_as_it_comes(web, tmp_path):
         ("..%2Fa.gcode", b"G28", 400, "card.name"),
     ],
 )
-def test_what_is_no_program_is_refused(web, tmp_path, name, content, status, code):
+def test_what_is_not_a_program_is_refused(web, tmp_path, name, content, status, code):
     answer = put(web, name, content)
     assert (answer.status_code, code_of(answer)) == (status, code)
     assert list(tmp_path.iterdir()) == []
@@ -126,7 +126,7 @@ def test_a_lost_connection_keeps_what_has_come(tmp_path):
     assert run(test, tmp_path) == ["/a.gcode"]
 
 
-def test_an_upload_that_does_not_go_on_is_forgotten(tmp_path, monkeypatch):
+def test_an_upload_that_does_not_continue_is_dropped(tmp_path, monkeypatch):
     monkeypatch.setattr(uploads, "KEPT_S", 0.01)
 
     async def test(uploads, folder):
@@ -140,7 +140,7 @@ def test_an_upload_that_does_not_go_on_is_forgotten(tmp_path, monkeypatch):
     assert run(test, tmp_path) == []
 
 
-def test_a_new_upload_takes_the_place_of_one_that_was_kept(tmp_path):
+def test_a_new_upload_replaces_one_that_was_kept(tmp_path):
     async def test(uploads, folder):
         async with uploads.file("/a.gcode", total=8, resumable=True) as file:
             await file.write(b"G28\n")

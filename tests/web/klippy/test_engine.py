@@ -181,7 +181,7 @@ def test_endstops_are_shown_as_they_were_asked_for():
     run(test)
 
 
-def test_halted_printer_is_shut_down_and_says_why():
+def test_halted_printer_is_shut_down_and_reports_why():
     async def test(served):
         client = served.client()
         await client.ask("gcode/subscribe_output", response_template={})

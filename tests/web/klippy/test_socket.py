@@ -56,7 +56,7 @@ def test_file_in_its_place_is_not_touched(tmp_path):
     assert (tmp_path / "klippy").read_text() == "mine"
 
 
-def test_restart_ends_connections_and_makes_the_socket_anew(tmp_path):
+def test_restart_ends_connections_and_reopens_the_socket(tmp_path):
     async def test(path, bridge):
         reader, writer, _ = await ask(path, "gcode/firmware_restart")
         assert await reader.read() == b""
@@ -85,7 +85,7 @@ def test_changes_are_pushed_while_another_client_sends_rubbish(tmp_path):
     run(test, tmp_path)
 
 
-def test_client_that_does_not_read_is_dropped_and_others_go_on(tmp_path, monkeypatch):
+def test_client_that_does_not_read_is_dropped_and_others_stay(tmp_path, monkeypatch):
     monkeypatch.setattr(server, "_TIMEOUT_S", 0.3)
     monkeypatch.setattr(server, "PUSH_S", 0.05)
 

@@ -72,6 +72,6 @@ def test_requests_have_a_method_parameters_and_an_id():
         (b'{"method": "info", "params": null}', "params"),
     ],
 )
-def test_what_is_not_a_request_says_why(frame, reason):
+def test_an_invalid_request_is_answered_with_the_reason(frame, reason):
     with pytest.raises(ValueError, match=reason):
         request_of(frame)

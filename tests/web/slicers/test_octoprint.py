@@ -164,7 +164,7 @@ def test_commands_are_carried_out(bridge, client):
 
 
 @pytest.mark.parametrize("body", [b"[]", b"{", b'{"commands": 5}', b'{"commands": [5]}', b"{}"])
-def test_what_is_no_command_is_refused(bridge, client, body):
+def test_what_is_not_a_command_is_refused(bridge, client, body):
     answer = client.post("/api/printer/command", content=body)
     assert (answer.status_code, code_of(answer)) == (400, "web.malformed")
     assert bridge.asked == []

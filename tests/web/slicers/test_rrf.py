@@ -83,7 +83,7 @@ def test_no_prefix_leads_out_of_the_card(sent):
         on_card(sent)
 
 
-def test_what_a_line_answers_is_told_once(bridge, web):
+def test_the_answer_to_a_line_is_sent_once(bridge, web):
     bridge.answers["M105"] = ("T:25.0 /0.0",)
     bridge.answers["G1 X900"] = CommandError.of("command.failed", value="too far")
     web.get("/rr_gcode?gcode=M105")
