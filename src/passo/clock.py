@@ -88,8 +88,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self.set_default_executor(_AtOnce())
 
     def pass_time(self, seconds: float) -> None:
-        """Advances the time by `seconds` without running a task, as if the program computed for so
-        long."""
+        """Advances the time by `seconds` without running a task, as if the program computed for
+        that time."""
         self._virtual_s += seconds
 
     def time(self) -> float:

@@ -119,7 +119,7 @@ class PassoError(Exception):
 
 
 def _restored(cls: type[PassoError], problems: Sequence[Problem]) -> PassoError:
-    """Rebuilds a pickled error, whatever arguments its constructor has."""
+    """Rebuilds a pickled error, independent of the arguments of its constructor."""
     error = cls.__new__(cls)
     PassoError.__init__(error, problems)
     return error

@@ -177,30 +177,30 @@ class LiveBridge:
 
     @property
     def machine(self) -> MachineConfig:
-        """As `Bridge.machine`."""
+        """Like `Bridge.machine`."""
         return self._printer.machine
 
     @property
     def machine_source(self) -> str:
-        """As `Bridge.machine_source`."""
+        """Like `Bridge.machine_source`."""
         return self._source
 
     @property
     def places(self) -> Sequence[str]:
-        """As `Bridge.places`."""
+        """Like `Bridge.places`."""
         return tuple(self._places)
 
     @property
     def commands(self) -> Sequence[Declaration]:
-        """As `Bridge.commands`."""
+        """Like `Bridge.commands`."""
         return tuple(table().values())
 
     def latest(self) -> Snapshot:
-        """As `Bridge.latest`."""
+        """Like `Bridge.latest`."""
         return self._latest
 
     def listen(self, listener: Listener) -> Callable[[], None]:
-        """As `Bridge.listen`."""
+        """Like `Bridge.listen`."""
         listeners = self._listeners.setdefault(asyncio.get_running_loop(), [])
         listeners.append(listener)
 
@@ -211,11 +211,11 @@ class LiveBridge:
         return end
 
     def console_history(self) -> list[ConsoleLine]:
-        """As `Bridge.console_history`."""
+        """Like `Bridge.console_history`."""
         return self._printer.state.console_lines.last()
 
     def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
-        """As `Bridge.on_console_line`."""
+        """Like `Bridge.on_console_line`."""
         entry = (asyncio.get_running_loop(), call)
         lines = self._printer.state.console_lines
 
@@ -236,7 +236,7 @@ class LiveBridge:
     async def run(
         self, script: str, heard: Hearer | None = None, *, sender: str = ""
     ) -> tuple[str, ...]:
-        """As `Bridge.run`."""
+        """Like `Bridge.run`."""
         loop = asyncio.get_running_loop()
 
         def cross_back(line: str) -> None:
@@ -246,7 +246,7 @@ class LiveBridge:
         return await self._cross(self._run(script, None if heard is None else cross_back, sender))
 
     async def endstops(self) -> dict[str, bool]:
-        """As `Bridge.endstops`."""
+        """Like `Bridge.endstops`."""
 
         def states() -> dict[str, bool]:
             if self._printer.halted:
@@ -256,15 +256,15 @@ class LiveBridge:
         return await self._call(states)
 
     def emergency_stop(self) -> None:
-        """As `Bridge.emergency_stop`."""
+        """Like `Bridge.emergency_stop`."""
         self._loop.call_soon_threadsafe(self._printer.emergency_stop)
 
     async def restart(self) -> None:
-        """As `Bridge.restart`."""
+        """Like `Bridge.restart`."""
         await self.run("M999")
 
     async def restart_program(self) -> None:
-        """As `Bridge.restart_program`."""
+        """Like `Bridge.restart_program`."""
         restart = self._printer.state.program_restart
         if restart is None:
             raise ConfigError.of("machine.no-restart")
@@ -272,11 +272,11 @@ class LiveBridge:
         await self._call(restart.begin)
 
     async def select_file(self, path: str) -> None:
-        """As `Bridge.select_file`."""
+        """Like `Bridge.select_file`."""
         await self._call(lambda: self._assembly.library.open(path))
 
     async def start_print(self, path: str) -> None:
-        """As `Bridge.start_print`."""
+        """Like `Bridge.start_print`."""
 
         def start() -> None:
             self._assembly.library.open(path)
@@ -285,53 +285,53 @@ class LiveBridge:
         await self._call(start)
 
     async def pause_print(self) -> None:
-        """As `Bridge.pause_print`."""
+        """Like `Bridge.pause_print`."""
         await self._call(self._assembly.runner.pause)
 
     async def resume_print(self) -> None:
-        """As `Bridge.resume_print`."""
+        """Like `Bridge.resume_print`."""
         await self._call(self._assembly.runner.start)
 
     async def cancel_print(self) -> None:
-        """As `Bridge.cancel_print`."""
+        """Like `Bridge.cancel_print`."""
         await self._call(self._assembly.runner.cancel)
 
     async def cancel_object(self, number: int, *, cancelled: bool) -> None:
-        """As `Bridge.cancel_object`."""
+        """Like `Bridge.cancel_object`."""
         await self._call(lambda: self._assembly.objects.cancel(number, cancelled=cancelled))
 
     async def past_prints(self, most: int) -> list[PastPrint]:
-        """As `Bridge.past_prints`."""
+        """Like `Bridge.past_prints`."""
         rows = await self._call(lambda: self._assembly.statistics.last(most))
         return [PastPrint(*row) for row in rows]
 
     async def queue(self) -> Queue:
-        """As `Bridge.queue`."""
+        """Like `Bridge.queue`."""
         queue = self._assembly.queue
         return await self._call(lambda: Queue(queue.entries, queue.automatic))
 
     async def queue_print(self, path: str) -> QueuedPrint:
-        """As `Bridge.queue_print`."""
+        """Like `Bridge.queue_print`."""
         return await self._call(lambda: self._assembly.queue.add(path))
 
     async def unqueue_print(self, number: int) -> None:
-        """As `Bridge.unqueue_print`."""
+        """Like `Bridge.unqueue_print`."""
         await self._call(lambda: self._assembly.queue.remove(number))
 
     async def move_queued_print(self, number: int, place: int) -> None:
-        """As `Bridge.move_queued_print`."""
+        """Like `Bridge.move_queued_print`."""
         await self._call(lambda: self._assembly.queue.move(number, place))
 
     async def set_queue_mode(self, *, automatic: bool) -> None:
-        """As `Bridge.set_queue_mode`."""
+        """Like `Bridge.set_queue_mode`."""
         await self._call(lambda: self._assembly.queue.set_automatic(automatic))
 
     async def start_queued_print(self) -> None:
-        """As `Bridge.start_queued_print`."""
+        """Like `Bridge.start_queued_print`."""
         await self._call(self._assembly.queue.start_next)
 
     async def settings(self) -> list[SettingValue]:
-        """As `Bridge.settings`."""
+        """Like `Bridge.settings`."""
         rows = await self._call(lambda: list(self._assembly.settings.provenance()))
         return [
             SettingValue(group, setting.head, setting.word, setting.value, file, stored, source)
@@ -339,12 +339,12 @@ class LiveBridge:
         ]
 
     async def bed(self) -> BedState:
-        """As `Bridge.bed`."""
+        """Like `Bridge.bed`."""
         bed = self._printer.correction
         return await self._call(lambda: BedState(bed.correction, bed.on))
 
     async def simulated_parts(self) -> list[SimulatedPart]:
-        """As `Bridge.simulated_parts`."""
+        """Like `Bridge.simulated_parts`."""
 
         def parts() -> list[SimulatedPart]:
             injector = self._printer.connection.injector
@@ -359,19 +359,19 @@ class LiveBridge:
         return await self._call(parts)
 
     async def card(self) -> Card:
-        """As `Bridge.card`."""
+        """Like `Bridge.card`."""
         return await self._call(lambda: self._assembly.library.card)
 
     async def create_file(self, path: str) -> Writer:
-        """As `Bridge.create_file`."""
+        """Like `Bridge.create_file`."""
         return await self._call(lambda: self._assembly.library.create(path))
 
     async def remove_file(self, path: str) -> None:
-        """As `Bridge.remove_file`."""
+        """Like `Bridge.remove_file`."""
         await self._call(lambda: self._assembly.library.remove(path))
 
     async def rename(self, path: str, to: str) -> None:
-        """As `Bridge.rename`."""
+        """Like `Bridge.rename`."""
         await self._call(lambda: self._assembly.library.let_go(path))
         card = await self.card()
         await asyncio.to_thread(card.rename, path, to)  # which may copy a file
@@ -379,7 +379,7 @@ class LiveBridge:
     async def estimate(
         self, path: str, take_path: Callable[[bytes], None] | None = None
     ) -> Estimate:
-        """As `Bridge.estimate`."""
+        """Like `Bridge.estimate`."""
         source = await asyncio.to_thread(Unheld, await self.card(), path)
         work = self._planner.submit(_estimate, self.machine, source, path, take_path)
         try:
@@ -388,7 +388,7 @@ class LiveBridge:
             source.close()  # ends the estimate, if it was cancelled
 
     async def explain(self, path: str, line: int) -> Explanation:
-        """As `Bridge.explain`."""
+        """Like `Bridge.explain`."""
         source = await asyncio.to_thread(Unheld, await self.card(), path)
         try:
             return await self._explained(source, path.rpartition("/")[2], line)
@@ -396,7 +396,7 @@ class LiveBridge:
             source.close()
 
     async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:
-        """As `Bridge.explain_line`."""
+        """Like `Bridge.explain_line`."""
         lines = [*before.splitlines(), line, *after.splitlines()]
         number = len(before.splitlines()) + 1
         return await self._explained(BytesIO("\n".join(lines).encode()), "line.gcode", number)

@@ -96,12 +96,12 @@ class Boards:
         return max(c.link.unheard_s(c.board_clock) for c in self.connections)
 
     def keep_frames(self) -> None:
-        """As `Connection.keep_frames`, on all boards."""
+        """Like `Connection.keep_frames`, on all boards."""
         for connection in self.connections:
             connection.keep_frames()
 
     def use_commits(self, horizon_s: float) -> None:
-        """As `Connection.use_commits`, on all boards."""
+        """Like `Connection.use_commits`, on all boards."""
         for connection in self.connections:
             connection.use_commits(horizon_s)
 
@@ -160,7 +160,7 @@ class Boards:
                 return
 
     def wait(self, until_clock: int) -> None:
-        """As `live_on`, but raises MachineError when a board has shut down."""
+        """Like `live_on`, but raises MachineError when a board has shut down."""
         self.live_on(until_clock)
         self._look_for_shutdown()
 
@@ -206,18 +206,18 @@ class Boards:
 
     def connection_of(self, part: str, name: str) -> Connection:
         """The board that has a part, one of `steppers`, `outputs`, `sensors`, `heaters`,
-        `endstops`. KeyError if no board has it."""
+        `endstops`. Raises KeyError if no board has it."""
         for connection in self.connections:
             if any(entry.name == name for entry in getattr(connection.board, part)):
                 return connection
         raise KeyError(name)
 
     def reading(self, heater: str) -> float:
-        """As `Connection.reading`."""
+        """Like `Connection.reading`."""
         return self.connection_of("heaters", heater).reading(heater)
 
     def set_target(self, heater: str, celsius: float) -> None:
-        """As `Connection.set_target`."""
+        """Like `Connection.set_target`."""
         self.connection_of("heaters", heater).set_target(heater, celsius)
 
     def switch_heaters_off(self) -> None:
@@ -229,27 +229,27 @@ class Boards:
                     heater.target = 0.0
 
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
-        """As `Connection.set_sensor`."""
+        """Like `Connection.set_sensor`."""
         self.connection_of("heaters", heater).set_sensor(heater, sensor)
 
     def switch(self, output: str, on: bool) -> None:
-        """As `Connection.switch`."""
+        """Like `Connection.switch`."""
         self.connection_of("outputs", output).switch(output, on)
 
     def tone(self, output: str, hz: float, seconds: float, after_s: float) -> None:
-        """As `Connection.tone`."""
+        """Like `Connection.tone`."""
         self.connection_of("outputs", output).tone(output, hz, seconds, after_s)
 
     def pulse(self, output: str, width_s: float, seconds: float, after_s: float) -> None:
-        """As `Connection.pulse`."""
+        """Like `Connection.pulse`."""
         self.connection_of("outputs", output).pulse(output, width_s, seconds, after_s)
 
     def full_scale(self, output: str) -> int:
-        """As `Connection.full_scale`."""
+        """Like `Connection.full_scale`."""
         return self.connection_of("outputs", output).full_scale(output)
 
     def net_steps(self, stepper: str) -> int:
-        """As `Connection.net_steps`."""
+        """Like `Connection.net_steps`."""
         return self.connection_of("steppers", stepper).net_steps(stepper)
 
     def close(self) -> None:

@@ -61,7 +61,7 @@ class Connection(Exchange):
         return bool(same) and self.survives and stood_alone(self)
 
     def begin(self, *, adopt: bool) -> None:
-        """As `connect`; adopts the board if it was `left_alone`."""
+        """Like `connect`; adopts the board if it was `left_alone`."""
         self._identify()
         self.adopted = adopt
         try:
@@ -140,7 +140,7 @@ class Connection(Exchange):
                 self.command(f"survive_output oid={oid} value={off} seconds=0")
 
     async def reopen(self) -> None:
-        """As `open_again`, for a board that has run without the host.
+        """Like `open_again`, for a board that has run without the host.
 
         Raises LinkLostError if it cannot be reached, BoardResetError if it has lost its state,
         MachineError if it has shut down.
@@ -210,18 +210,19 @@ class Connection(Exchange):
 
     def reading(self, heater: str) -> float:
         """The current reading of a heater's sensor, °C; absolute zero while the board has not
-        reported any. KeyError if there is no such heater."""
+        reported any. Raises KeyError if there is no such heater."""
         loop = self.heaters[heater]
         silent = not loop.heard or self.link.shut_down or self.lost
         return ABSOLUTE_ZERO_C if silent else loop.celsius
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Sets a heater's target; 0 turns it off. A heater that has failed keeps the new target,
-        but stays off until it is rearmed. KeyError if there is no such heater."""
+        but stays off until it is rearmed. Raises KeyError if there is no such heater."""
         self.heaters[heater].target = celsius
 
     def switch(self, output: str, on: bool) -> None:
-        """Switches an output without a cycle at once. KeyError if there is no such output."""
+        """Switches an output without a cycle at once. Raises KeyError if there is no such
+        output."""
         pin = next(o.pin for o in self.board.outputs if o.name == output)
         self.command(
             f"update_digital_out oid={self.oids.outputs[output]} value={int(on != inverted(pin))}"
@@ -230,7 +231,7 @@ class Connection(Exchange):
     def tone(self, output: str, hz: float, seconds: float, after_s: float) -> None:
         """Pulses an output at `hz` and half of its power, for `seconds`, `after_s` seconds from
         now. The output must have a cycle, and be off. The board gets the command that ends the tone
-        together with the one that starts it. KeyError if there is no such output."""
+        together with the one that starts it. Raises KeyError if there is no such output."""
         pin = next(o.pin for o in self.board.outputs if o.name == output)
         oid = self.oids.outputs[output]
         cycle = round(self.board.clock_hz / hz)
@@ -244,7 +245,7 @@ class Connection(Exchange):
 
     def pulse(self, output: str, width_s: float, seconds: float, after_s: float) -> None:
         """Repeats pulses of `width_s` on an output that has a cycle, for `seconds`, `after_s`
-        seconds from now. KeyError if there is no such output."""
+        seconds from now. Raises KeyError if there is no such output."""
         pin = next(o for o in self.board.outputs if o.name == output)
         oid, hz = self.oids.outputs[output], self.board.clock_hz
         begin = self.clock_after(after_s)
@@ -256,7 +257,7 @@ class Connection(Exchange):
 
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
         """Replaces the table and the range of a heater's sensor, from its next report on. Name and
-        pin stay. KeyError if there is no such heater."""
+        pin stay. Raises KeyError if there is no such heater."""
         loop = self.heaters[heater]
         entry = next(h for h in self.board.heaters if h.name == heater)
         sensors = (

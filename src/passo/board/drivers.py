@@ -103,7 +103,7 @@ class Drivers:
             self._connection.run(self._connection.now + int(_STEP_S * self._connection.wire.hz))
 
     def require(self) -> None:
-        """As `configure`, but raises MachineError also for a driver that fails."""
+        """Like `configure`, but raises MachineError also for a driver that fails."""
         self.configure()
         failures = [state.failure for state in self.states.values() if state.failure is not None]
         if failures:

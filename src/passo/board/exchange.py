@@ -71,7 +71,7 @@ class Exchange:
         return int(seconds * self.wire.hz)
 
     def clock_after(self, seconds: float) -> int:
-        """The expected clock of this board so many `seconds` from now."""
+        """The expected clock of this board in `seconds` from now."""
         return self.board_clock + int(seconds * self.board.clock_hz)
 
     def command(self, text: str) -> None:
@@ -153,7 +153,7 @@ class Exchange:
         return stop == _core.Stop.HEATERS
 
     def pass_time(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
-        """As `run`, but a board that is shut down or silent is not an error."""
+        """Like `run`, but a board that is shut down or silent is not an error."""
         while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
             self.take_faults()
         if stop == _core.Stop.CLOSED:

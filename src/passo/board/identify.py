@@ -1,4 +1,5 @@
-"""Identifies a board over any transport: a sans-IO engine that takes and returns bytes."""
+"""Identifies a board over any transport: takes and returns bytes, and does no input or output
+itself."""
 
 from __future__ import annotations
 

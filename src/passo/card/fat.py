@@ -52,14 +52,14 @@ class FatCard(Card):
         self._directories = Directories(self._volume)
 
     def list(self, directory: str = "/") -> list[Entry]:
-        """As `Card.list`."""
+        """Like `Card.list`."""
         with self._lock:
             first, _ = self._directory(names.split(directory))
             entries = [record.entry for record in self._directories.load(first).records]
         return sorted(entries, key=lambda entry: (names.fold(entry.name), entry.name))
 
     def find(self, path: str) -> Entry:
-        """As `Card.find`; the root has no name."""
+        """Like `Card.find`; the root has no name."""
         parts = names.split(path)
         if not parts:
             return Entry("", "", True, 0, datetime(1980, 1, 1))
@@ -67,7 +67,7 @@ class FatCard(Card):
             return self._existing(*self._directory(parts[:-1]), parts[-1])[1].entry
 
     def open(self, path: str) -> Reader:
-        """As `Card.open`; several readers may have a file open."""
+        """Like `Card.open`; several readers may have a file open."""
         with self._file(path) as (first, where, name):
             record = self._existing(first, where, name)[1]
             full = f"{where}/{record.entry.name}"
@@ -87,7 +87,7 @@ class FatCard(Card):
         return Reader(record.entry.size, fetch, released)
 
     def create(self, path: str) -> Writer:
-        """As `Card.create`. A file that is replaced stays until the new one is complete."""
+        """Like `Card.create`. A file that is replaced stays until the new one is complete."""
         with self._file(path) as (first, where, name):
             found = self._lookup(self._directories.load(first), name)
             if found:
@@ -117,7 +117,7 @@ class FatCard(Card):
             return writer
 
     def remove(self, path: str) -> None:
-        """As `Card.remove`: deletes the entry first, then frees the clusters."""
+        """Like `Card.remove`: deletes the entry first, then frees the clusters."""
         with self._file(path) as (first, where, name):
             slots, record = self._existing(first, where, name)
             full = f"{where}/{record.entry.name}"
@@ -131,7 +131,7 @@ class FatCard(Card):
                     self._volume.table.release(record.cluster)
 
     def make_directory(self, path: str) -> None:
-        """As `Card.make_directory`; it takes a cluster."""
+        """Like `Card.make_directory`; it takes a cluster."""
         with self._file(path) as (first, where, name):
             slots = self._directories.load(first)
             found = self._lookup(slots, name)
@@ -152,7 +152,7 @@ class FatCard(Card):
                     raise
 
     def rename(self, path: str, to: str) -> None:
-        """As `Card.rename`, in one write if the directory's sector has space for the new name.
+        """Like `Card.rename`, in one write if the directory's sector has space for the new name.
         Otherwise a file is copied, which needs free space, and a directory keeps its name
         (`card.no-slots`)."""
         with self._lock:
@@ -189,7 +189,7 @@ class FatCard(Card):
             return False
 
     def remove_directory(self, path: str) -> None:
-        """As `Card.remove_directory`: deletes the entry first, then frees the clusters."""
+        """Like `Card.remove_directory`: deletes the entry first, then frees the clusters."""
         with self._file(path) as (first, where, name):
             slots, record = self._existing(first, where, name)
             full = f"{where}/{record.entry.name}"
@@ -209,7 +209,7 @@ class FatCard(Card):
             return self._volume.table.free * self._volume.layout.cluster_bytes
 
     def close(self) -> None:
-        """As `Card.close`: discards files that are being written, and releases the device."""
+        """Like `Card.close`: discards files that are being written, and releases the device."""
         with self._lock:
             for writer in list(self._writers):
                 writer.give_up(

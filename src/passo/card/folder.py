@@ -87,12 +87,12 @@ class FolderCard(Card):
             raise CardError.of("card.absent", self._path, value=error.strerror) from error
 
     def list(self, directory: str = "/") -> list[Entry]:
-        """As `Card.list`."""
+        """Like `Card.list`."""
         with self._directory(names.split(directory)) as (folder, _):
             return self._entries(folder)
 
     def find(self, path: str) -> Entry:
-        """As `Card.find`; the root has no name."""
+        """Like `Card.find`; the root has no name."""
         parts = names.split(path)
         if not parts:
             return Entry("", "", True, 0, datetime(1980, 1, 1))
@@ -100,9 +100,9 @@ class FolderCard(Card):
             return self._existing(folder, where, parts[-1])
 
     def open(self, path: str) -> Reader:
-        """As `Card.open`: the reader returns the content that the file has now. It raises CardError
-        `card.changed` if the file is rewritten in place. If another file takes its name, a reader
-        that has begun reads on to the end of the old file, and one at offset 0 raises
+        """Like `Card.open`: the reader returns the content that the file has now. It raises
+        CardError `card.changed` if the file is rewritten in place. If another file takes its name,
+        a reader that has begun reads on to the end of the old file, and one at offset 0 raises
         `card.changed`."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
@@ -153,7 +153,7 @@ class FolderCard(Card):
         return Reader(opened.st_size, fetch, released)
 
     def create(self, path: str) -> Writer:
-        """As `Card.create`: a file that is replaced stays until the new one is whole."""
+        """Like `Card.create`: a file that is replaced stays until the new one is whole."""
         with self._file(path) as (folder, where, name):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found and found.is_directory:
@@ -181,7 +181,7 @@ class FolderCard(Card):
             return writer
 
     def remove(self, path: str) -> None:
-        """As `Card.remove`."""
+        """Like `Card.remove`."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             if entry.is_directory:
@@ -191,7 +191,7 @@ class FolderCard(Card):
             os.fsync(folder)
 
     def make_directory(self, path: str) -> None:
-        """As `Card.make_directory`."""
+        """Like `Card.make_directory`."""
         with self._file(path) as (folder, where, name):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found:
@@ -201,7 +201,7 @@ class FolderCard(Card):
             os.fsync(folder)
 
     def rename(self, path: str, to: str) -> None:
-        """As `Card.rename`."""
+        """Like `Card.rename`."""
         with self._file(path) as (folder, where, name), self._file(to) as (target, there, new):
             entry = self._existing(folder, where, name)
             old_path, new_path = f"{where}/{entry.name}", f"{there}/{new}"
@@ -215,7 +215,7 @@ class FolderCard(Card):
             os.fsync(folder)
 
     def remove_directory(self, path: str) -> None:
-        """As `Card.remove_directory`; also deletes the remains of interrupted uploads."""
+        """Like `Card.remove_directory`; also deletes the remains of interrupted uploads."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             full = f"{where}/{entry.name}"
@@ -243,7 +243,7 @@ class FolderCard(Card):
             return room.f_bavail * room.f_frsize
 
     def close(self) -> None:
-        """As `Card.close`: discards files that are being written, and releases the folder."""
+        """Like `Card.close`: discards files that are being written, and releases the folder."""
         with self._lock:
             if self._root is not None:
                 os.close(self._root)

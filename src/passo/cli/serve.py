@@ -180,7 +180,7 @@ def _tcp(text: str) -> tuple[str, int]:
 
 
 def _http(text: str) -> tuple[str, int] | str:
-    """As `_tcp`, or `none`."""
+    """Like `_tcp`, or `none`."""
     return text if text == "none" else _tcp(text)
 
 

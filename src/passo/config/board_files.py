@@ -62,7 +62,7 @@ def meant_board(base: object) -> str | None:
 
 @cache
 def load_board(name: str) -> Board:
-    """The shipped board of that name. KeyError if there is none."""
+    """The shipped board of that name. Raises KeyError if there is none."""
     if name not in shipped_boards():
         raise KeyError(name)
     data = shipped_tables(name)[0] | {"base": name}

@@ -118,7 +118,7 @@ def chip_names() -> list[str]:
 
 @cache
 def chip(name: str) -> Chip:
-    """The chip with the name that boards have in `mcu`. KeyError if it is not supported."""
+    """The chip with the name that boards have in `mcu`. Raises KeyError if it is not supported."""
     if name not in chip_names():
         raise KeyError(name)
     data = _Data.model_validate(tomllib.loads((_HERE / "chips" / f"{name}.toml").read_text()))
@@ -153,8 +153,8 @@ def numberings() -> list[str]:
 
 @cache
 def numbering(name: str) -> dict[str, str]:
-    """The pin of the chip for each printed number, such as D54 → PF0. KeyError if the numbering is
-    unknown."""
+    """The pin of the chip for each printed number, such as D54 → PF0. Raises KeyError if the
+    numbering is unknown."""
     if name not in numberings():
         raise KeyError(name)
     text = (_HERE / "numberings" / f"{name}.toml").read_text()

@@ -24,8 +24,8 @@ _CURRENTS = ("run_current_a", "hold_current_a")
 
 @dataclass(frozen=True, slots=True)
 class _Wire:
-    """A one-wire UART as the driver at `path` describes it; pins are as `pin_of` returns them,
-    without marks, and `sent_on` is as the file has it."""
+    """The one-wire UART of the driver at `path`. Pins are in the form of `pin_of`, without marks;
+    `sent_on` is as in the file."""
 
     path: Path
     chip: ChipName

@@ -42,8 +42,8 @@ class _Place:
     key: Key | None = None
 
     def inner(self, part: str | int) -> _Place:
-        """The place of a key, a name or an index within this place. KeyError if a machine file
-        cannot have it."""
+        """The place of a key, a name or an index within this place. Raises KeyError if a machine
+        file cannot have it."""
         path = (*self.path, part)
         if isinstance(self.value, BaseModel) or (self.value is None and self.models):
             models = self.models if self.value is None else [type(self.value)]

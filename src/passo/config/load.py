@@ -87,7 +87,7 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 
 
 def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
-    """As `load`, with a question for each value that is probably wrong, each with its line, and
+    """Like `load`, with a question for each value that is probably wrong, each with its line, and
     with the files from which values come."""
     name = os.fspath(name_or_path)
     path = machine_path(name)
@@ -123,7 +123,7 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
 
 
 def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
-    """As `load_text`, with all that `load_and_question` returns."""
+    """Like `load_text`, with all that `load_and_question` returns."""
     try:
         return _machine(text, file)
     except RecursionError:  # in the parser, or in functions that walk through nested tables

@@ -118,7 +118,7 @@ def _tables(model: type[BaseModel], path: str) -> Iterator[Table]:
 
 
 def key_of(model: type[BaseModel], name: str) -> Key:
-    """A key of a model, in Markdown. KeyError if the model does not have it."""
+    """A key of a model, in Markdown. Raises KeyError if the model does not have it."""
     field, text = model.model_fields[name], field_help(model)[name]
     return Key(name, unit_of(name, text), _range(field), _default(field), _text(text))
 

@@ -208,7 +208,7 @@ class Session:
         self._hear_all(text)
 
     def _hear_all(self, text: str) -> None:
-        """As `hear`, for a line to all consoles."""
+        """Like `hear`, for a line to all consoles."""
         self._wire.write(_encoded(text), dispensable=True)
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
@@ -244,7 +244,7 @@ class Session:
             self._timers.set(name, seconds, action)
 
     def report_every(self, name: str, seconds: float, action: Callable[[], None]) -> None:
-        """As `every`, for a report; the interval is print time if that is faster."""
+        """Like `every`, for a report; the interval is print time if that is faster."""
         if not self.closed:
             self._timers.set(name, seconds, action, report=True)
 

@@ -163,7 +163,7 @@ class SettingsCommands:
             self._printer.state.announce(_log, logging.WARNING, str(error), problem)
 
     def name_stored(self) -> list[str]:
-        """As `load_at_start`, but returns the messages instead of reporting them, and leaves the
+        """Like `load_at_start`, but returns the messages instead of reporting them, and leaves the
         store unchanged. Raises CommandError."""
         stored = self._needed().load()
         lines = self._take_and_name(self._differing(stored or []))

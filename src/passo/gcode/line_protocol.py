@@ -1,4 +1,5 @@
-"""The line protocol of hosts: line numbers, checksums, resends. Sans-IO: bytes in, lines out.
+"""The line protocol of hosts: line numbers, checksums, resends. Takes bytes and returns lines; does
+no input or output itself.
 
 A numbered line is `N<number> <command>*<checksum>`. The checksum is the exclusive or of all bytes
 before the last `*`, in decimal. The number must be the last number plus one; M110 sets the last

@@ -152,8 +152,8 @@ def commands_of(part: type) -> Iterator[tuple[str, Role, str]]:
 
 
 def load_with(load: Callable[[], object]) -> None:
-    """Registers `load`, which imports every module that declares commands. It is called at the
-    look-up of a command that is not declared so far, and before the whole table is read."""
+    """Registers `load`, which imports every module that declares commands. It is called before the
+    whole table is read, and when a command is not found in it."""
     _load[:] = [load]
 
 

@@ -49,7 +49,7 @@ async def survey_beside(
     going: Callable[[], bool] = lambda: True,
     rest_s: float = 0.0,
 ) -> _core.Survey:
-    """As `survey`, for a file on a card, which is read from its beginning while `going` is True;
+    """Like `survey`, for a file on a card, which is read from its beginning while `going` is True;
     other tasks run between two pieces. Raises CardError."""
     found = _core.Survey(machine.core_spec())
     reader.seek(0)

@@ -153,8 +153,8 @@ def _moved(point: Point, k: int, by: float) -> Point:
 
 
 def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float], ...]:
-    """The weights of the motor positions whose sum tells the distance to an endstop, near home; one
-    motor for each actuator."""
+    """The weights of the motor positions whose weighted sum is the distance to an endstop, near
+    home; one motor for each actuator."""
     if len(switch.steppers) == 1:
         return ((switch.steppers[0], 1.0),)
     geometry = machine.geometry.square

@@ -58,7 +58,7 @@ class PredefinedMoves:
         self.moves = dict(rig.machine.moves)
 
     async def run(self, name: str) -> None:
-        """Makes the move of that name, also one that is not enabled."""
+        """Makes the move of that name, even if it is not enabled."""
         await self._make(name, named(self.moves, name))
 
     async def run_hook(self, hook: Hook) -> None:

@@ -68,5 +68,5 @@ class ProbeHead:
         await self.sleep(LEAD_S + seconds + LEAD_S / 2)
 
     def pulse_at_start(self, width_us: float, seconds: float) -> None:
-        """As `pulse`, on boards that have just started; does not wait."""
+        """Like `pulse`, on boards that have just started; does not wait."""
         self._rig.connection.pulse(SERVO, width_us * 1e-6, seconds, LEAD_S)

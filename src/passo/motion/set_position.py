@@ -32,8 +32,8 @@ def place_of_axes(command: Command, machine: MachineConfig, job: _core.Job) -> d
 def place_of_actuators(
     command: Command, machine: MachineConfig, job: _core.Job
 ) -> dict[int, float]:
-    """As `place_of_axes`, for letters of motors: the nozzle position follows from the positions of
-    all motors. Empty without such a letter. Raises CommandError if no nozzle position belongs to
+    """Like `place_of_axes`, for letters of motors: the nozzle position follows from the positions
+    of all motors. Empty without such a letter. Raises CommandError if no nozzle position belongs to
     them, or if the position of another motor is unknown."""
     geometry, words = machine.geometry, command.words()
     given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}

@@ -52,9 +52,9 @@ class TriggeredMoves:
 
     @property
     def active(self) -> bool:
-        """Whether homing or probing is in progress. Filters are off meanwhile, because the motors
-        must be at the plan's position when an endstop stops them. Set it only while the machine is
-        idle."""
+        """Whether homing or probing is in progress. Filters are off during these moves, because the
+        motors must be at the plan's position when an endstop stops them. Set it only while the
+        machine is idle."""
         return self._active
 
     @active.setter

@@ -31,7 +31,7 @@ class LiveRig(Rig):
         on_mark: Callable[[int, int], None],
         during_print: Callable[[Reply], bool],
     ) -> None:
-        """As `plan`, with commands. They set temperatures in `heat`. Commands for which
+        """Like `plan`, with commands. They set temperatures in `heat`. Commands for which
         `during_print` is True also change planned moves."""
         self.plan(on_mark)
         boards = self.connection
@@ -40,7 +40,7 @@ class LiveRig(Rig):
         self.commands = Commands(self.machine, self.job, heat, full, plan, self.macros)
 
     def use_geometry(self, machine: MachineConfig) -> None:
-        """As `Rig.use_geometry`, also for the commands of the job."""
+        """Like `Rig.use_geometry`, also for the commands of the job."""
         super().use_geometry(machine)
         self.commands.use_geometry(machine)
 

@@ -186,7 +186,7 @@ class SimulatedBoard:
         noise_mm: float = 0.0,
         jammed: bool = False,
     ) -> None:
-        """Injects faults of the probe from now on. KeyError if it is not on this board."""
+        """Injects faults of the probe from now on. Raises KeyError if it is not on this board."""
         if self._probe is None:
             raise KeyError("no probe")
         pin = self._pins[bare(self._pin_of(self._probe.endstop))]
@@ -194,7 +194,7 @@ class SimulatedBoard:
 
     def tilt_bed(self, rise_mm: float) -> None:
         """A fault: the bed rises by `rise_mm` more over its width than its description says; 0 ends
-        it. KeyError if the probe is not on this board."""
+        it. Raises KeyError if the probe is not on this board."""
         if self._probe is None:
             raise KeyError("no probe")
         x_mm, y_mm = self._probe.bed.tilt_mm
@@ -246,7 +246,7 @@ class SimulatedBoard:
         self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
 
     def force_heater(self, sensor: str, power: float | None) -> None:
-        """A fault: the heater of this sensor has this power, 0 to 1, whatever its pin does; None
+        """A fault: the heater of this sensor has this power, 0 to 1, independent of its pin; None
         ends it."""
         self.device.force_heater(self._sensors[sensor], -1.0 if power is None else power)
 

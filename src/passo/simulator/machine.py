@@ -69,12 +69,12 @@ class SimulatedMachine:
                 )
 
     def cut_cable(self, board: str, on: bool = True) -> None:
-        """A fault: bytes to and from a board are lost; False ends it. KeyError for a board without
-        a simulated cable."""
+        """A fault: bytes to and from a board are lost; False ends it. Raises KeyError for a board
+        without a simulated cable."""
         self._distant[self.boards[board]].cut(on)
 
     def spoil_cable(self, board: str, share: float) -> None:
-        """A fault: this fraction of all bytes is corrupted; 0 ends it. As `cut_cable`."""
+        """A fault: this fraction of all bytes is corrupted; 0 ends it. Like `cut_cable`."""
         self._distant[self.boards[board]].spoil(share)
 
     def _of(self, part: str, name: str) -> SimulatedBoard:
@@ -142,7 +142,7 @@ class SimulatedMachine:
         self._of("endstops", PROBE).tilt_bed(rise_mm)
 
     def force_heater(self, sensor: str, power: float | None) -> None:
-        """A fault: the heater of this sensor has this power, 0 to 1, whatever its pin does; None
+        """A fault: the heater of this sensor has this power, 0 to 1, independent of its pin; None
         ends it."""
         self._of("sensors", sensor).force_heater(sensor, power)
 
@@ -187,7 +187,7 @@ class SimulatedMachine:
         return self._own_clock(self._of("steppers", stepper), clock)
 
     def motor(self, stepper: str) -> tuple[_core.Bench, int, float, float, float]:
-        """As `SimulatedBoard.motor`, with the main board's ticks in one of its board's, and the
+        """Like `SimulatedBoard.motor`, with the main board's ticks in one of its board's, and the
         main board's clock when its board's reads 0."""
         board = self._of("steppers", stepper)
         first, last = self._main_clock(board, 0), self._main_clock(board, _LATE)

@@ -178,7 +178,7 @@ def constants(board: AvrBoard) -> dict[str, Constant]:
 def declared(
     board: AvrBoard, code: Sequence[Path], output: Path, version: str
 ) -> tuple[dict[str, Any], list[Path]]:
-    """As `write_board`, for this board."""
+    """Like `write_board`, for this board."""
     return write_board(
         code,
         board_header(board),
@@ -190,7 +190,7 @@ def declared(
 
 
 def check_sizes(board: AvrBoard, flash: int, ram: int) -> None:
-    """Raises FirmwareError if an image of so many bytes does not fit the chip, with a stack."""
+    """Raises FirmwareError if an image of this size, and a stack, do not fit the chip."""
     if flash > board.chip.flash or ram > board.chip.ram - STACK:
         raise FirmwareError(f"{flash} bytes of flash, {ram} of RAM: more than {board.mcu} has")
 

@@ -83,7 +83,7 @@ class _Tools:
 
 
 def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> Image:
-    """As `avr.build`, with the package's programs."""
+    """Like `avr.build`, with the package's programs."""
     plain = firmware / "hal" / "plain"
     code = sources(board, firmware)
     content, tables = declared(board, code, output, version)

@@ -2,9 +2,9 @@
 
 It reads one line of JSON from standard input: `text` with `name`, or `board`, as
 `passo.toolchain.build_job` does; `image`, the path of an image of that build; and `port`, or null.
-It prints a line for each step. A line that begins with `ASKS` is a step by hand: the job goes on
-when a line arrives on standard input, and ends without flashing at the end of it. The exit status
-is 0 if the board was flashed and verified.
+It prints a line for each step. A line that begins with `ASKS` is a manual step: the job continues
+when a line arrives on standard input, and ends without flashing at the end of the input. The exit
+status is 0 if the board was flashed and verified.
 """
 
 from __future__ import annotations

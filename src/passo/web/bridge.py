@@ -281,5 +281,6 @@ class Bridge(Protocol):
         ...
 
     async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:
-        """As `explain`, for a line between the lines `before` and `after`. All axes start at 0."""
+        """Like `explain`, for a line between the lines `before` and `after`. All axes start at
+        0."""
         ...

@@ -179,8 +179,8 @@ class Client:
 
 
 class AsyncClient:
-    """As `Client`, with awaitable calls: `await client.heaters.set("hotend", 200)`. Each call runs
-    in a worker thread of the event loop."""
+    """Like `Client`, with awaitable calls: `await client.heaters.set("hotend", 200)`. Each call
+    runs in a worker thread of the event loop."""
 
     def __init__(
         self, url: str = _DEFAULT_URL, *, key: str | None = None, timeout_s: float = _TIMEOUT_S

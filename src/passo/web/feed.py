@@ -93,11 +93,11 @@ class Feed:
         self._end_lines = lambda: None
 
     def wake(self) -> None:
-        """As `Woken.wake`."""
+        """Like `Woken.wake`."""
         self._news.set()
 
     def on_event(self, event: Event) -> None:
-        """As `Woken.on_event`."""
+        """Like `Woken.on_event`."""
         self._keep(event)
 
     def _keep(self, one: Event | ConsoleLine | BuildLine) -> None:

@@ -22,7 +22,7 @@ class Woken(Protocol):
         ...
 
     def on_event(self, event: Event) -> None:
-        """As `Listener.on_event`; `wake` follows."""
+        """Like `Listener.on_event`; `wake` follows."""
         ...
 
 
@@ -49,12 +49,12 @@ class Feeds:
         return lambda: self._leave(feed)
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """As `Listener.on_snapshot`."""
+        """Like `Listener.on_snapshot`."""
         self.snapshot = snapshot
         self._wake_all()
 
     def on_event(self, event: Event) -> None:
-        """As `Listener.on_event`."""
+        """Like `Listener.on_event`."""
         for feed in self._feeds:
             feed.on_event(event)
         self._wake_all()

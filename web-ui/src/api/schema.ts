@@ -463,8 +463,8 @@ export interface KeptUpload {
   total: number;
 }
 
-/** A key whose value differs; a value is null if the key is missing. `acts` tells when the change
- * takes effect: at once (`live`) or after a `restart`. */
+/** A key whose value differs; a value is null if the key is missing. `acts` is the time when the
+ * change takes effect: at once (`live`) or after a `restart`. */
 export interface KeyChange {
   key: string;
   before: unknown;

@@ -92,7 +92,7 @@ class Chip:
         return value >> 24
 
     def pack(self, register: int, **values: int) -> int:
-        """A register's value with these fields, all others 0. KeyError for an unknown field,
+        """A register's value with these fields, all others 0. Raises KeyError for an unknown field,
         ValueError if a value does not fit its field."""
         packed = 0
         for name, value in values.items():

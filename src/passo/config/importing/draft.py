@@ -57,20 +57,20 @@ def plain_name(name: str) -> str:
 
 
 class Other(NamedTuple):
-    """What becomes of a part of a configuration that no key comes from: Passo has it without a key,
-    or not at all (`lost`); and what that means for the owner."""
+    """Why a part of a configuration has no key in the machine file: Passo has the feature without a
+    key, or does not have it (`lost`). `text` explains the consequence to the owner."""
 
     lost: bool
     text: str
 
 
 def built_in(text: str) -> Other:
-    """What Passo has without a key."""
+    """A feature that Passo has without a key."""
     return Other(False, text)
 
 
 def lost(text: str) -> Other:
-    """What Passo does not have."""
+    """A feature that Passo does not have."""
     return Other(True, text)
 
 
@@ -90,18 +90,19 @@ class Draft:
             self.keys[path] = (value, place)
 
     def put_head(self, path: Path, name: str) -> None:
-        """The name, and what else a machine file begins with, of the configuration in a file."""
+        """Sets the name and the other keys at the head of a machine file, for the configuration in
+        a file."""
         self.put(("name",), plain_name(name), None)
         self.put(("uuid",), str(uuid.uuid5(_NAMES, str(path.resolve()))), None)
         self.put(("author",), "passo import", None)
         self.put(("description",), f"From {path.name}", None)
 
     def other(self, place: Place, what: str, other: Other) -> None:
-        """Reports a part that no key comes from."""
+        """Reports a part that has no key in the machine file."""
         (self.dropped if other.lost else self.changed)(place, what, other.text)
 
     def number(self, path: KeyPath) -> float:
-        """The numeric value of a key. KeyError if the key was not set."""
+        """The numeric value of a key. Raises KeyError if the key was not set."""
         value, _ = self.keys[path]
         assert isinstance(value, int | float)
         return value

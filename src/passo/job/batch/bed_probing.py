@@ -92,7 +92,7 @@ class BedProbing:
         return self._taken_over()
 
     def home(self, letters: str, start: Sequence[float]) -> Mapping[str, float]:
-        """Homes at the simulated endstops from this machine position on, after the job has. As
+        """Homes at the simulated endstops from this machine position on, after the job has. Like
         `run`."""
         self._call(lambda: self._homed(letters, start))
         return self._taken_over()

@@ -76,7 +76,7 @@ def estimate_open(
     ignore_tools: bool = False,
     take_path: Callable[[bytes], None] | None = None,
 ) -> Estimate:
-    """As `estimate`, for an open file of `size` bytes, which is at its beginning. `take_path` is
+    """Like `estimate`, for an open file of `size` bytes, which is at its beginning. `take_path` is
     called with the planned path, see toolpath.py. Also raises the errors of reading."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)

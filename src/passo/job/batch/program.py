@@ -55,7 +55,7 @@ def at_rest(job: _core.Job) -> Settle:
 
 
 def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
-    """As `at_rest`, but waits for temperatures."""
+    """Like `at_rest`, but waits for temperatures."""
     rest = at_rest(job)
 
     def settle(wait: Wait) -> None:
@@ -155,7 +155,7 @@ def run_program(
     settle: Settle | None = None,
     end: int | None = None,
 ) -> Iterator[float]:
-    """As `read_program`, for a file, or for its lines before number `end`; yields the fraction of
+    """Like `read_program`, for a file, or for its lines before number `end`; yields the fraction of
     the file that is read. Without `settle` it waits for nothing. Raises InputError before the first
     line for commands that must not be skipped (unless the file is a pipe), and at the end for a
     text without any known command."""
@@ -173,7 +173,7 @@ def run_open_program(
     settle: Settle | None = None,
     end: int | None = None,
 ) -> Iterator[float]:
-    """As `run_program`, for an open file of `size` bytes, which is at its beginning."""
+    """Like `run_program`, for an open file of `size` bytes, which is at its beginning."""
     unsurveyed = commands.skips
     if source.seekable():
         found = survey(commands.machine, chunks(source, name))

@@ -61,7 +61,7 @@ class RehearsedCommands(Commands):
         self._lock(homed_axes(machine))
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
-        """As `Commands.run`."""
+        """Like `Commands.run`."""
         if command.code == "M302":
             return self._guard_set(command)
         wait = super().run(command, reply)

@@ -64,9 +64,9 @@ class HostPause:
         words: Mapping[str, float],
         gone: Callable[[], bool] = lambda: False,
     ) -> None:
-        """As `stand_by`, during the pause of a file, which continues afterwards: the nozzle returns
-        to its present position. If it cannot, `files`, the park of the file, restores the retracted
-        filament later."""
+        """Like `stand_by`, during the pause of a file, which continues afterwards: the nozzle
+        returns to its present position. If it cannot, `files`, the park of the file, restores the
+        retracted filament later."""
         park = Park(self._printer, here=True)
         try:
             await self._leave_and_return(park, text, words, gone)

@@ -36,7 +36,7 @@ class _Observed(Commands):
     observer: Callable[[Command], None] | None = None
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
-        """As `Commands.run`."""
+        """Like `Commands.run`."""
         if self.observer is not None:
             self.observer(command)
         return super().run(command, reply)

@@ -40,7 +40,7 @@ _DEFAULT_F = 600.0  # mm/min
 
 @dataclass(frozen=True, slots=True)
 class _Motor:
-    """What a motor drives, and all motors that drive the same."""
+    """The part that a motor drives, and all motors that drive this part."""
 
     driven: Driven
     together: tuple[str, ...]
@@ -271,7 +271,8 @@ class MotorMoves:
             reply.note(text, text, again=True)
 
     def _together(self, moves: Mapping[_Motor, float]) -> _Turn:
-        """What moves if these motors turn by these distances, mm or degrees."""
+        """The movement of the nozzle or the axis if these motors turn by these distances, mm or
+        degrees."""
         axes, joints = dict[int, float](), dict[int, float]()
         for motor, distance in moves.items():
             index = motor.driven.index
@@ -426,7 +427,7 @@ class MotorMoves:
     async def _turn_joints(
         self, turn: _Turn, by: Sequence[float], speed: float, pause_s: float
     ) -> None:
-        """As `_turn`, for actuators that move the nozzle on a curve. Axes that were not homed are
+        """Like `_turn`, for actuators that move the nozzle on a curve. Axes that were not homed are
         not homed afterwards."""
         rig, geometry = self._rig, self._machine.geometry
         before, joints = rig.job.machine_position, self._joints()

@@ -70,13 +70,13 @@ class LivePlan:
         return self._during_print(reply)
 
     def replan(self) -> None:
-        """As `MotionQueue.replan`."""
+        """Like `MotionQueue.replan`."""
         self._drive.replan()
 
     def scale_flow(self, extruder: int, factor: float) -> None:
-        """As `MotionQueue.scale_flow`."""
+        """Like `MotionQueue.scale_flow`."""
         self._drive.scale_flow(extruder, factor)
 
     def record_at_once(self, output: int, value: int) -> float:
-        """As `MotionQueue.record_at_once`."""
+        """Like `MotionQueue.record_at_once`."""
         return self._drive.record_at_once(output, value)

@@ -123,7 +123,7 @@ class Reports:
             raise CommandError.of("command.halted", value=self._printer.halted)
 
     def _real(self) -> str:
-        """As `position`, but for the real position by the step counts. Raises CommandError."""
+        """Like `position`, but for the real position by the step counts. Raises CommandError."""
         self._require_board()
         places, counts = self._printer.positions.now()
         e = places.pop("E", None)

@@ -18,8 +18,8 @@ _ENDS = {"done": "complete", "cancelled": "cancelled", "failed": "error"}
 
 def print_stats(status: Status) -> Object:
     """The current print, or the last one as long as its file is selected. The printing time begins
-    with the first extrusion, and excludes pauses. The total time is at least the time without
-    pauses, also if print time runs faster than real time."""
+    with the first extrusion, and excludes pauses. The total time is never less than the time
+    without pauses, even if print time runs faster than real time."""
     job, ended = status.job, status.ended
     state, message = "standby", ""
     if job is None and ended is not None:

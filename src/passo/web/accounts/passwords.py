@@ -44,7 +44,7 @@ class Passwords:
         self._dummy = _text(secrets.token_bytes(_SALT), secrets.token_bytes(_LENGTH))
 
     async def hashed(self, password: str) -> str:
-        """As `hashed`."""
+        """Like `hashed`."""
         async with self._turns:
             return await asyncio.to_thread(hashed, password)
 

@@ -76,7 +76,7 @@ class Incoming:
         await beside(self._writer.abort)
 
     def abort_now(self) -> None:
-        """As `abort`, but blocks: call it in a worker thread."""
+        """Like `abort`, but blocks: call it in a worker thread."""
         self._writer.abort()
 
     async def _flush(self) -> None:

@@ -34,7 +34,7 @@ def confined(path: str) -> str:
 
 
 def program(path: str) -> str:
-    """As `confined`, for a file to upload. Also raises InputError if it is not G-code."""
+    """Like `confined`, for a file to upload. Also raises InputError if it is not G-code."""
     found = confined(path)
     name = found.rpartition("/")[2]
     if not name:

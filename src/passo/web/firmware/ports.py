@@ -27,7 +27,8 @@ class Port(Struct):
 
 
 def ports(machine: MachineConfig, places: Sequence[str]) -> list[Port]:
-    """The ports that there are now. `places` are those of the consoles, as the bridge has them."""
+    """The ports that there are now. `places` are the ports of the consoles, in the form of the
+    bridge."""
     used = {os.path.realpath(device) for device in _used(machine, places)}
     names = {os.path.realpath(path): path.name for path in _in(_NAMES, "*")}
     devices = sorted(path for pattern in _DEVICES for path in _in(Path("/dev"), pattern))

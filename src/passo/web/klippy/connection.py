@@ -1,4 +1,5 @@
-"""One client of Klipper's socket: its requests, and the messages to it. Sans-IO."""
+"""One client of Klipper's socket: its requests, and the messages to it. Does no input or output
+itself."""
 
 from __future__ import annotations
 

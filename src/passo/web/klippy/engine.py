@@ -78,8 +78,8 @@ class Engine:
     # -- events -----------------------------------------------------------------------------
 
     def on_snapshot(self, snapshot: Snapshot) -> None:
-        """As `Listener.on_snapshot`. Even a state that is shorter than the interval of messages is
-        sent, because clients count prints by it."""
+        """Like `Listener.on_snapshot`. Even a state that is shorter than the interval of messages
+        is sent, because clients count prints by it."""
         status = snapshot.status
         does, self._does = self._does, (status.state, status.job is None)
         if self._does != does:
@@ -94,7 +94,7 @@ class Engine:
         self._has_failed = self._has_failed or state in _FAILED
 
     def on_event(self, event: Event) -> None:
-        """As `Listener.on_event`."""
+        """Like `Listener.on_event`."""
         if isinstance(event, Message):
             self._scripts.hear(event.text)
         elif isinstance(event, RemoteCall):
@@ -122,7 +122,7 @@ class Engine:
     # -- requests ---------------------------------------------------------------------------------
 
     async def answer(self, client: Connection, method: str, arguments: Arguments) -> _Result:
-        """As `Methods.answer`."""
+        """Like `Methods.answer`."""
         found = self._methods.get(method)
         if found is None:
             raise RequestError(f"webhooks: No registered callback for path '{method}'")

@@ -92,20 +92,20 @@ class _Client(asyncio.Protocol):
         self._waits_since_s: float | None = None  # since then, data waits for the client to read
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """As `asyncio.Protocol.connection_made`."""
+        """Like `asyncio.Protocol.connection_made`."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
         self._clients.add(self)
         self._engine.connections.append(self._connection)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """As `asyncio.Protocol.connection_lost`. Running scripts continue."""
+        """Like `asyncio.Protocol.connection_lost`. Running scripts continue."""
         self._transport = None
         self._clients.discard(self)
         self._engine.connections.remove(self._connection)
 
     def data_received(self, data: bytes) -> None:
-        """As `asyncio.Protocol.data_received`."""
+        """Like `asyncio.Protocol.data_received`."""
         try:
             self._connection.receive(data)
         except FrameTooLongError:

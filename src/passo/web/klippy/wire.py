@@ -1,4 +1,5 @@
-"""Frames of Klipper's socket: a JSON object and the byte 0x03, both ways. Sans-IO."""
+"""Frames of Klipper's socket: a JSON object and the byte 0x03, in both directions. Does no input or
+output itself."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class KeyValue(Struct):
 
 
 class KeyChange(Struct):
-    """A key whose value differs; a value is null if the key is missing. `acts` tells when the
+    """A key whose value differs; a value is null if the key is missing. `acts` is the time when the
     change takes effect: at once (`live`) or after a `restart`."""
 
     key: str

@@ -142,7 +142,7 @@ async def all_files(call: Call) -> Response:
 
 @operation("octoprint.local", "GET", "/api/files/local", Role.VIEWER, root="")
 async def local_files(call: Call) -> Response:
-    """As `all_files`, because there is no other storage."""
+    """Like `all_files`, because there is no other storage."""
     return await _listing(call)
 
 

@@ -1,4 +1,4 @@
-"""JSON whose values know their lines, and the options that were stored since it was made."""
+"""Reads JSON with the line of each value, and the options that were stored after it was written."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ Scalar = str | float | int | bool | None
 
 @dataclass
 class Node:
-    """A value: of an object its `fields`, of an array its `items`, else the `scalar`."""
+    """A value of the document. An object has `fields`, an array has `items`, any other value is the
+    `scalar`."""
 
     place: Place
     scalar: Scalar = None
@@ -32,7 +33,7 @@ class Node:
 
     @property
     def kind(self) -> str:
-        """What kind of object it is."""
+        """The kind of the object."""
         return self.text(KIND)
 
     def get(self, *path: str) -> Node | None:
@@ -104,7 +105,7 @@ class Stored:
         return Value(float(found.scalar), found.place)
 
     def needed(self, node: Node, key: str, option: str = "") -> Value:
-        """As `number`. Raises ConfigError if neither is there, too."""
+        """Like `number`. Raises ConfigError if neither is there, too."""
         found = self.number(node, key, option)
         if found is None:
             raise missing(node.place, key)
@@ -130,7 +131,7 @@ def stored_options(text: str, name: str) -> Stored:
 
 
 def document(text: str, path: Path) -> Node:
-    """The document of a JSON text. Raises ConfigError with the line of what is wrong."""
+    """The document of a JSON text. Raises ConfigError with the line of the error."""
     return _Reader(text, path).whole()
 
 

@@ -16,7 +16,8 @@ _FULL = 255.0  # of the gains of Passo; APrinter's are of full power
 
 
 def put_heat(config: Node, pins: Pins, stored: Stored, draft: Draft) -> None:
-    """All heaters and fans. Raises ConfigError of a sensor that Passo does not know."""
+    """Converts all heaters and fans. Raises ConfigError for a sensor that Passo does not
+    support."""
     for heater in config.each("heaters"):
         _put_heater(heater, pins, stored, draft)
     for fan in config.each("fans"):
@@ -27,7 +28,7 @@ def put_heat(config: Node, pins: Pins, stored: Stored, draft: Draft) -> None:
 
 
 def heater_name(heater: Node) -> str:
-    """The name of a heater in the machine file. Raises ConfigError of an unknown kind."""
+    """The name of a heater in the machine file. Raises ConfigError for an unknown kind."""
     kind, number = heater.within("Type"), heater.within("Type", "Number").scalar
     if kind.kind not in _KINDS or not isinstance(number, int):
         raise bad(kind.place, "Type", kind.kind[:40], f"{', '.join(_KINDS)}, with a number")
@@ -74,8 +75,8 @@ def _put_heater(heater: Node, pins: Pins, stored: Stored, draft: Draft) -> None:
 
 
 def _put_sensor(conversion: Node, prefix: str, stored: Stored, draft: Draft, path: KeyPath) -> None:
-    """A thermistor by R0 and β, or a platinum resistor by R0. Others need pins and amplifiers that
-    the document does not tell as Passo needs them."""
+    """Converts a thermistor with R0 and β, or a platinum resistor with R0. For other sensors, the
+    document lacks data on pins and amplifiers that Passo needs."""
     keys = (*path, "sensor")
     resistor = stored.number(conversion, "ResistorR", f"{prefix}TempResistorR")
     if conversion.kind == "PtRtdFormula":

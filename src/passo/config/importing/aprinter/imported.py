@@ -32,7 +32,8 @@ _TOWERS = ("a", "b", "c")
 
 @dataclass
 class _Job:
-    """What is read, and what is made. `motors` are the names of steppers in the machine file."""
+    """The input and the output of the conversion. `motors` maps steppers to their names in the
+    machine file."""
 
     config: Node
     pins: Pins
@@ -189,8 +190,8 @@ def _put_delta(job: _Job, transform: Node) -> list[Node]:
 
 
 def _put_axis(job: _Job, name: str, stepper: Node, identity: Node | None) -> None:
-    """An axis with a motor of its own, or an extruder. What is not called E is a further axis that
-    moves filament, as APrinter has them."""
+    """Converts an axis with its own motor, or an extruder. As in APrinter, an extruder that is not
+    named E becomes a further axis that moves filament."""
     letter = stepper.text("Name")
     job.motors[letter] = name
     extruder = stepper.flag("IsExtruder")

@@ -83,7 +83,7 @@ class Pins:
         return None if found is None else self.pin(section, name, found)
 
     def pin(self, section: Section, name: str, found: Option) -> str | None:
-        """As `of`, for an option that was found."""
+        """Like `of`, for an option that was found."""
         written = re.sub(r"\s+", "", found.text)
         body = bare(written)
         marks = written[: len(written) - len(body)]

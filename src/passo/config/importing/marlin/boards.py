@@ -140,8 +140,8 @@ class Pins:
         return None
 
     def socket(self, name: str) -> str | None:
-        """The socket of a motor: X, Y, Z, Z2, or E and a number. A further motor without one of its
-        own has none here."""
+        """The socket of a motor: X, Y, Z, Z2, or E and a number. A further motor without its own
+        driver has none here."""
         if self._sockets:
             numbers = {word: at for at, word in enumerate(("X", "Y", "Z", "Z2"))}
             if name[0] == "E":

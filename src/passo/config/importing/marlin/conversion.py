@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 @dataclass
 class Job:
-    """What is read, what is made, and what parts have found out for each other. MK4duo and StuFW
-    number sensors otherwise than Marlin (`mk4duo`)."""
+    """The input and the output of the conversion, and results that its steps share. With `mk4duo`,
+    sensors have the numbers of MK4duo and StuFW, which differ from Marlin's."""
 
     defines: Defines
     draft: Draft
@@ -28,14 +28,15 @@ class Job:
     trigger_mm: float | None = None
 
     def needed(self, *names: str) -> Read:
-        """A number that no machine can do without. Raises ConfigError."""
+        """A number that every machine needs. Raises ConfigError if it is missing."""
         found = self.defines.number(*names)
         if found is None:
             raise ConfigError.of("import.define", str(self.defines.files[0]), value=names[0])
         return found
 
     def needed_list(self, *names: str) -> list[Read]:
-        """Numbers that no machine can do without, at least four. Raises ConfigError."""
+        """Numbers that every machine needs, at least four. Raises ConfigError if they are
+        missing."""
         found = self.defines.numbers(*names)
         if found is None or len(found) < 4:
             raise ConfigError.of("import.define", str(self.defines.files[0]), value=names[0])

@@ -1,4 +1,4 @@
-"""The defines of Configuration.h and the files beside it, as the preprocessor of C leaves them."""
+"""The defines of Configuration.h and the files in its folder, after the C preprocessor."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Defines:
         return self.text_of(name) in ("", "1", "true")
 
     def derived(self, name: str, argument: str | None) -> Number | None:
-        """What Marlin's own files derive."""
+        """The value that Marlin's own files derive."""
         return derived(self, name, argument)
 
     def first(self, *names: str) -> str | None:
@@ -278,7 +278,7 @@ class _Condition:
         return bool(found)
 
     def derived(self, name: str, argument: str | None) -> Number | None:
-        """What Marlin's own files derive, or 0."""
+        """The value that Marlin's own files derive, or 0."""
         found = derived(self._defines, name, argument)
         if found is None and argument is None and not _DERIVED.match(name):
             return 0

@@ -1,4 +1,4 @@
-"""What Marlin derives from its options in files of its own, as far as configurations ask for it."""
+"""The values that Marlin's own files derive from its options, as far as configurations use them."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Expressions of C as configurations have them: arithmetic, comparisons, and Marlin's own tests
-such as ENABLED(). Nothing is compiled or run."""
+"""The C expressions in configurations: arithmetic, comparisons, and Marlin's tests such as
+ENABLED(). Nothing is compiled or run."""
 
 from __future__ import annotations
 
@@ -33,8 +33,7 @@ Number = int | float
 
 
 class Unreadable(Exception):
-    """The text is not an expression that can be read here; `names` are those that it does not
-    know."""
+    """The text is not an expression that can be evaluated; `names` are the unknown names in it."""
 
     def __init__(self, *names: str) -> None:
         super().__init__(*names)
@@ -42,10 +41,10 @@ class Unreadable(Exception):
 
 
 class Names(Protocol):
-    """What an expression asks about the names in it."""
+    """The values of names for an expression."""
 
     def text_of(self, name: str) -> str | None:
-        """What the name stands for; None if it is not defined."""
+        """The definition of the name; None if it is not defined."""
         ...
 
     def is_on(self, name: str) -> bool:
@@ -53,7 +52,7 @@ class Names(Protocol):
         ...
 
     def derived(self, name: str, argument: str | None) -> Number | None:
-        """The value of what Marlin derives from its options; None if that is not known here."""
+        """The value that Marlin derives from its options; None if that is not known here."""
         ...
 
 
@@ -74,8 +73,8 @@ def _tokens(text: str) -> list[_Token]:
 
 
 def value_of(text: str, names: Names) -> Number:
-    """The value of an expression, with C's division of whole numbers. Raises Unreadable, also of a
-    name that is not known."""
+    """The value of an expression, with C's division of whole numbers. Raises Unreadable, also for
+    an unknown name."""
     return _Reader(names).value(text, 0)
 
 

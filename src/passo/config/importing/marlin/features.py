@@ -1,4 +1,5 @@
-"""Parts of a configuration beside motion, heat and bed: shaping, parking, power, laser, display."""
+"""The parts of a configuration other than motion, heat and bed: shaping, parking, power, laser,
+display."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _OFF = ("0", "false", "-1")
 
 
 def imported(path: Path) -> Draft:
-    """The machine file of a Configuration.h with the files beside it, and remarks. Raises
+    """Converts a Configuration.h and the files in its folder to a machine file with remarks. Raises
     ConfigError of a file that cannot be read, of a kind of machine that Passo does not have, and of
     values that would be dangerous."""
     mk4duo = path.stem.endswith(tuple(f"Configuration_{name}" for name in _MK4DUO))

@@ -1,4 +1,4 @@
-"""The reference page of what becomes of Marlin's defines."""
+"""The reference page for the conversion of Marlin's defines."""
 
 from __future__ import annotations
 
