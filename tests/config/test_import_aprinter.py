@@ -376,4 +376,4 @@ def test_command_imports_by_the_ending(tmp_path: Path, capsys) -> None:
     other.write_text("[printer]\n")
     words = ["import", str(other), "--output", str(tmp_path / "other.toml")]
     assert main([*words, "--stored", str(stored)]) == 3
-    assert "a configuration of APrinter alone" in capsys.readouterr().err
+    assert "has its stored values itself" in capsys.readouterr().err

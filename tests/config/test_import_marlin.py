@@ -602,6 +602,51 @@ def test_configuration_of_mk4duo_and_stufw(tmp_path: Path) -> None:
     assert (machine.homing["x"].fast, machine.homing["z"].fast) == (100, 2)
 
 
+DUMP = """\
+echo:; Steps per unit:
+echo:  M92 X80.50 Y81.00 Z401.00 E96.10
+echo:  M203 X310.00 Y260.00 Z6.00 E30.00 ; units/s
+echo:  M201 X3100.00 Y2100.00 Z110.00 E9000.00
+echo:  M204 P1400.00 R3300.00 T2400.00
+echo:  M205 B20000.00 S0.00 T0.00 X9.00 Y9.50 Z0.40 E4.00
+echo:  M301 P20.10 I1.30 D80.00
+echo:  M851 X-41.00 Y11.00 Z-1.80
+echo:  M900 K0.08
+echo:  M593 X F44.00 D0.12
+echo:  M206 X0.00 Y1.00 Z0.00
+echo:  M145 S0 H185.00 B45.00 F255
+ok
+"""
+
+
+def test_stored_values_count_more(load, tmp_path: Path) -> None:
+    more = f"{PROBE}#define BLTOUCH\n#define INPUT_SHAPING_X\n#define SHAPING_FREQ_X 40\n"
+    load(more=f"{more}#define LIN_ADVANCE\n#define ADVANCE_K 0\n")
+    dump = tmp_path / "m503.txt"
+    dump.write_text(DUMP, encoding="utf-8")
+    draft = imported(tmp_path / "Configuration.h", dump)
+    machine = config.load_text(draft.text("From a test."), "printer.toml")
+    steps = {name: motor.steps_per_unit for name, motor in machine.steppers.items()}
+    assert steps == {"x": 80.5, "y": 81, "z": 401, "z1": 401, "e": 96.1}
+    assert (machine.axes["z"].speed_mm_s, machine.axes["y"].accel_mm_s2) == (6, 2100)
+    assert (machine.axes["y"].jerk_mm_s, machine.extruders["e"].jerk_mm_s) == (9.5, 4)
+    assert (machine.extruders["e"].speed_mm_s, machine.extruders["e"].accel_mm_s2) == (30, 9000)
+    limits = machine.limits
+    assert (limits.print_accel_mm_s2, limits.travel_accel_mm_s2) == (1400, 2400)
+    assert (limits.retract_accel_mm_s2, machine.heaters["hotend"].control.ki) == (3300, 1.3)
+    probe = machine.probe
+    assert (probe.offset_mm, probe.trigger_height_mm, probe.low_mm) == ([-41, 11], 1.8, -1.2)
+    assert machine.extruders["e"].advance_s == 0.08
+    assert (machine.shaping["x"].frequency_hz, machine.shaping["x"].damping) == (44, 0.12)
+    dropped = [text for text in remarks(draft, "dropped") if text.startswith("m503.txt")]
+    assert len(dropped) == 1
+    assert "M206 X0 Y1 Z0" in dropped[0]
+    assert "steps_per_mm = 80.5  # m503.txt:2" in draft.text("")
+    dump.write_text("M92 X8.0.5\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"m503.txt:1: M92 X is '8.0.5'"):
+        imported(tmp_path / "Configuration.h", dump)
+
+
 def test_command_imports_by_the_ending(tmp_path: Path, capsys) -> None:
     path = tmp_path / "Configuration.h"
     path.write_text(BASE, encoding="utf-8")

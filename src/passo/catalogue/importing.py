@@ -50,8 +50,8 @@ IMPORT: Mapping[str, Entry] = {
         ExitStatus.BAD_CONFIG,
     ),
     "import.stored": _import(
-        "stored values are read with a configuration of APrinter alone",
-        "Leave --stored out, and compare them by hand",
+        "a printer.cfg has its stored values itself, in the block of SAVE_CONFIG",
+        "Leave --stored out; it is for Marlin and APrinter",
     ),
     "import.kinematics": _import(
         "the kind of machine is {value!r}: Passo imports {limit}",

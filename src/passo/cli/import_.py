@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--stored",
         metavar="FILE",
-        help="what APrinter has stored since: aprinter.cfg, or its answer to M503",
+        help="what the firmware has stored since: its answer to M503, or aprinter.cfg",
     )
     parser.add_argument(
         "--report", metavar="FILE", help="write the report there, not on the terminal"

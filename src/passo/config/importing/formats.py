@@ -22,6 +22,8 @@ def imported(path: Path, stored: Path | None = None) -> Draft:
     ending = path.suffix.lower()
     if ending == ".json":
         return aprinter.imported(path, stored)
+    if ending in _HEADERS:
+        return marlin.imported(path, stored)
     if stored is not None:
         raise ConfigError.of("import.stored", str(stored))
-    return marlin.imported(path) if ending in _HEADERS else klipper.imported(path)
+    return klipper.imported(path)

@@ -11,8 +11,10 @@ from passo.config.importing.marlin.conversion import Job
 from passo.config.importing.marlin.defines import read
 from passo.config.importing.marlin.features import put_board, put_features
 from passo.config.importing.marlin.heat import count_extruders, put_heat
-from passo.config.importing.marlin.motion import put_motion
+from passo.config.importing.marlin.motion import MOTORS, put_motion
 from passo.config.importing.marlin.others import OTHERS, is_silent
+from passo.config.importing.marlin.stored import put_stored
+from passo.config.importing.sources import Sources
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -22,8 +24,9 @@ _MK4DUO_FILES = (*_MK4DUO, "Temperature", "Feature", "Pins")
 _OFF = ("0", "false", "-1")
 
 
-def imported(path: Path) -> Draft:
-    """Converts a Configuration.h and the files in its folder to a machine file with remarks. Raises
+def imported(path: Path, stored: Path | None = None) -> Draft:
+    """Converts a Configuration.h and the files in its folder, with the values that an answer to
+    M503 has in the file `stored`, to a machine file with remarks. Raises
     ConfigError of a file that cannot be read, of a kind of machine that Passo does not have, and of
     values that would be dangerous."""
     mk4duo = path.stem.endswith(tuple(f"Configuration_{name}" for name in _MK4DUO))
@@ -39,6 +42,9 @@ def imported(path: Path) -> Draft:
     _put_all(job)
     put_board(job, known.base, known.variant)
     _remark_on_the_rest(job)
+    if stored is not None:
+        motors = dict(zip("xyz", MOTORS[job.kind], strict=True))
+        put_stored(draft, Sources().read(stored), stored.name, motors)
     return draft
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from passo.config.importing.marlin.defines import Read
 
 # The motors of X, Y and Z, by geometry.
-_MOTORS = {
+MOTORS = {
     "cartesian": ("x", "y", "z"),
     "corexy": ("a", "b", "z"),
     "corexz": ("a", "y", "b"),
@@ -71,7 +71,7 @@ def put_motion(job: Job) -> None:
     for name in beyond:
         job.dropped(name, "axes after Z are not taken over")
     _put_axes(job)
-    for index, (letter, motor) in enumerate(zip("xyz", _MOTORS[job.kind], strict=True)):
+    for index, (letter, motor) in enumerate(zip("xyz", MOTORS[job.kind], strict=True)):
         subtracts = chosen in _REVERSED and motor == "b"
         _put_motor(job, index, letter, motor, subtracts)
         _put_homing(job, index, letter, motor)
@@ -332,7 +332,7 @@ def _put_switch(job: Job, path: KeyPath, axis: str, side: str) -> None:
         what = next(name for name in several if defines.on(name))
         job.decide(what, f"give an endstop for each motor: homing.{path[-1]}.stepper_pins")
         return
-    motor = _MOTORS[job.kind]["XYZ".index(axis)]
+    motor = MOTORS[job.kind]["XYZ".index(axis)]
     marks = pin[: len(pin) - len(pin.lstrip("!^~"))]
     put((*path, "stepper_pins", motor), pin, place)
     for number, (name, other) in enumerate(zip(names, own, strict=True), 1):

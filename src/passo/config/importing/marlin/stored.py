@@ -1,0 +1,153 @@
+"""What Marlin has stored in its EEPROM since it was built: the commands that M503 answers."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from passo.config.importing.draft import Place, bad
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from passo.config.importing.draft import Draft, KeyPath, Value
+
+_COMMAND = re.compile(r"(?:echo:|Config:)?\s*([GM]\d+)((?: +[A-Z]-?[\d.]*)*) *(?:;.*)?")
+_WORD = re.compile(r"([A-Z])(-?[\d.]*)")
+_AXES = {"X": "x", "Y": "y", "Z": "z"}
+_LIMITS = {"P": "print_accel_mm_s2", "R": "retract_accel_mm_s2", "T": "travel_accel_mm_s2"}
+_GAINS = {"P": "kp", "I": "ki", "D": "kd"}
+# What these commands say is no setting of a machine, or has its default.
+_OTHERS = (
+    "M21",
+    "M82",
+    "M83",
+    "G20",
+    "G21",
+    "M145",
+    "M149",
+    "M155",
+    "M200",
+    "M217",
+    "M413",
+    "M420",
+)
+_ABOVE_MM = 3.0  # where a descent starts at least, above where the probe triggers
+
+
+def put_stored(draft: Draft, text: str, name: str, motors: Mapping[str, str]) -> None:
+    """Replaces the values of the draft by those of an answer to M503. `motors` are the first motors
+    of X, Y and Z. What has no value in the draft is reported. Raises ConfigError."""
+    for number, line in enumerate(text.splitlines(), 1):
+        found = _COMMAND.fullmatch(line.strip())
+        if found is None:
+            continue
+        place = Place(name, number)
+        words: dict[str, float] = {}
+        for letter, value in _WORD.findall(found[2]):
+            try:
+                words[letter] = float(value or 0)
+            except ValueError:
+                raise bad(place, f"{found[1]} {letter}", value, "a number") from None
+        _Line(draft, found[1], words, place, motors).put()
+
+
+class _Line:
+    """A command with its words."""
+
+    def __init__(
+        self,
+        draft: Draft,
+        code: str,
+        words: Mapping[str, float],
+        place: Place,
+        motors: Mapping[str, str],
+    ) -> None:
+        self._draft, self._code, self._words = draft, code, words
+        self._place, self._motors = place, motors
+
+    def put(self) -> None:
+        """Sets what it says."""
+        match self._code:
+            case "M92":
+                self._put_steps()
+            case "M201" | "M203":
+                self._put_each("accel_mm_s2" if self._code == "M201" else "speed_mm_s")
+            case "M204":
+                for letter, key in _LIMITS.items():
+                    self._set(("limits", key), self._words.get(letter))
+            case "M205":
+                self._set(("limits", "junction_deviation_mm"), self._words.get("J"))
+                if self._has(("limits", "junction")) == "jerk":
+                    self._put_each("jerk_mm_s")
+            case "M301" | "M304":
+                self._put_gains()
+            case "M851":
+                self._put_probe()
+            case "M900":
+                self._set(("extruders", self._extruder(), "advance_s"), self._words.get("K"))
+            case "M593":
+                self._put_shaper()
+            case code:
+                if code in _OTHERS:
+                    return
+                written = " ".join(f"{word}{value:g}" for word, value in self._words.items())
+                text = "not taken over: send it to Passo, and M500, if Passo knows it"
+                self._draft.dropped(self._place, f"{code} {written}".rstrip(), text)
+
+    def _has(self, path: KeyPath) -> Value | None:
+        return self._draft.keys.get(path, (None, None))[0]
+
+    def _set(self, path: KeyPath, value: float | None) -> None:
+        """Sets a key of a table that the draft has."""
+        if value is not None and any(key[:-1] == path[:-1] for key in self._draft.keys):
+            self._draft.put(path, value, self._place)
+
+    def _extruder(self) -> str:
+        tool = int(self._words.get("T", self._words.get("E", 0) if self._code == "M301" else 0))
+        return f"e{tool}" if tool else "e"
+
+    def _put_steps(self) -> None:
+        for letter, axis in _AXES.items():
+            motor = self._motors[axis]
+            names = {key[1] for key in self._draft.keys if key[0] == "steppers"}
+            for name in names:
+                if re.fullmatch(rf"{motor}\d*", name):
+                    self._set(("steppers", name, "steps_per_mm"), self._words.get(letter))
+        self._set(("steppers", self._extruder(), "steps_per_mm"), self._words.get("E"))
+
+    def _put_each(self, key: str) -> None:
+        for letter, axis in _AXES.items():
+            self._set(("axes", axis, key), self._words.get(letter))
+        self._set(("extruders", self._extruder(), key), self._words.get("E"))
+
+    def _put_gains(self) -> None:
+        number = int(self._words.get("E", 0))
+        heater = "bed" if self._code == "M304" else f"hotend{number or ''}"
+        path = ("heaters", heater, "control")
+        if self._has((*path, "kind")) == "pid":
+            for letter, gain in _GAINS.items():
+                self._set((*path, gain), self._words.get(letter))
+
+    def _put_probe(self) -> None:
+        """The offset of Z is the height of the trigger, below 0; the descent moves with it."""
+        path, offset = ("probe",), self._has(("probe", "offset_mm"))
+        if isinstance(offset, list):
+            at = [self._words.get(axis, own) for axis, own in zip("XY", offset, strict=True)]
+            self._draft.put((*path, "offset_mm"), [*at], self._place)
+        keys = ("trigger_height_mm", "low_mm", "start_mm")
+        old, low, start = (self._has((*path, key)) for key in keys)
+        if "Z" not in self._words or not isinstance(old, int | float):
+            return
+        height = -self._words["Z"]
+        self._set((*path, "trigger_height_mm"), height)
+        if isinstance(low, int | float):
+            self._set((*path, "low_mm"), round(low + height - old, 4))
+        if isinstance(start, int | float) and start < height + _ABOVE_MM:
+            self._set((*path, "start_mm"), round(height + _ABOVE_MM, 4))
+
+    def _put_shaper(self) -> None:
+        for letter in "xyz":
+            if letter.upper() in self._words:
+                self._set(("shaping", letter, "frequency_hz"), self._words.get("F"))
+                self._set(("shaping", letter, "damping"), self._words.get("D"))
