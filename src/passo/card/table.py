@@ -53,7 +53,7 @@ class Table:
         return self._sector(sector)[at] & _MASK
 
     def __setitem__(self, cluster: int, value: int) -> None:
-        """Change the 28 bits of an entry; the 4 above are kept, as fatgen103 demands."""
+        """Change the 28 bits of an entry; the upper 4 bits are kept, as fatgen103 requires."""
         number, at = divmod(cluster, self._per_sector)
         sector = self._sector(number)
         old = sector[at]
@@ -77,7 +77,7 @@ class Table:
         return sector
 
     def commit(self) -> None:
-        """Write what was changed to every copy of the table."""
+        """Write the changed sectors to every copy of the table."""
         for number in sorted(self._changed):
             data = _bytes(self._sectors[number])
             for table in self._layout.table_offsets:

@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Writes the configuration, and prints what it cannot say. Raises ConfigError of a machine
+    """Writes the configuration, and prints what it cannot contain. Raises ConfigError for a machine
     file with errors, or of a geometry that is not exported, and InputError of the output."""
     from passo import config
     from passo.config.exporting.klipper import exported

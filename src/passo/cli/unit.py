@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints the unit. Raises ConfigError of a machine file with errors."""
+    """Prints the unit. Raises ConfigError for a machine file with errors."""
     from passo import config
 
     machine = config.load(arguments.machine)

@@ -94,7 +94,7 @@ class MachineConfig(Model):
     unhomed_moves: Literal["refuse", "allow"] = "refuse"
     """Whether a move of an axis that has an endstop and is not homed is an error or allowed."""
     bed: Bed | None = None
-    """The printable area."""
+    """Sets the printable area."""
     probe: AnyProbe | None = None
     """The probe that measures the bed."""
     levelling: Levelling = Field(default_factory=Levelling)

@@ -345,7 +345,7 @@ class Homer:
         self._set({n: at + self.offset_mm[n] for n, at in found.items()})
 
     async def _again(self, ways: Sequence[_HomingAxis]) -> None:
-        """Back from the endstops, which must open, and slowly to them."""
+        """Moves back from the endstops, which must open, and then slowly to them."""
         await self._go([-w.config.retract for w in ways], ways)
         for way in ways:
             for switch in way.switches:

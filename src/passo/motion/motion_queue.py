@@ -235,7 +235,7 @@ class MotionQueue:
         self._replanned()
 
     def use_commits(self, on: bool) -> None:
-        """Sets whether boards that support it brake after a link loss. They must not while endstops
+        """Sets whether boards that support it brake after a link loss. Switch it off while endstops
         stop motors, as in homing. Call it only while the machine is idle."""
         if not self._connection.survives:
             return
@@ -291,8 +291,8 @@ class MotionQueue:
                 self._waiting.remove(entry)
 
     def call_after(self, seconds: float, action: Callable[[], None]) -> Alarm | None:
-        """Calls an action once after `seconds` of print time, if time is free. Otherwise returns
-        None, and the caller must use a timer of the loop."""
+        """Calls an action once after `seconds` of print time, if print time runs as fast as
+        possible. Otherwise returns None, and the caller must use a timer of the event loop."""
         if not self._free:
             return None
         alarm = Alarm(self.now + round(seconds * self.hz), action)

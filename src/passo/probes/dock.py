@@ -10,8 +10,8 @@ from passo.probes.base import Head, Mechanism, SensingProbe, not_deployed, not_s
 
 class DockProbe(SensingProbe):
     """A probe that magnets hold. Before a run the head fetches it: at `dock_height_mm` it moves to
-    `approach_mm`, into the dock, and back with the probe. After the run the head brings the probe
-    to the dock on the same path, and leaves without it to `leave_mm`."""
+    `approach_mm`, into the dock, and back with the probe. After the run the head returns the probe
+    to the dock on the same path, and moves to `leave_mm` without it."""
 
     travels_to_deploy: ClassVar[bool] = True
     kind: Literal["dock"]

@@ -146,7 +146,8 @@ class Bridge(Protocol):
 
     def on_console_line(self, call: Callable[[ConsoleLine], None]) -> Callable[[], None]:
         """Calls `call` in the web's event loop with each line that a console sends or receives from
-        now on, without secrets; `call` must return at once. Returns a function that ends this."""
+        now on, without secrets; `call` must return at once. Returns a function that ends the
+        calls."""
         ...
 
     async def run(

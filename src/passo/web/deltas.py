@@ -18,7 +18,7 @@ def tree(value: object) -> Tree:
 
 
 def changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Tree:
-    """The patch that turns `before` into `now` by `merged` (RFC 7386, JSON merge patch): changed
+    """The patch with which `merged` turns `before` into `now` (RFC 7386, JSON merge patch): changed
     keys with their new values, and None for removed keys. Lists change as a whole."""
     found: Tree = {key: None for key in before if key not in now}
     for key, value in now.items():

@@ -23,7 +23,7 @@ _WATERMARK_C = 2.0
 
 
 def put_heat(cfg: Cfg) -> None:
-    """All heaters, then all fans."""
+    """Converts all heaters, then all fans."""
     names: dict[str, str] = {}
     hotends = [name for name, heater in cfg.machine.heaters.items() if heater.kind == "hotend"]
     for name, heater in cfg.machine.heaters.items():
@@ -86,7 +86,8 @@ def _put_sensor(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
 
 
 def _put_thermistor(cfg: Cfg, name: str, sensor: Thermistor) -> None:
-    """By β, or by three points of 1/T = A + ln R / β + C·(ln R)³, which Klipper solves for."""
+    """Writes β, or three points of 1/T = A + ln R / β + C·(ln R)³, from which Klipper calculates A,
+    β and C."""
     section = f"thermistor thermistor_{name}"
     if sensor.c_per_k == 0:
         cfg.put(section, temperature1=25.0, resistance1=sensor.r25_ohm, beta=sensor.beta_k)

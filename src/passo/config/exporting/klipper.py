@@ -27,8 +27,8 @@ _RESULTS = {"median": "median", "mean": "average"}
 
 
 def exported(machine: MachineConfig) -> Cfg:
-    """The sections of a printer.cfg, with what they cannot say. Raises ConfigError of a geometry
-    that is not exported."""
+    """The sections of a printer.cfg, with the parts of the machine that they cannot contain. Raises
+    ConfigError for a geometry that is not exported."""
     kind = machine.geometry.kind
     if kind not in _STEPPERS:
         raise ConfigError.of("export.kinematics", value=kind, limit=", ".join(_STEPPERS))
@@ -60,8 +60,8 @@ def exported(machine: MachineConfig) -> Cfg:
 
 
 def _put_printer(cfg: Cfg, kind: str) -> None:
-    """Klipper has one limit for X and Y, and a speed at square corners: that of a deviation d is
-    √(d·a / (√2 - 1)), and that of a jerk the jerk itself."""
+    """Writes [printer]. Klipper has one limit for X and Y, and a speed at square corners. For a
+    junction deviation d this speed is √(d·a / (√2 - 1)); for a jerk limit it is the jerk."""
     machine, limits = cfg.machine, cfg.machine.limits
     x, y, z = (machine.axes[axis] for axis in "xyz")
     accel = min(limits.print_accel_mm_s2 or x.accel_mm_s2, x.accel_mm_s2, y.accel_mm_s2)

@@ -11,7 +11,7 @@ _FULL_TURN = 200
 
 
 def put_stepper(cfg: Cfg, name: str, section: str) -> None:
-    """The pins, the scale and the driver of a motor."""
+    """Writes the pins, the scale and the driver of a motor."""
     stepper, machine = cfg.machine.steppers[name], cfg.machine
     step, direction, enable = _pins(cfg, name)
     full = stepper.full_steps_per_rotation

@@ -91,9 +91,9 @@ class Program:
 @dataclass(frozen=True, slots=True)
 class Moment:
     """The progress of a print at `print_s`: the line of the current move (0: no move yet), the Z of
-    the machine, and the state that is not in the file. `babysteps_mm` are those that consoles have
-    sent, by axis. `overrides` are the speed, flow and fan factors at the start of the print, or
-    later ones of consoles (see Overrides)."""
+    the machine, and the state that is not in the file. `babysteps_mm` are the babysteps that
+    consoles have sent, by axis. `overrides` are the speed, flow and fan factors at the start of the
+    print, with later changes by consoles (see Overrides)."""
 
     line: int
     print_s: float

@@ -316,8 +316,8 @@ class BedCorrectionCommands:
         self.put(None if empty else correction, on=self._correction.on and not empty)
 
     def raise_to(self, mm: float, reply: Reply) -> None:
-        """G29 S4: the whole mesh is higher than it was measured, loaded or edited, by so much.
-        Raises CommandError."""
+        """G29 S4: raises the whole mesh by this height above its measured, loaded or edited
+        heights. Raises CommandError."""
         self.mesh()
         now = self._correction
         assert now.correction is not None

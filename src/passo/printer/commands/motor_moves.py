@@ -340,7 +340,8 @@ class MotorMoves:
         return True
 
     def _require_limits(self, turn: _Turn, by: Sequence[float]) -> None:
-        """`by` are factors of the turn, one after the other. Raises CommandError."""
+        """Checks the limits at the positions after `by` times the turn, in this order. Raises
+        CommandError."""
         job = self._rig.job
         at = job.machine_position
         for index, mm in turn.axes.items():
@@ -397,7 +398,7 @@ class MotorMoves:
         return WaitForProcedure(run)
 
     def _tell(self, reply: Reply) -> None:
-        """Where the nozzle is now, as far as that is known."""
+        """Reports the position of the nozzle, if it is known."""
         job = self._rig.job
         locked = [name.upper() for i, name in enumerate(self._axes) if i in job.locked_axes]
         at = job.machine_position

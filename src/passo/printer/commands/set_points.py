@@ -43,8 +43,8 @@ class SetPoints:
         self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # active, standby
 
     def heater(self, kind: str, number: int | None = None) -> str:
-        """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
-        by their own. Raises CommandError if there is none."""
+        """The heater of a kind: a hotend by the number of its tool (default: the active tool),
+        other heaters by their own number. Raises CommandError if there is none."""
         index = number if number is not None else self._job.tool if kind == "hotend" else 0
         found = heater_of(self._machine, kind, index)
         if found is None:

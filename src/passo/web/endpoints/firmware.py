@@ -181,7 +181,7 @@ async def flashing(call: Call) -> Flash:
 
 @operation("firmware.confirm", "POST", "/firmware/flash/confirm", Role.ADMIN)
 async def confirm(call: Call) -> None:
-    """The step by hand that `firmware.flashing` asks for is done."""
+    """Confirms that the manual step that `firmware.flashing` asks for is done."""
     call.site.flashes.confirm()
 
 

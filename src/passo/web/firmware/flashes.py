@@ -55,7 +55,7 @@ class Flashes:
         return flash
 
     def confirm(self) -> None:
-        """The step by hand is done. Without one, nothing happens."""
+        """Confirms that the manual step is done. Does nothing if there is none."""
         if self.last.state == "waiting":
             self.last.state, self.last.asks = "running", ""
             self._write(b"\n")

@@ -239,7 +239,8 @@ def _put_motors(job: _Job, stepper: Node) -> None:
 
 
 def _put_homing(job: _Job, name: str, letter: str, homing: Node, limits: Node) -> None:
-    """The end of an axis is its limit and the offset; a virtual axis has no offset."""
+    """Converts the homing of an axis. Its end is the limit plus the offset; a virtual axis has no
+    offset."""
     path, stored = ("homing", name), job.stored
     upward = stored.flag(homing, "HomeDir", f"{letter}HomeDir")
     word = "MaxPos" if upward else "MinPos"
@@ -308,7 +309,7 @@ def _put_probe(job: _Job) -> None:
 
 
 def _put_cold(job: _Job) -> None:
-    """The heater of each further axis that moves filament."""
+    """Sets the heater of each further axis that moves filament."""
     for heater in job.config.each("heaters"):
         for axis in heater.each("cold_extrusion_prevention", "ExtruderAxes"):
             name = job.motors.get(str(axis.scalar), "")

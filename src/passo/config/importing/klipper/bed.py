@@ -17,8 +17,8 @@ _SAMPLES = {"average": "mean", "median": "median"}
 
 
 def put_probe(job: Import) -> None:
-    """[probe] or [bltouch]. Imports the probe. Sets `job.probe_pin`, with which Z may be homed.
-    Raises ConfigError."""
+    """Converts [probe] or [bltouch]. Sets `job.probe_pin`, with which Z may be homed. Raises
+    ConfigError."""
     for name in ("probe", "bltouch"):
         section = job.config.get(name)
         if section is not None:

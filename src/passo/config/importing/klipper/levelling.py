@@ -18,7 +18,8 @@ _FAR = "the probe does not get to X{:g} Y{:g}: give the places of [levelling.{}]
 
 
 def put_levelling(job: Import) -> None:
-    """All of them. Raises ConfigError of places that are not two numbers."""
+    """Converts all sections of levelling. Raises ConfigError for positions that are not two
+    numbers."""
     _put_screws(job)
     _put_motors(job)
     _put_skew(job)
@@ -106,8 +107,8 @@ def _in_reach(job: Import, section: Section, at: list[float], table: str) -> boo
 
 
 def _put_skew(job: Import) -> None:
-    """The values that SAVE_CONFIG has stored, as the command that sets them: the machine file must
-    first say what the carriages reach."""
+    """Reports the values that SAVE_CONFIG has stored as the command that sets them, because the
+    limits of the carriages must be in the machine file first."""
     for section in job.config.of("skew_correction"):
         job.used.add(section.name)
         factors = [section.number(f"{plane}_skew", 0.0) or 0.0 for plane in ("xy", "xz", "yz")]

@@ -21,7 +21,7 @@ _THREADS = ("M3", "M4", "M5")
 
 
 def put_bed(job: Job) -> None:
-    """The printable area."""
+    """Sets the printable area."""
     put, defines = job.draft.put, job.defines
     if job.kind == "delta":
         reach = job.needed("PRINTABLE_RADIUS", "DELTA_PRINTABLE_RADIUS")
@@ -40,7 +40,7 @@ def put_bed(job: Job) -> None:
 
 
 def put_probe(job: Job) -> None:
-    """The probe. Sets `job.trigger_mm`, by which Z may be homed. Raises ConfigError."""
+    """Converts the probe. Sets `job.trigger_mm`, with which Z may be homed. Raises ConfigError."""
     defines, put, path = job.defines, job.draft.put, ("probe",)
     kind, define = _kind(job)
     if define is None:
@@ -103,7 +103,8 @@ def put_probe(job: Job) -> None:
 
 
 def _put_samples(job: Job, path: KeyPath) -> None:
-    """With two, Marlin descends fast, then slowly: as Passo always does."""
+    """Converts the number of samples. With two, Marlin descends fast, then slowly, as Passo always
+    does."""
     found = job.defines.number("MULTIPLE_PROBING", "Z_PROBE_REPETITIONS")
     extra = job.defines.number("EXTRA_PROBING")
     if found is None:
@@ -160,7 +161,7 @@ def _put_pin(job: Job, path: KeyPath) -> None:
 
 
 def put_levelling(job: Job) -> None:
-    """The correction of the bed, screws, and the motors that level the gantry. Raises
+    """Converts the bed correction, the screws, and the motors that level the gantry. Raises
     ConfigError."""
     defines, put = job.defines, job.draft.put
     mesh = ("AUTO_BED_LEVELING_BILINEAR", "AUTO_BED_LEVELING_UBL", "MESH_BED_LEVELING")

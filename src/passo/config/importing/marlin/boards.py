@@ -106,7 +106,7 @@ class Pins:
 
     def given(self, *names: str, analog: bool = False) -> str | None:
         """The pin that the configuration itself gives by one of these defines; None if it gives
-        none, or -1. Raises ConfigError of a name that the board does not have."""
+        none, or -1. Raises ConfigError for a name that the board does not have."""
         name = self._defines.first(*names)
         if name is None:
             return None

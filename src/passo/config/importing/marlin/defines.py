@@ -74,7 +74,7 @@ class Defines:
         return derived(self, name, argument)
 
     def first(self, *names: str) -> str | None:
-        """The first of these that is defined. All count as read."""
+        """The first of these names that is defined. All count as read."""
         self.used.update(names)
         return next((name for name in names if name in self.found), None)
 

@@ -20,7 +20,7 @@ _ALWAYS_MM_S = 1e6  # no motor is faster: silent at any speed
 
 
 def put_driver(job: Job, path: KeyPath, name: str, steps: Read) -> None:
-    """The driver of a motor, by Marlin's name of it: X, Z2, E0."""
+    """Converts the driver of the motor with this name in Marlin: X, Z2, E0."""
     defines, put = job.defines, job.draft.put
     first = name if name.startswith("E") else name[0]
     define = defines.first(f"{name}_DRIVER_TYPE", f"{first}_DRIVER_TYPE")

@@ -19,7 +19,7 @@ _DISPLAYS = {
 
 
 def put_features(job: Job) -> None:
-    """All of them. Raises ConfigError."""
+    """Converts all of them. Raises ConfigError."""
     _put_idle(job)
     _put_park(job)
     _put_mains(job)
@@ -28,8 +28,8 @@ def put_features(job: Job) -> None:
 
 
 def _put_shapers(job: Job) -> None:
-    """Input shaping is a ZV shaper, with Marlin's damping ratio. That of fixed-time motion counts
-    if the machine starts in this mode."""
+    """Converts input shaping to a ZV shaper, with Marlin's damping ratio. The shaper of fixed-time
+    motion is used if the machine starts in this mode."""
     defines, put = job.defines, job.draft.put
     fixed = defines.on("FT_MOTION", "FTM_IS_DEFAULT_MOTION") and defines.on("FTM_IS_DEFAULT_MOTION")
     for axis in "xyz":
@@ -120,7 +120,7 @@ def _put_laser(job: Job) -> None:
 
 
 def put_board(job: Job, base: str, variant: str | None) -> None:
-    """The board, with the display that it has, and how it is connected."""
+    """Sets the board with its display, and its connection."""
     defines, put, place = job.defines, job.draft.put, job.place("MOTHERBOARD")
     put(("board", "base"), base, place)
     put(("board", "variant"), variant, place)

@@ -49,8 +49,8 @@ def count_extruders(job: Job) -> None:
 
 
 def put_heat(job: Job) -> None:
-    """All heaters, then fans and tools. Raises ConfigError of a heater without a sensor or a
-    maximum."""
+    """Converts all heaters, then fans and tools. Raises ConfigError for a heater without a sensor
+    or a maximum."""
     for number, name in job.hotends.items():
         _put_heater(job, name, str(number))
     for mark in ("BED", "CHAMBER"):
@@ -66,7 +66,7 @@ def _has_sensor(job: Job, name: str) -> bool:
 
 
 def _put_heater(job: Job, name: str, mark: str) -> None:
-    """A heater; `mark` is in the names of its defines: 0, BED, CHAMBER."""
+    """Converts a heater; `mark` is in the names of its defines: 0, BED, CHAMBER."""
     path, defines, hotend = ("heaters", name), job.defines, mark.isdigit()
     sensor = job.needed(f"TEMP_SENSOR_{mark}")
     job.draft.put((*path, "kind"), "hotend" if hotend else mark.lower(), sensor.place)
@@ -241,7 +241,7 @@ def _custom(job: Job, mark: str) -> dict[str, Any] | None:
 
 
 def _put_converter(job: Job, path: KeyPath, sensor: Read, kind: str, mark: str) -> None:
-    """A converter on the pins that the configuration gives, or on those of the board's card."""
+    """Converts a converter on the pins in the configuration, or on those of the board's SD card."""
     put, card = job.draft.put, job.pins.board.card
     put((*path, "sensor", "kind"), kind, sensor.place)
     for key, word, own in (
@@ -321,7 +321,7 @@ def _put_controller_fan(job: Job) -> None:
 
 
 def _put_tools(job: Job) -> None:
-    """A tool for each extruder, when there are several, at the offset of its nozzle."""
+    """If there are several extruders, makes a tool for each, with the offset of its nozzle."""
     if job.extruders < 2:
         return
     offsets = [job.defines.numbers(f"HOTEND_OFFSET_{axis}") for axis in "XYZ"]

@@ -26,9 +26,9 @@ _OFF = ("0", "false", "-1")
 
 def imported(path: Path, stored: Path | None = None) -> Draft:
     """Converts a Configuration.h and the files in its folder, with the values that an answer to
-    M503 has in the file `stored`, to a machine file with remarks. Raises
-    ConfigError of a file that cannot be read, of a kind of machine that Passo does not have, and of
-    values that would be dangerous."""
+    M503 has in the file `stored`, to a machine file with remarks. Raises ConfigError for a file
+    that cannot be read, for a kind of machine that Passo does not support, and for values that
+    would be dangerous."""
     mk4duo = path.stem.endswith(tuple(f"Configuration_{name}" for name in _MK4DUO))
     if mk4duo:
         stem = path.stem.rpartition("Configuration_")[0]
@@ -49,8 +49,8 @@ def imported(path: Path, stored: Path | None = None) -> Draft:
 
 
 def _put_all(job: Job) -> None:
-    """In the order of other machine files. The probe is read before the axes, since it may home
-    Z."""
+    """Converts everything, in the order of other machine files. The probe is read before the axes,
+    because it may home Z."""
     draft = job.draft
     count_extruders(job)
     put_probe(job)

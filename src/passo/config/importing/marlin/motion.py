@@ -57,7 +57,7 @@ _BUMPS_MM, _DIVISORS = (5.0, 5.0, 2.0), (2.0, 2.0, 4.0)  # of Marlin, if the fil
 
 
 def put_motion(job: Job) -> None:
-    """All that moves. Raises ConfigError."""
+    """Converts axes, extruders and motors. Raises ConfigError."""
     defines, put = job.defines, job.draft.put
     chosen = _kind(job)
     job.kind = _KINDS.get(chosen, "cartesian")
@@ -123,7 +123,8 @@ def _put_delta(job: Job) -> None:
 
 
 def _put_skew(job: Job) -> None:
-    """The report has the commands: the machine file must first say what the carriages reach."""
+    """Reports the skew as commands, because the limits of the carriages must be in the machine file
+    first."""
     defines = job.defines
     if not defines.on("SKEW_CORRECTION"):
         return
@@ -178,7 +179,7 @@ def _put_delta_axis(job: Job, axis: str) -> None:
 
 
 def _put_motor(job: Job, index: int, letter: str, motor: str, subtracts: bool) -> None:
-    """The motor of an axis or a tower, and further ones of the same axis."""
+    """Converts the motor of an axis or a tower, and further motors of the same axis."""
     axis = letter.upper()
     steps = job.needed_list("DEFAULT_AXIS_STEPS_PER_UNIT")[index]
     names = [axis, *_further_motors(job, axis)]
@@ -209,8 +210,8 @@ def _further_motors(job: Job, axis: str) -> list[str]:
 
 
 def _put_socket(job: Job, path: KeyPath, name: str, axis: str) -> None:
-    """The socket of a motor. Further motors are in the sockets after those of the extruders, as
-    Marlin counts them."""
+    """Sets the socket of a motor. As in Marlin, further motors use the sockets after those of the
+    extruders."""
     socket = job.pins.socket(name)
     if socket is None and not name.startswith("E") and name != axis:
         taken = [value for key, (value, _) in job.draft.keys.items() if key[-1] == "socket"]
@@ -397,7 +398,8 @@ def _put_speeds(job: Job, path: KeyPath, index: int, axis: str) -> None:
 
 
 def _put_extruder(job: Job, number: int, first: int) -> None:
-    """An extruder; its values are at `first` and after it if each has its own."""
+    """Converts an extruder. If each extruder has its own values, they are at `first` and after
+    it."""
     name = f"e{number}" if number else "e"
     path, defines = ("steppers", name), job.defines
 
