@@ -176,7 +176,7 @@ class Firmware:
     def confirm(
         self,
     ) -> None:
-        """The step by hand that `firmware.flashing` asks for is done."""
+        """Confirms that the manual step that `firmware.flashing` asks for is done."""
         ...
     def cancel_flash(
         self,
@@ -862,7 +862,7 @@ class AsyncFirmware:
     async def confirm(
         self,
     ) -> None:
-        """The step by hand that `firmware.flashing` asks for is done."""
+        """Confirms that the manual step that `firmware.flashing` asks for is done."""
         ...
     async def cancel_flash(
         self,
