@@ -46,7 +46,7 @@ async def _until(condition):
         await asyncio.sleep(0.25)
 
 
-def test_printing_time_is_that_since_the_machine_stood(tmp_path):
+def test_printing_time_counts_from_the_last_standstill(tmp_path):
     async def test(bridge: LiveBridge):
         def times():
             (found,) = shown(bridge, "idle_timeout")

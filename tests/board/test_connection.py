@@ -236,7 +236,7 @@ def test_the_loop_continues_while_a_lost_port_is_opened():
         asyncio.run(reopen(connection))
 
 
-def test_reports_that_nobody_asked_for_are_kept_in_order():
+def test_unrequested_reports_are_kept_in_order():
     bench = Bench()
     bench.connection.command("debug_ping data=01")
     bench.connection.command("debug_ping data=02")

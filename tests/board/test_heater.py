@@ -130,7 +130,7 @@ def test_the_board_itself_cuts_off_below_the_hosts_protections():
     assert bench.simulated.output_value("hotend") == 0
 
 
-def test_a_board_that_hears_nothing_cuts_its_heater_off():
+def test_a_board_without_a_host_switches_its_heater_off():
     bench = Bench()
     bench.connection.set_target("hotend", 200.0)
     bench.run(10.0)

@@ -138,7 +138,7 @@ def test_check_lists_what_the_state_folder_overrides(
     assert (report["ok"], report["problems"][0]["code"]) == (False, "settings.unreadable")
 
 
-def test_check_names_the_boards_whose_pins_nobody_knows(
+def test_check_names_the_boards_whose_pins_are_unknown(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "mine.toml"
@@ -190,7 +190,7 @@ def test_check_of_a_bad_file_as_json(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert err == ""
 
 
-def test_whatever_stands_in_a_bad_file_can_be_written_as_json(
+def test_any_content_of_a_bad_file_can_be_written_as_json(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "bad.toml"

@@ -131,7 +131,7 @@ def test_durations(seconds, text):
     assert duration(seconds) == text
 
 
-def test_nobody_knows_what_share_of_a_pipe_is_done():
+def test_the_progress_of_a_pipe_is_unknown():
     read, write = os.pipe()
     os.write(write, b"G1 X10 F600\nG1 X20\n")
     os.close(write)

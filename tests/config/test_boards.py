@@ -237,7 +237,7 @@ def test_no_pin_serves_two(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", BOARDS)
-def test_motors_are_wired_as_told(name: str) -> None:
+def test_motors_are_wired_as_in_the_machine_file(name: str) -> None:
     board = config.load_board(name)
     assert list(board.sockets) == list(MOTORS[name])
     for socket, (step, direction, enable) in MOTORS[name].items():
@@ -249,7 +249,7 @@ def test_motors_are_wired_as_told(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", BOARDS)
-def test_switches_and_sensors_are_wired_as_told(name: str) -> None:
+def test_endstops_and_sensors_are_wired_as_in_the_machine_file(name: str) -> None:
     board = config.load_board(name)
     assert board.endstops == {key: board.pin(pin) for key, pin in SWITCHES[name].items()}
     assert {*board.thermistors.values()} == {board.pin(pin) for pin in SENSORS[name]}
@@ -257,7 +257,7 @@ def test_switches_and_sensors_are_wired_as_told(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_outputs_are_wired_as_told(name: str) -> None:
+def test_outputs_are_wired_as_in_the_machine_file(name: str) -> None:
     board = config.load_board(name)
     found = {
         key: (board.pin(f.output), board.pin(f.sensor) if f.sensor else None)

@@ -219,7 +219,7 @@ def test_one_wrong_place(i3_text: str, old: str, new: str, key: str, expected: s
     assert expected in found[0]
 
 
-def test_of_a_board_that_nobody_knows_no_pins_are_told() -> None:
+def test_no_pins_are_printed_for_an_unknown_board() -> None:
     text = config.shipped_text("delta")
     assert len(problems_of(re.sub('base = ".*"', 'base = "skr"', text))) == 1
     # The nearest one is taken for it: it has other pins.

@@ -130,7 +130,7 @@ def test_a_fan_that_is_not_there(i3_text):
         config.load_text(i3_text.replace('fan = "part"', 'fan = "prat"'))
 
 
-def test_max_c_lies_within_what_the_sensor_measures(i3_text):
+def test_max_c_is_within_the_range_of_the_sensor(i3_text):
     line = "sensor = { kind = 'table', points = [[20.0, 0.9], [150.0, 0.2]] }\n"
     with pytest.raises(ConfigError) as raised:
         loaded(i3_text, line)

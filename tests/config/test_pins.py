@@ -337,7 +337,7 @@ def test_a_board_of_klippers_keeps_what_its_dictionary_reserves(tmp_path: Path) 
     assert loaded.board.reserved == {"USB": [], "crystal": [], "relay": ["PB15"]}
 
 
-def test_without_a_dictionary_the_clock_must_be_told(tmp_path: Path) -> None:
+def test_without_a_dictionary_the_clock_must_be_given(tmp_path: Path) -> None:
     bare = KLIPPER.replace('dictionary = "board.dict"\n', "")
     (problem,) = problems_of(bare)
     assert problem.endswith(

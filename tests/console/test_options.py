@@ -176,7 +176,7 @@ def test_read_only_options_are_refused(s):
     assert s.host.ok("M930")[0] == "echo:XMaxSpeed stays at 300; M203 X999 was not taken"
 
 
-def test_words_of_m926_may_stand_in_any_order(s):
+def test_parameters_of_m926_may_be_in_any_order(s):
     s.host.ok("M926 V77 IXMaxSpeed")
     assert s.host.ok("M503").count("; pending until M930: M926 IXMaxSpeed V77") == 1
     assert "V is nothing: expected a number" in s.host.ok("M926 IXMaxSpeed V 88")[0]
@@ -190,7 +190,7 @@ def test_m92_acts_at_once(s):
     assert s.host.ok("M925 IXStepsPerUnit")[0] == "90"
 
 
-def test_gains_are_told_while_a_tune_has_the_heater(s):
+def test_gains_are_reported_while_an_autotune_runs(s):
     before = s.host.ok("M925 IExtruderHeater0PidP")[0]
     assert float(before) > 0
     s.host.send("M303 H0 S200")

@@ -445,7 +445,7 @@ def test_second_nozzle_is_offset_from_first(tmp_path):
 
 
 @pytest.mark.parametrize(("machine", "word"), [("dual-extruder", "T0 "), ("i3", "")])
-def test_an_offset_of_the_first_tool_is_told_kept_and_taken_back(machine, word, tmp_path):
+def test_an_offset_of_the_first_tool_is_reported_kept_and_undone(machine, word, tmp_path):
     with Scenario(machine, state=str(tmp_path)) as s:
         s.host.ok(f"M218 {word}X5")
         assert s.host.ok("M218")[0] == "M218 T0 X5 Y0 Z0"

@@ -25,7 +25,7 @@ def welcomed(s: Scenario, host: Host) -> list[str]:
     return host.heard[before:]
 
 
-def test_the_first_console_is_told_why_settings_are_not_used(tmp_path):
+def test_the_first_console_gets_the_reason_for_unused_settings(tmp_path):
     (tmp_path / "settings.json").write_text("torn")
     with Scenario(state=str(tmp_path)) as s:
         start, name, why = welcomed(s, s.host)

@@ -325,7 +325,7 @@ async def test_a_client_that_goes_away_ends_its_wait(s):
 
 
 @served
-async def test_one_client_too_many_is_told_so(s):
+async def test_one_client_too_many_gets_an_error(s):
     console = await s.tcp()
     first, second = await at_tcp(console), await at_tcp(console)
     for client in (first, second):

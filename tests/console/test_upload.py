@@ -26,7 +26,7 @@ def bare():
         yield scenario
 
 
-def test_a_good_wrapper_writes_what_stands_between(s, tmp_path):
+def test_a_good_wrapper_writes_the_lines_between(s, tmp_path):
     s.host.ok("M932")
     assert s.host.ok("M28 Fold.g") == ["Writing to file: old.g", "ok"]
     for line in ("G1 X2", "M105", "M999", "G28"):
@@ -109,7 +109,7 @@ def test_m932_and_m933_act_while_a_file_is_written(s, tmp_path):
     assert (tmp_path / "old.g").read_text() == "G1 X3\n"
 
 
-def test_m932_and_m933_stand_in_no_log_and_act(s, tmp_path):
+def test_m932_and_m933_are_not_logged_and_act(s, tmp_path):
     s.host.ok("M928 log.g")
     s.host.ok("M932")
     assert s.host.session.strict

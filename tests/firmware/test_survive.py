@@ -160,7 +160,7 @@ def test_a_plan_that_ends_has_no_tail_and_rests():
     assert host.done(0) == host.steps[0]
 
 
-def test_a_motor_that_stood_for_long_begins_in_a_tail():
+def test_a_motor_after_a_long_standstill_begins_in_a_tail():
     host = Host()
     host.move(0, 10_000, 50)
     limit = host.board.now + 500_000
@@ -171,7 +171,7 @@ def test_a_motor_that_stood_for_long_begins_in_a_tail():
     assert host.done(1) == [limit + 6000, limit + 11_000]
 
 
-def test_the_host_takes_over_where_the_motors_stand():
+def test_the_host_takes_over_at_the_motors_positions():
     host = Host()
     host.move(0, 10_000, 50)
     host.tail(0, 20_000, 2)

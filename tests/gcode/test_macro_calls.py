@@ -97,7 +97,7 @@ def test_macros_are_not_called_where_all_is_plain():
     assert job.event[4] == "FOO"
 
 
-def test_what_is_heard_of_a_line_is_the_call_alone():
+def test_only_the_call_of_a_line_is_recorded():
     job = read("FOO A=1\n", {"FOO": "G1 X1 F600\nM400"}, listen=1)[-1]
     assert job.heard[2] == [("FOO", [], "A=1")]
 

@@ -127,7 +127,7 @@ def test_print_that_did_nothing_does_not_block_the_next(tmp_path):
             assert s.host.ok("M27")[0] == "Not SD printing"
 
 
-def test_an_axis_is_told_where_it_is_when_the_machine_stands():
+def test_an_axis_gets_its_position_at_standstill():
     """Else the place would jump in the midst of a plan that may be planned anew."""
     with Scenario("i3") as s:
         s.host.ok("G28 X Y", 60)

@@ -116,7 +116,7 @@ def test_the_new_filament_has_its_own_temperature(s):
     assert way(before, at(s)) == pytest.approx((0, 0, 0, -30), abs=0.02)
 
 
-def test_nobody_needs_to_wait_for_it(s):
+def test_m108_ends_the_heating_wait_of_m600(s):
     before = at(s)
     s.host.send("M600 S150")
     s.passes(20)

@@ -130,7 +130,7 @@ def test_long_gaps_set_the_clock_again():
     oracle.assert_within_bound(executed, ideal)
 
 
-def test_records_stand_at_their_boundary():
+def test_records_are_due_at_their_boundary():
     motion = Motion(cartesian(), True)
     motion.push([10, 0, 0, 0], 50.0)
     motion.record(3, 128)

@@ -193,7 +193,7 @@ def test_unhomed_moves_may_be_allowed():
         assert s.positions()["x"] == 30.0
 
 
-def test_a_switch_that_is_never_pressed_is_named():
+def test_an_endstop_that_never_triggers_is_named():
     with Scenario("i3") as s:
         s.host.ok("G28", 60)
         s.board.force_switch("y", False)
@@ -205,7 +205,7 @@ def test_a_switch_that_is_never_pressed_is_named():
         assert "axis X is not homed" in s.host.ok("G1 X10")[0]  # they went together
 
 
-def test_a_switch_that_stays_pressed_is_named():
+def test_an_endstop_that_stays_triggered_is_named():
     with Scenario("i3") as s:
         s.board.force_switch("z", True)
         answer = s.host.ok("G28 Z", 120)[-2]

@@ -63,7 +63,7 @@ def test_a_stop_of_an_idle_machine_changes_nothing(s, before, seconds):
 @pytest.mark.parametrize(
     ("file", "lines"), [("long.g", ()), ("long.g", ("M25",)), ("asks.g", ())], ids=str
 )
-def test_a_stop_of_a_print_that_stands_harms_nothing(s, file, lines, stop):
+def test_a_stop_of_a_suspended_print_changes_nothing(s, file, lines, stop):
     start(s, file)
     s.passes(4.0)
     for line in lines:

@@ -157,7 +157,7 @@ def test_probe_that_triggers_in_the_air_is_refused():
         assert "is triggered at X110 Y110" in said[-2]
 
 
-def test_probe_pressed_for_a_moment_in_a_descent_is_refused():
+def test_probe_triggered_for_a_moment_in_a_descent_is_refused():
     with homed() as s:
         s.host.ok("G1 Z10 F600", 60)
         s.host.ok("M400", 60)

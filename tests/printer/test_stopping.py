@@ -75,7 +75,7 @@ def test_the_board_is_stopped_as_soon_as_its_cable_is_back(hot, lost_s, stopped_
     assert s.board.temperature("hotend") == pytest.approx(40, abs=20)
 
 
-def test_a_halt_for_another_reason_is_told_the_board_too(hot):
+def test_a_halt_for_another_reason_is_sent_to_the_board_too(hot):
     s = hot
     unplug(s)
     s.passes(5)
@@ -99,7 +99,7 @@ def test_console_gets_advice_once_and_end_once(hot):
     assert s.host.heard.count(ARRIVED) == 1
 
 
-def test_a_board_that_hears_is_worth_no_word(hot):
+def test_a_halt_of_a_connected_board_gives_no_warning(hot):
     s = hot
     s.host.ok("M112")
     s.passes(5)
@@ -108,7 +108,7 @@ def test_a_board_that_hears_is_worth_no_word(hot):
     assert ARRIVED not in s.host.heard
 
 
-def test_nobody_is_told_an_old_temperature(hot):
+def test_no_client_gets_an_old_temperature(hot):
     s = hot
     unplug(s)
     s.passes(1)
@@ -172,7 +172,7 @@ def fault(s, board):
 @pytest.mark.parametrize(
     ("lost", "other", "named"), [("tool", MAIN, "board tool"), (MAIN, "tool", "the main board")]
 )
-def test_of_two_boards_each_is_stopped_when_it_hears(two, lost, other, named):
+def test_each_of_two_boards_stops_when_it_gets_the_command(two, lost, other, named):
     s = two
     s.board.cut_cable(lost)
     s.passes(2)

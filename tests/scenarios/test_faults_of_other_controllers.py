@@ -204,7 +204,7 @@ def test_g28_without_axes_homes_all_of_them(s):
     assert [at[k] for k in "xyz"] == pytest.approx([0, 0, 0], abs=0.02)
 
 
-def test_leaving_a_switch_that_is_pressed_is_no_hit(s):
+def test_leaving_a_triggered_endstop_is_not_a_trigger(s):
     s.host.ok("G28", 60)
     s.host.ok("M540 S1")
     assert s.host.ok("G1 X20 Y20 Z5 F6000") == ["ok"]

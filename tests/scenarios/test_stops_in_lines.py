@@ -77,7 +77,7 @@ def test_the_text_of_a_pause_is_not_a_command(s, line):
     assert s.printer.commands.outputs.fans.get("part", 0) == 0
 
 
-def test_m112_ahead_of_the_line_that_it_stands_in(s):
+def test_m112_acts_before_the_line_that_contains_it(s):
     s.host.ok("M104 S150")
     s.host.send("G4 S60", "M400", "G1 X20 M112")
     s.passes(1)

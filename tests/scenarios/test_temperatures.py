@@ -63,7 +63,7 @@ def test_each_tool_keeps_its_own_temperature(two):
     assert (target(two), target(two, "hotend1")) == (50, 70)
 
 
-def test_another_console_may_look_and_change_while_one_waits(s):
+def test_another_console_may_query_and_set_while_one_waits(s):
     s.host.send("M109 S200")
     s.passes(3)
     other = Host(s)

@@ -110,7 +110,7 @@ def test_extrusion_in_pause_uses_tool_in_use(printing):
 
 
 @pytest.mark.parametrize("stop", ["M410", "M524"])
-def test_after_a_stop_each_extruder_is_where_it_stands(printing, stop):
+def test_after_a_stop_each_extruder_keeps_its_position(printing, stop):
     printing.host.ok(stop)
     printing.passes(2)
     assert printing.printer.job.tool == 1  # its nozzle is over the print

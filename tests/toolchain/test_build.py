@@ -137,7 +137,7 @@ def test_an_image_for_older_hosts(name: str, tmp_path: Path) -> None:
     assert 10_000 < about["flash_bytes"] <= LIMITS[name][0]
 
 
-def test_a_cortex_m_board_tells_its_layer_about_its_pins() -> None:
+def test_a_cortex_m_board_file_sets_the_pins_of_its_layer() -> None:
     it = chip("mk20dx128")
     board = ArmBoard(it, 48_000_000, "UART1", 250_000, ("PTE1", "PTE0"))
     lines = board_header(board).splitlines()

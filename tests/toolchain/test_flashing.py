@@ -111,7 +111,7 @@ def test_a_ramps_is_written_and_asked(tools: Path, image: Path, port: Port) -> N
     ]
 
 
-def test_a_melzi_waits_for_hands(tools: Path, image: Path, port: Port) -> None:
+def test_a_melzi_waits_for_a_manual_step(tools: Path, image: Path, port: Port) -> None:
     program(tools, "avrdude")
     said = flashed("melzi", port.name, image, port)
     assert [text.startswith("HANDS: ") for text in said] == [False, True, False, True, False]
@@ -336,7 +336,7 @@ def test_bytes_that_align_what_follows_are_not_a_gap(tools: Path, image: Path, p
     assert flashed("ramps", port.name, image, port)[-1].startswith("ramps: written")
 
 
-def test_an_image_that_tells_its_end_is_whole(tools: Path, tmp_path: Path, port: Port) -> None:
+def test_an_image_that_states_its_end_is_complete(tools: Path, tmp_path: Path, port: Port) -> None:
     program(tools, "bossac")
     image = tmp_path / "radds.bin"
     image.write_bytes(OWN_SAM_CODE.ljust(256, b"\0"))
@@ -441,7 +441,7 @@ def test_ports_that_are_none(tools: Path, image: Path, where: str) -> None:
     assert caught.value.status == 2
 
 
-def test_a_wrong_port_is_reported_before_hands_erase_the_board(tools: Path, tmp_path: Path) -> None:
+def test_a_wrong_port_is_reported_before_the_board_is_erased(tools: Path, tmp_path: Path) -> None:
     program(tools, "bossac")
     image = tmp_path / "duet-0.6.bin"
     image.write_bytes(SAM_CODE)
@@ -454,7 +454,7 @@ def test_a_wrong_port_is_reported_before_hands_erase_the_board(tools: Path, tmp_
     assert said == []
 
 
-def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: Port) -> None:
+def test_a_port_may_appear_after_a_manual_step(tools: Path, tmp_path: Path, port: Port) -> None:
     notes = program(tools, "bossac")
     image = tmp_path / "duet-0.6.bin"
     image.write_bytes(SAM_CODE)

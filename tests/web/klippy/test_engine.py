@@ -119,7 +119,7 @@ def test_clients_hear_changes_by_their_own_templates():
     run(test)
 
 
-def test_print_that_is_over_at_once_is_told_as_one():
+def test_print_that_ends_at_once_is_reported_as_one_print():
     async def test(served):
         client = served.client()
         await client.ask("objects/subscribe", objects={"print_stats": ["state"]})
@@ -133,7 +133,7 @@ def test_print_that_is_over_at_once_is_told_as_one():
     run(test)
 
 
-def test_script_is_answered_when_it_is_done_and_heard_by_all():
+def test_script_is_answered_at_its_end_and_sent_to_all():
     async def test(served):
         client, other = served.client(), served.client()
         await client.ask("gcode/subscribe_output", response_template={"method": "out"})
