@@ -1,4 +1,5 @@
-"""`passo export --klipper MACHINE`: a machine file as the configuration of another firmware."""
+"""`passo export --klipper MACHINE`: converts a machine file to a configuration of another
+firmware."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Writes the configuration, and prints what it cannot contain. Raises ConfigError for a machine
-    file with errors, or of a geometry that is not exported, and InputError of the output."""
+    file with errors or a geometry that cannot be exported, and InputError if an output cannot be
+    written."""
     from passo import config
     from passo.config.exporting.klipper import exported
 

@@ -1,4 +1,4 @@
-"""`passo unit MACHINE`: the unit by which systemd starts a printer."""
+"""`passo unit MACHINE`: prints the systemd unit that starts a printer."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _quoted(word: str) -> str:
-    """A word of a command as systemd reads it (systemd.service(5), Command lines)."""
+    """A word of a command, quoted for systemd (systemd.service(5), Command lines)."""
     plain = word.replace("%", "%%").replace("$", "$$")
     if not any(sign in plain for sign in " \t\"'\\;"):
         return plain

@@ -117,8 +117,8 @@ def _check_motors(machine: MachineConfig, geometry: SkewableModel) -> Iterator[F
 
 
 def _check_belts(machine: MachineConfig, geometry: CoreBelts) -> Iterator[Finding]:
-    """No motor of crossed belts has the place of a carriage, so the axes are to keep it within its
-    reach. The law of skew is linear: the corners are its extremes."""
+    """With crossed belts no motor has the position of a carriage, so the limits of the axes must
+    keep the carriages within their reach. Skew is linear, so the extremes are at the corners."""
     ends = [(axis.min_mm, axis.max_mm) for axis in (machine.axes[name] for name in "xyz")]
     corners = [geometry.carriages((x, y, z)) for x, y, z in product(*ends)]
     for axis in geometry.sheared_axes:

@@ -1,4 +1,4 @@
-"""Geometries whose axes may be other than at right angles to each other."""
+"""Geometries whose axes need not be at right angles to each other."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SkewableModel(GeometryModel):
         return "x" * bool(xy or xz) + "y" * bool(yz)
 
     def carriages(self, point: Point) -> Point:
-        """Where the carriages of the axes are with the nozzle at a point, mm: the law of
-        `core/geometry/skewed.hpp`."""
+        """The positions of the axes' carriages, mm, when the nozzle is at a point, by the formula
+        of `core/geometry/skewed.hpp`."""
         (xy, xz, yz), (x, y, z) = self.skew, point
         return x - y * xy - z * (xz - xy * yz), y - z * yz, z

@@ -73,11 +73,11 @@ def printed_distances(
     scale: float,
 ) -> list[Distance]:
     """The 12 distances on Klipper's calibration part, which `machine` has printed: a pillar in the
-    middle and six around it. `center_mm`: over the ridges of the middle pillar and of each other,
-    `outer_mm`: of each pillar and of the second one after it, from the direction of tower A
-    counter-clockwise, mm. A distance over two ridges is longer by the width of a pillar: three
-    widths of the middle one, one of each other. `scale` is that of the part, to its nominal size.
-    Raises Unreachable."""
+    middle and six around it. `center_mm` are the distances between the ridges of the middle pillar
+    and each outer pillar; `outer_mm` those between each outer pillar and the second one after it.
+    Both are in mm and counter-clockwise, from the direction of tower A. A distance measured over
+    two ridges is longer by the width of a pillar: three widths of the middle one, one of each
+    other. `scale` is that of the part, to its nominal size. Raises Unreachable."""
     towards = [(cos(radians(a)), sin(radians(a))) for a in _DIRECTIONS]
 
     def at(x: float, y: float, direction: int, mm: float) -> Point:

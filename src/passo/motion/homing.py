@@ -144,8 +144,8 @@ class Homer:
 
     async def approach(self, travel: Mapping[str, float], speed: float) -> None:
         """G1 H1: axes or arms, by name, move straight by these distances, in mm or degrees, until
-        each has triggered its endstops, and are homed then. `speed` is that of the fastest. Without
-        a trigger they are not homed any more."""
+        each has triggered its endstops; then they are homed. `speed` is the speed of the fastest
+        one. An axis whose endstop does not trigger is not homed any more."""
         among = {name for name in self._machine.homing if self._switches_of(name)}
         arms = set(self._machine.geometry.arms) & among
         for name, far in travel.items():

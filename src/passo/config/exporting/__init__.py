@@ -1,1 +1,2 @@
-"""Machine files become configurations of other firmwares, for the way back and for comparisons."""
+"""Converts machine files to configurations of other firmware, for a return to it and for
+comparisons."""

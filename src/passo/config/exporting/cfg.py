@@ -16,7 +16,8 @@ Option = str | float | int | bool | None
 
 @dataclass
 class Cfg:
-    """Sections in their order, each with its options, and sentences on what was left out."""
+    """The sections in their order, each with its options, and remarks on the parts that were left
+    out."""
 
     machine: MachineConfig
     sections: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
@@ -28,7 +29,7 @@ class Cfg:
         found |= {name: _text(value) for name, value in options.items() if value is not None}
 
     def pin(self, written: str) -> str:
-        """A pin as Klipper writes it: the chip's name of it after its board and its marks."""
+        """A pin in Klipper's form: its marks, the board, and the name of the pin on the chip."""
         board, _ = placed(written)
         pin = self.machine.pin(written)
         name = bare(pin)
@@ -37,8 +38,8 @@ class Cfg:
         return f"{marks}{board}:{name}" if board else f"{marks}{name}"
 
     def text(self, head: str) -> str:
-        """The file: `head` as comments, then the sections: sensors before the heaters that name
-        them, as Klipper asks for."""
+        """The file: `head` as comments, then the sections: sensors come before the heaters that
+        name them, as Klipper requires."""
         lines = [f"# {line}".rstrip() for line in head.splitlines()]
         later = {name: own for name, own in self.sections.items() if not _defines_sensor(name)}
         first = {name: own for name, own in self.sections.items() if _defines_sensor(name)}

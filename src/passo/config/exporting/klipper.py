@@ -190,7 +190,8 @@ def _put_probe(cfg: Cfg) -> None:
 
 
 def _put_levelling(cfg: Cfg) -> None:
-    """Klipper's places of screws and motors are those of the nozzle with the probe over them."""
+    """Writes the screws and the motors. Klipper's positions for them are those of the nozzle when
+    the probe is over them."""
     machine, levelling = cfg.machine, cfg.machine.levelling
     dx, dy = machine.probe.offset_mm if machine.probe else (0.0, 0.0)
     sensing = isinstance(machine.probe, SensingProbe)

@@ -52,7 +52,7 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
 
 
 def _pins(cfg: Cfg, name: str) -> tuple[str, str, str | None]:
-    """Step, direction and enable of a motor, as a machine file names them."""
+    """The step, direction and enable pins of a motor, with their names in the machine file."""
     stepper = cfg.machine.steppers[name]
     socket = stepper.socket
     step = stepper.step_pin or f"{socket}_STEP"

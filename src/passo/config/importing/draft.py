@@ -1,4 +1,4 @@
-"""A machine file in progress, made from another firmware's configuration, and the report of the
+"""A machine file under construction from another firmware's configuration, and the report of the
 import."""
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ MAX_LINE = 20_000
 
 
 class Sources:
-    """Reads files, and refuses what no configuration needs: files that include each other, more
-    than `MAX_BYTES` together, and lines of more than `max_line` characters."""
+    """Reads files, and refuses those that no configuration needs: files that include each other,
+    more than `MAX_BYTES` in total, and lines of more than `max_line` characters."""
 
     def __init__(self, max_line: int = MAX_LINE) -> None:
         self._max_line = max_line

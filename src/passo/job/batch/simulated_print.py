@@ -296,7 +296,8 @@ class Print:
                 self._progress(self._where())
 
     def _looks_at_filament(self) -> bool:
-        """Whether the next moves on the board may move filament of a hotend that is not warm."""
+        """Whether the next moves on the board may move filament in a hotend that is below its
+        minimum temperature."""
         checks = self._checks
         if checks is None or self.connection.now - self.base >= checks.unsure_until:
             self._filament = None

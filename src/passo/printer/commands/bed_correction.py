@@ -432,7 +432,7 @@ class BedCorrectionCommands:
 
 
 def _file_name(command: Command) -> str:
-    """P of RepRapFirmware, whose names of files end in .csv. Raises CommandError."""
+    """The parameter P of RepRapFirmware, a file name that ends in .csv. Raises CommandError."""
     given = _P.search(command.text)
     return check_name((given[1] or given[2]).removesuffix(".csv")) if given else DEFAULT
 

@@ -49,8 +49,8 @@ class _Motor:
 @dataclass(frozen=True, slots=True)
 class _Turn:
     """Motors that turn at the same time. `axes` move with them on a straight line, by these
-    distances in mm, by number; of actuators that move the nozzle on a curve, `joints` are their
-    own."""
+    distances in mm, by number. For actuators that move the nozzle on a curve, `joints` are the
+    distances of the actuators."""
 
     longest: float  # distance of the motor that turns farthest, mm or degrees
     axes: dict[int, float] = field(default_factory=dict[int, float])
@@ -228,8 +228,8 @@ class MotorMoves:
         return self._turning(moves, words.get("F", _DEFAULT_F) / 60, reply)
 
     def _part(self, letter: str, *, motors: bool) -> str:
-        """The axis of a letter, or the motor of the geometry: X, Y and Z number them. Raises
-        CommandError."""
+        """The axis with a letter, or the motor of the geometry: X is the first, Y the second, Z the
+        third. Raises CommandError."""
         actuators, name = self._machine.geometry.actuators, letter.lower()
         if motors and name in actuators:
             return name
@@ -376,7 +376,7 @@ class MotorMoves:
             raise CommandError.bad_value(name.upper(), round(place, 3), limit)
 
     def _point(self, joints: Point) -> Point:
-        """Where the plan has the nozzle for these positions of the actuators. Raises
+        """The nozzle position in the plan for these positions of the actuators. Raises
         Unreachable."""
         geometry = self._machine.geometry
         point = geometry.forward(joints)

@@ -187,7 +187,7 @@ class SkewCommands:
         return self.profile if self.profiles or any(self._geometry.skew) else None
 
     def setting_lines(self) -> Iterator[str]:
-        """The commands that bring the skew back, to the last bit, and its profiles."""
+        """The commands that restore the exact skew and its profiles."""
         yield self.setting_line()
         yield "SKEW_PROFILE CLEAR=1"
         for name, factors in self.profiles.items():

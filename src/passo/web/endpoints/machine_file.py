@@ -233,7 +233,7 @@ async def shipped(_: Call, name: str) -> ShippedFile:
 
 @cache
 def _shipped() -> list[ShippedMachine]:
-    """They stay the same while Passo runs, and take half a second to load."""
+    """The reference data are constant while Passo runs, and take half a second to load."""
     machines = [(name, config.load(name)) for name in config.shipped_machines()]
     return [
         ShippedMachine(

@@ -1,4 +1,4 @@
-"""APrinter's configurations, as its editor exports them, as a machine file."""
+"""Converts APrinter's configurations, as its editor exports them, to a machine file."""
 
 from passo.config.importing.aprinter.imported import imported
 

@@ -29,7 +29,7 @@ _INVERTED = ("OutputInvert", "Invert")
 
 
 class Pins:
-    """The ports, inputs and outputs of a board of the document, by their names there."""
+    """The ports, inputs and outputs of a board, by their names in the document."""
 
     def __init__(self, document: Node, name: Node) -> None:
         base = BOARDS.get(str(name.scalar))

@@ -81,8 +81,8 @@ def missing(place: Place, key: str) -> ConfigError:
 
 @dataclass
 class Stored:
-    """Options by name, from aprinter.cfg or an answer to M503, with their places. An option that a
-    file gives twice counts as it is the last time."""
+    """Options by name, from aprinter.cfg or an answer to M503, with their places. If a file has an
+    option twice, the last value counts."""
 
     options: dict[str, tuple[str, Place]] = field(default_factory=dict[str, tuple[str, Place]])
     used: set[str] = field(default_factory=set[str])

@@ -1,4 +1,4 @@
-"""A document of APrinter's configuration editor as a draft of a machine file."""
+"""Converts a document of APrinter's configuration editor to a draft of a machine file."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def _put_motion(job: _Job) -> None:
 
 
 def _put_virtual_axes(job: _Job, transform: Node, steppers: list[Node], letters: str) -> None:
-    """Axes that several motors move. They accelerate as the slowest of these."""
+    """Converts axes with several motors. Their acceleration is that of the slowest motor."""
     accels = [job.stored.needed(s, "MaxAccel", f"{s.text('Name')}MaxAccel") for s in steppers]
     accel = min(accels, key=lambda found: found.value)
     for index, _ in enumerate(letters):
@@ -265,8 +265,8 @@ def _put_homing(job: _Job, name: str, letter: str, homing: Node, limits: Node) -
 
 
 def _put_probe(job: _Job) -> None:
-    """APrinter adds the offset of the probe to a point where Passo takes it away, and the general
-    offset of Z to a height where Passo takes away the height of the trigger."""
+    """Converts the probe. APrinter adds the offset of the probe to a point and the general Z offset
+    to a height; Passo subtracts the offset and the trigger height."""
     probe, stored = job.config.get("probe_config", "probe"), job.stored
     if probe is None or probe.kind != "Probe":
         return

@@ -26,8 +26,8 @@ def put_levelling(job: Import) -> None:
 
 
 def _put_screws(job: Import) -> None:
-    """The places of [screws_tilt_adjust] are those of the nozzle with the probe over a screw; those
-    of [bed_screws] are the nozzle's over it, as those of the probe are: so they are the screws'."""
+    """Converts the screws. The positions of [screws_tilt_adjust] are those of the nozzle when the
+    probe is over a screw; those of [bed_screws] are the positions of the screws."""
     by_probe, by_hand = job.config.get("screws_tilt_adjust"), job.config.get("bed_screws")
     section = by_probe if by_probe is not None and job.probe_pin is not None else by_hand
     if section is None:

@@ -1,4 +1,5 @@
-"""What Marlin has stored in its EEPROM since it was built: the commands that M503 answers."""
+"""The values that Marlin has stored in its EEPROM since it was built, from the commands in the
+answer to M503."""
 
 from __future__ import annotations
 
@@ -37,7 +38,7 @@ _ABOVE_MM = 3.0  # where a descent starts at least, above where the probe trigge
 
 def put_stored(draft: Draft, text: str, name: str, motors: Mapping[str, str]) -> None:
     """Replaces the values of the draft by those of an answer to M503. `motors` are the first motors
-    of X, Y and Z. What has no value in the draft is reported. Raises ConfigError."""
+    of X, Y and Z. Values that the draft does not have are reported. Raises ConfigError."""
     for number, line in enumerate(text.splitlines(), 1):
         found = _COMMAND.fullmatch(line.strip())
         if found is None:
@@ -130,7 +131,8 @@ class _Line:
                 self._set((*path, gain), self._words.get(letter))
 
     def _put_probe(self) -> None:
-        """The offset of Z is the height of the trigger, below 0; the descent moves with it."""
+        """Sets the trigger height from the Z offset, which is below 0, and shifts the descent with
+        it."""
         path, offset = ("probe",), self._has(("probe", "offset_mm"))
         if isinstance(offset, list):
             at = [self._words.get(axis, own) for axis, own in zip("XY", offset, strict=True)]
