@@ -75,8 +75,8 @@ class Device:
             done += count
 
     def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
-        """Writes all of `data`; durable after `flush`. Raises CardError: `card.read-only` if the
-        device refuses only to write."""
+        """Writes all of `data`; after `flush` it survives a power cut. Raises CardError:
+        `card.read-only` if the device refuses only to write."""
         left = memoryview(data)
         try:
             while left:

@@ -191,7 +191,8 @@ class MachineConfig(Model):
 
     @property
     def home_mm(self) -> dict[str, float]:
-        """The position of each axis when all axes are at home, to 1e-9 mm. Raises Unreachable."""
+        """The position of each axis in mm, rounded to 1e-9 mm, when all axes are at their home
+        positions. Raises Unreachable."""
         further = {name: self._home_of(name) for name in axis_order(self.axes)[3:]}
         point = (round(mm, 9) + 0.0 for mm in self.home_point)  # no -0
         return dict(zip("xyz", point, strict=True)) | further

@@ -122,8 +122,9 @@ def converter_setup(sensor: AnySensor) -> ConverterSetup:
 
 
 def open_is_high(sensor: AnySensor) -> bool:
-    """Whether the ADC reads high when the sensor's cable is open. This holds for a resistor to
-    ground under its pull-up resistor, and for the amplifiers, whose inputs drift to the supply."""
+    """Whether the ADC reads high when the sensor's cable is open. This is so for a resistor between
+    the input and ground with a pull-up resistor, and for the amplifiers, whose inputs drift to the
+    supply."""
     return not isinstance(sensor, SensorTable) or sensor.open_reads == "high"
 
 

@@ -36,7 +36,7 @@ _OWN = ("survive", "get_counters", "counters")
 
 
 def reference() -> str:
-    """The page, in Markdown. KeyError if a declaration has no description."""
+    """The page, in Markdown. Raises KeyError if a declaration has no description."""
     found = gather(sorted(firmware_folder().glob("core/*.c")))
     return "\n".join([_HEAD, *_commands(found), *_lacking(), *_reports(found), *_rest(found)])
 

@@ -715,8 +715,8 @@ export interface Plan {
   warnings: string[];
 }
 
-/** A serial port, or the folder of the drive of a chip that waits for its image. `name` is what
- * the computer calls the device behind it, or empty; `used`: this printer uses it. */
+/** A serial port, or the folder of a chip's drive to which the image is copied. `name` is the name
+ * of the device in the operating system, or empty. `used` is True if this printer uses the port. */
 export interface Port {
   path: string;
   name: string;

@@ -130,7 +130,7 @@ class Commands:
         return None
 
     def settled(self, wait: Wait) -> None:
-        """A wait of a program without consoles has ended. Raises CommandError."""
+        """Call this when a wait of a program without consoles has ended. Raises CommandError."""
         if isinstance(wait, WaitForHoming) and not wait.letters:
             self.flow.homed()
 

@@ -18,8 +18,9 @@ _DRIVE_MARK = "INFO_UF2.TXT"  # of a chip that waits for its image
 
 
 class Port(Struct):
-    """A serial port, or the folder of the drive of a chip that waits for its image. `name` is what
-    the computer calls the device behind it, or empty; `used`: this printer uses it."""
+    """A serial port, or the folder of a chip's drive to which the image is copied. `name` is the
+    name of the device in the operating system, or empty. `used` is True if this printer uses the
+    port."""
 
     path: str
     name: str
