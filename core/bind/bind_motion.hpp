@@ -27,6 +27,10 @@ inline void bind_move(nanobind::module_& m) {
       .def_ro("acceleration", &Move::a, "of the first phase, signed")
       .def_ro("deceleration", &Move::b, "of the last phase, positive")
       .def_prop_ro("speed_cap", [](const Move& x) { return std::sqrt(x.vn2); })
+      .def_ro("advance_s", &Move::advance, "pressure advance of its filament")
+      .def_prop_ro(
+          "advance_binds", [](const Move& x) { return x.advance_binds; },
+          "The speed at its start is bound by what the advance asks of the extruder.")
       .def_prop_ro(
           "start_cap", [](const Move& x) { return std::sqrt(x.vj2); }, "junction's speed limit")
       .def_ro("accelerate_length", &Move::d_acc)

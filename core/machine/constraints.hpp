@@ -24,6 +24,7 @@ enum FixedLimit : LimitId {
   kLink,
   kLaserPower,
   kAdvance,
+  kAdvanceJunction,
 };
 
 struct Row {
@@ -48,7 +49,8 @@ struct Constraints {
                                  "board",
                                  "link",
                                  "laser power",
-                                 "pressure advance"};
+                                 "pressure advance",
+                                 "pressure advance at junctions"};
   std::vector<Row> rows;       // for XYZ and further axes
   std::vector<Row> extruders;  // one per extruder
   std::vector<Row> actuators;  // nonlinear geometries: limits of each actuator, c unused

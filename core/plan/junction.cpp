@@ -24,6 +24,38 @@ double JunctionRule::cap2(const Move& before, const Move& m, const Rules& rules)
              : jerk(before, m, cap, own);
 }
 
+double JunctionRule::advance_cap2(const Move& before, const Move& m, const Rules& rules) const {
+  if (before.kind == MoveKind::dwell || m.kind == MoveKind::dwell) return kInfinity;
+  if (before.advance == 0 && m.advance == 0) return kInfinity;
+  double cap = kInfinity;
+  auto limit = [&](const Move* out, const Move* in, size_t extruder) {
+    if (!machine_.filters.advances(extruder)) return;
+    const double h = machine_.filters.smooth_s[extruder];
+    const Row& row = rules.constraints->extruders[extruder];
+    double advanced[2] = {0, 0}, fastest = 0, added = 0;
+    const Move* moves[2] = {out, in};
+    for (int i = 0; i < 2; ++i) {
+      if (!moves[i]) continue;
+      const double part = std::fabs(unit(*moves[i], kE));
+      advanced[i] = moves[i]->advance * part;
+      fastest = std::max(fastest, part);
+      added = std::max(added, advanced[i] * moves[i]->a);
+    }
+    const double change = std::fabs(advanced[1] - advanced[0]);
+    if (!(change > 1e-12)) return;
+    const double v =
+        std::min((row.speed - added) / (fastest + change / h), row.accel * h * h / change);
+    cap = std::min(cap, v > 0 ? v * v : 0);
+  };
+  if (before.extruder == m.extruder) {
+    limit(&before, &m, m.extruder);
+  } else {
+    limit(&before, nullptr, before.extruder);
+    limit(nullptr, &m, m.extruder);
+  }
+  return cap;
+}
+
 bool JunctionRule::alongside(const Move& before, const Move& m) const {
   if (before.extruder != m.extruder) return false;
   for (int j = kE; j < kAxes; ++j)

@@ -16,6 +16,10 @@ class JunctionRule {
 
   // Cap of v² at the join of `before` and `m`, whose vn2, a and d are known.
   double cap2(const Move& before, const Move& m, const Rules& rules) const;
+  // The same cap for an extruder whose advance changes there at once, by as many mm as it pushes
+  // more or less a second, times the advance in s. Smoothed by a triangle of half width h, a change
+  // by c adds c/h to its speed and c/h² to its acceleration.
+  double advance_cap2(const Move& before, const Move& m, const Rules& rules) const;
 
  private:
   const Machine& machine_;

@@ -40,8 +40,9 @@ struct Move : MoveOrigin {
   uint8_t arc_axis;  // of MoveRequest
   bool inner;        // continues the same path: chord of an arc, split or cut move; no junction law
   bool rapid;
-  bool cartesian;  // X, Y or Z moves
-  bool unscaled;   // M220 does not apply
+  bool cartesian;      // X, Y or Z moves
+  bool unscaled;       // M220 does not apply
+  bool advance_binds;  // the speed at its start is bound by what the advance asks of the extruder
 
   double ticks() const { return t_acc + t_cru + t_dec; }
   double end() const { return start + ticks(); }

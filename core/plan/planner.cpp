@@ -158,7 +158,16 @@ void Planner::append(const Move& m, bool passes) {
 
 void Planner::join(bool passes) {
   Move& last = queue_.back();
-  last.vj2 = moving_ ? junction_.cap2(queue_[queue_.size() - 2], last, rules_.of(last.rules)) : 0;
+  last.vj2 = 0;
+  last.advance_binds = false;
+  if (moving_) {
+    const Move& before = queue_[queue_.size() - 2];
+    const Rules& rules = rules_.of(last.rules);
+    last.vj2 = junction_.cap2(before, last, rules);
+    const double advance2 = junction_.advance_cap2(before, last, rules);
+    last.advance_binds = advance2 < last.vj2;
+    last.vj2 = std::min(last.vj2, advance2);
+  }
   if (budget_.bounds_anything()) {
     if (!moving_) budget_.restart(speed2_);
     budget_.apply(last, moving_ ? last.vj2 : speed2_);

@@ -23,7 +23,8 @@ void PlanStatistics::add(const Move& m, double hz, int sign) {
     widest_ticks = std::max(widest_ticks, m.tolerance);
   }
   bool slow = m.vc * m.vc < m.vn2 * (1 - 1e-9);
-  grow(limit_s, slow ? LimitId(kJunction) : m.speed_limit) += m.t_cru * per_tick;
+  const LimitId junction = m.advance_binds ? kAdvanceJunction : kJunction;
+  grow(limit_s, slow ? junction : m.speed_limit) += m.t_cru * per_tick;
   grow(limit_s, m.accel_limit) += (m.t_acc + m.t_dec) * per_tick;
   if (m.cartesian) {
     double dx = m.p1[0] - m.p0[0], dy = m.p1[1] - m.p0[1], dz = m.p1[2] - m.p0[2];

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from itertools import pairwise
 from math import ceil
 
 import pytest
@@ -347,3 +348,30 @@ def test_extruder_keeps_its_limits_with_advance():
         assert accel * (1 + 0.06 / 0.02) <= 200.0 * (1 + 1e-9)
         assert m.cruise_speed * part + 0.06 * accel <= 8.0 * (1 + 1e-9)
     assert {names[m.accel_limit] for m in moves} == {"pressure advance"}
+
+
+def test_advance_bounds_the_speed_where_printing_begins():
+    """Straight on from a travel move into a line: the filament starts at once, and the advance with
+    it. Smoothed over 2 h, a change by c of what is advanced adds c/h to the extruder's speed and
+    c/h² to its acceleration."""
+    spec = machines.cartesian()
+    spec["extruders"][0] |= {"speed": 8.0, "accel": 200.0, "jerk": 100.0}
+    motion = Motion(filtered(spec, smooth=0.04, advance=0.06), False)
+    motion.push([40.0, 0.0, 0.0, 0.0], 150.0)
+    motion.push([80.0, 0.0, 0.0, 2.0], 150.0, "print")
+    motion.push([120.0, 0.0, 0.0, 2.0], 150.0)
+    motion.flush()
+    moves = motion.take_moves()
+    h, change = 0.02, 0.06 * 0.05
+    part, accel = 2.0 / 40.0, moves[1].deceleration
+    fastest = (8.0 - 0.06 * part * accel) / (part + change / h)
+    for m in moves[1:]:
+        assert m.advance_binds
+        assert m.start_cap == pytest.approx(min(fastest, 200.0 * h * h / change))
+    assert not moves[0].advance_binds
+    law = oracle.advanced(oracle.Planned(moves, 3, advance_of(0.06)), h, 0)
+    every = 0.001 * HZ
+    ticks = [i * every for i in range(int(motion.clock / every))]
+    places = [law(tick) for tick in ticks]
+    speeds = [(b - a) / 0.001 for a, b in pairwise(places)]
+    assert 2.0 < max(speeds) <= 8.0

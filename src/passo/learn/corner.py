@@ -86,6 +86,8 @@ def _bound(a: _core.Move, b: _core.Move, turn: float | None, machine: MachineCon
     law = machine.limits.junction
     if b.start_cap >= min(a.speed_cap, b.speed_cap) * (1 - _SAME):
         return "the slower of the two moves; the corner itself does not bound it"
+    if b.advance_binds:
+        return "pressure advance: its change there, which the extruder has to follow"
     jump = _jump_speed(a, b, machine) if law == "deviation" or b.inner else None
     straight = b.inner or turn is None or turn < _STRAIGHT_DEG
     if straight or (jump is not None and b.start_cap >= jump * (1 - _SAME)):
