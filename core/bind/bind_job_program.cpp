@@ -44,6 +44,16 @@ void bind_objects(JobClass& job) {
           [](const JobView& self) { return self.job.interpreter.objects().version(); },
           "Another value after each change of `objects`, and for each program.")
       .def(
+          "watch_height",
+          [](JobView& self, double low, double high) {
+            self.job.interpreter.height_low = low;
+            self.job.interpreter.height_high = high;
+          },
+          "low_mm"_a, "high_mm"_a,
+          "Before a move that prints below or above these heights, `advance` stops once at an "
+          "event "
+          "TUNING_TOWER with the height as its word Z. Infinite: there is none.")
+      .def(
           "object_of_line",
           [](const JobView& self, uint32_t line) {
             return self.job.interpreter.object_of_line(line);

@@ -2,6 +2,7 @@
 #include "gcode/interpreter.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 #include "gcode/exponents.hpp"
@@ -175,6 +176,8 @@ bool Interpreter::take_now(MoveRequest& m, bool follows) {
     move_.kind = MoveKind::dwell;
     return true;
   }
+  if ((height_low > -kInfinity || height_high < kInfinity) && waits_for_height(m, follows))
+    return false;
   bool travels = false, forward = false, back = false;
   for (int j = 0; j < kAxes; ++j) {
     double mm = m.target[j] - position_[j];
@@ -206,6 +209,26 @@ bool Interpreter::take_now(MoveRequest& m, bool follows) {
   if (!extruder_.empty()) extruder_[active_] = position_[kE];
   if (&m != &move_) move_ = m;
   move_.kind = m.kind;
+  return true;
+}
+
+bool Interpreter::waits_for_height(const MoveRequest& m, bool follows) {
+  if (!(m.target[kE] > position_[kE]) ||
+      (m.target[kX] == position_[kX] && m.target[kY] == position_[kY]))
+    return false;
+  const double z = m.target[kZ] + tool_offset(kZ) - m.hop_mm;
+  if (z >= height_low && z <= height_high) return false;
+  height_low = -kInfinity, height_high = kInfinity;
+  Item move{}, event{};
+  move.found = Found::move;
+  move.move = m;
+  move.joins = !follows;
+  char text[40];
+  std::snprintf(text, sizeof text, "Z=%.9g", z);
+  event.found = Found::event;
+  event.event = {m.line, 0, 0, 0, "TUNING_TOWER", text};
+  pending_.push_front(std::move(move));
+  pending_.push_front(std::move(event));
   return true;
 }
 

@@ -35,6 +35,9 @@ class Interpreter {
   bool calls_are_events = false;                   // M98 and M99 are not carried out
   bool plain = false;                              // macros are not called: all is built in
   LayerCounter layers;                             // of the program
+  // Before a move prints at another height than these, mm, there is an event TUNING_TOWER with the
+  // height as its word Z; then they become infinite.
+  double height_low = -kInfinity, height_high = kInfinity;
 
   Interpreter(const Machine& machine, std::vector<double> home, const LaserWords& laser);
 
@@ -403,6 +406,8 @@ class Interpreter {
   bool target(const double* value, uint32_t have, uint32_t relative, uint32_t offset);
   bool take(MoveRequest& m);
   bool take_now(MoveRequest& m, bool follows);
+  // Whether an event about its height comes before the move, which waits after it.
+  bool waits_for_height(const MoveRequest& m, bool follows);
   void stamp(MoveRequest& m) const;
   void shine(MoveRequest& m) const;
 

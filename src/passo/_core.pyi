@@ -1178,6 +1178,16 @@ class Move:
     def speed_cap(self) -> float: ...
 
     @property
+    def advance_s(self) -> float:
+        """pressure advance of its filament"""
+
+    @property
+    def advance_binds(self) -> bool:
+        """
+        The speed at its start is bound by what the advance asks of the extruder.
+        """
+
+    @property
     def start_cap(self) -> float:
         """junction's speed limit"""
 
@@ -1657,6 +1667,11 @@ class Job:
     @property
     def objects_version(self) -> int:
         """Another value after each change of `objects`, and for each program."""
+
+    def watch_height(self, low_mm: float, high_mm: float) -> None:
+        """
+        Before a move that prints below or above these heights, `advance` stops once at an event TUNING_TOWER with the height as its word Z. Infinite: there is none.
+        """
 
     def object_of_line(self, line: int) -> int:
         """

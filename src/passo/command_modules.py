@@ -45,6 +45,7 @@ from passo.printer.commands import (
     speed_and_flow,
     steps_and_offsets,
     temperature,
+    tuning_tower,
     user_prompts,
     z_motors,
 )
@@ -71,6 +72,7 @@ MODULES = (
     ),
     *(power_supply, klipper_commands, levelling, probe_deployment, probing, program_flow, reports),
     *(bed_correction, manual_probe, predefined_moves, probe_moves, probe_offsets, set_points),
-    *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, user_prompts),
+    *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, tuning_tower),
+    user_prompts,
     *(endstops, delayed_gcode, macros),
 )

@@ -17,6 +17,7 @@ from passo.printer.commands.plan import Plan, PlanAhead
 from passo.printer.commands.program_flow import ProgramFlow, by_interpreter
 from passo.printer.commands.set_points import Heat, NoHeat, SetPoints
 from passo.printer.commands.speed_and_flow import SpeedAndFlow
+from passo.printer.commands.tuning_tower import TuningTower
 from passo.printer.input_errors import problem, problem_of
 from passo.printer.macros import Macros, Respond
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
@@ -39,6 +40,7 @@ _PARTS = {
     "filters": MotionFilters,
     "factors": SpeedAndFlow,
     "klipper": KlipperCommands,
+    "tower": TuningTower,
     "macros": Macros,
 }
 _METHODS: dict[Role, dict[str, tuple[str, str]]] = {role: {} for role in Role}
@@ -96,6 +98,7 @@ class Commands:
         self.filters = MotionFilters(machine, job)
         self.factors = SpeedAndFlow(machine, job, plan)
         self.klipper = KlipperCommands(machine, job)
+        self.tower = TuningTower(machine, job)
         # For a command that needs a probe: its wait, or None if it is skipped.
         self.probing: Callable[[Command], Wait | None] = lambda command: None
         self.skips = ALL  # the commands that a print without consoles may skip
@@ -114,7 +117,10 @@ class Commands:
         command.check()
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)
         if handler is not None:
-            return handler(command, reply or _Counted(self.omitted, command.line))
+            answers = reply or _Counted(self.omitted, command.line)
+            wait = handler(command, answers)
+            due, self.tower.due = self.tower.due, None
+            return wait if due is None else self.run(due, answers)
         if (wait := self.probing(command)) is not None:
             return wait
         row = row_of(code)
