@@ -15,11 +15,13 @@ from passo.job.live.print_queue import QueuedPrint
 from passo.learn.explanation import Explanation
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
+    AdvanceStatus,
     AxisStatus,
     BoardStatus,
     HeaterStatus,
     MotionStatus,
     PrinterState,
+    ShaperStatus,
     Status,
 )
 from passo.web.bridge import (
@@ -68,6 +70,8 @@ STATUS = Status(
     },
     boards={"main": BoardStatus("0.1.0", "atmega2560", 16e6, True, 665, 0)},
     flow_factors=[1.0],
+    shapers={"x": ShaperStatus("mzv", 50.0, 0.1)},
+    advances=(AdvanceStatus(0.05, 0.04),),
 )
 
 

@@ -263,6 +263,23 @@ class BedStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class ShaperStatus:
+    """The input shaper of an axis; 0 Hz: the axis is not shaped."""
+
+    type: str
+    frequency_hz: float
+    damping: float
+
+
+@dataclass(frozen=True, slots=True)
+class AdvanceStatus:
+    """The pressure advance of an extruder, and the time over which it is smoothed."""
+
+    advance_s: float
+    smooth_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class ScrewStatus:
     """The last measurement of a bed screw. `height_mm` is the height of the bed at the screw.
     `adjust` is how to turn it: `CW` or `CCW`, and turns as `full:minutes`, where 60 minutes are one
@@ -291,7 +308,8 @@ class Status:
     `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
     machine that cannot do this. `skew_profile` is the name of the active saved skew, or empty; None
     without skew and profiles. `screws` are the last measurements of the bed screws;
-    `screws_limit_mm` is their allowed difference, if it is exceeded.
+    `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
+    shapers by axis, `advances` the pressure advance of each extruder.
     """
 
     state: PrinterState
@@ -326,6 +344,8 @@ class Status:
     gantry_level: bool | None = None
     screws: tuple[ScrewStatus, ...] = ()
     screws_limit_mm: float | None = None
+    shapers: dict[str, ShaperStatus] = field(default_factory=dict[str, ShaperStatus])
+    advances: tuple[AdvanceStatus, ...] = ()
 
 
 def planned_status(

@@ -20,7 +20,7 @@ FIELDS = {
     "gcode_move": "speed_factor extrude_factor speed absolute_coordinates absolute_extrude"
     " homing_origin position gcode_position",
     "motion_report": "live_position live_velocity live_extruder_velocity steppers trapq",
-    "extruder": "temperature target power can_extrude motion_queue",
+    "extruder": "temperature target power can_extrude motion_queue pressure_advance smooth_time",
     "heater_bed": "temperature target power",
     "heaters": "available_heaters available_sensors available_monitors",
     "fan": "speed rpm",
@@ -31,6 +31,7 @@ FIELDS = {
     "idle_timeout": "state printing_time idle_timeout",
     "exclude_object": "objects excluded_objects current_object",
     "stepper_enable": "steppers",
+    "input_shaper": "shaper_type_x shaper_freq_x damping_ratio_x",
     "query_endstops": "last_query",
     "mcu": "mcu_version mcu_build_versions mcu_constants last_stats",
     "system_stats": "sysload cputime memavail",

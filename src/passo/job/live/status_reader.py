@@ -95,6 +95,8 @@ class StatusReader:
             gantry_level=printer.gantry.level if printer.gantry else None,
             screws=printer.screws.measured if printer.screws else (),
             screws_limit_mm=printer.screws.exceeded_mm if printer.screws else None,
+            shapers=printer.commands.filters.shaper_status(),
+            advances=printer.commands.filters.advance_status(),
         )
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:

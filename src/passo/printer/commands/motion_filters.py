@@ -24,6 +24,7 @@ from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
 from passo.gcode.registry import Subject, When, command
 from passo.printer.commands.extruder_words import extruder_of
+from passo.printer.status import AdvanceStatus, ShaperStatus
 from passo.printer.wait_requests import Wait, WaitForMoves
 
 if TYPE_CHECKING:
@@ -250,6 +251,30 @@ class MotionFilters:
             smooth = f"SMOOTH_TIME={numeral(smooth_s)}"
             lines.append(f"SET_PRESSURE_ADVANCE{named} {values} {smooth}")
         return lines
+
+    @property
+    def delay_s(self) -> float:
+        """By how much motors follow the plan, before it is rounded up to a tick of the board."""
+        delay_s = max(
+            (s / 2 for s, on in zip(self.smooth_s, self._smooths, strict=True) if on), default=0.0
+        )
+        for shaper in self.shapers.values():
+            if shaper.frequency_hz > 0:
+                found = impulses(shaper.kind, shaper.frequency_hz, shaper.damping)
+                delay_s = max(delay_s, sum(weight * at for weight, at in found))
+        return delay_s
+
+    def shaper_status(self) -> dict[str, ShaperStatus]:
+        """The shapers by axis, in lower case."""
+        return {
+            axis.lower(): ShaperStatus(shaper.kind, shaper.frequency_hz, shaper.damping)
+            for axis, shaper in self.shapers.items()
+        }
+
+    def advance_status(self) -> tuple[AdvanceStatus, ...]:
+        """The advance of each extruder."""
+        advance = self._job.pressure_advance
+        return tuple(AdvanceStatus(advance(i), s) for i, s in enumerate(self.smooth_s))
 
     def lines(self) -> Iterator[str]:
         """All filters as commands."""

@@ -22,13 +22,17 @@ def heater(status: Status, name: str) -> Object:
     return {"temperature": round(celsius, 2), "target": seen.target_c, "power": seen.power}
 
 
-def extruder(status: Status, name: str) -> Object:
-    """A hotend with its filament. Clients show a pressure advance if there is one."""
+def extruder(status: Status, name: str, number: int | None) -> Object:
+    """A hotend with its filament, if it is that of a tool."""
     seen = heater(status, name)
-    return seen | {
+    found = seen | {
         "can_extrude": seen["temperature"] >= status.heaters[name].min_extrude_c,
         "motion_queue": None,
     }
+    if number is not None and number < len(status.advances):
+        advance = status.advances[number]
+        found |= {"pressure_advance": advance.advance_s, "smooth_time": advance.smooth_s}
+    return found
 
 
 def fan(status: Status, name: str) -> Object:

@@ -92,3 +92,13 @@ def stepper_enable(machine: MachineConfig, status: Status) -> Object:
     """Whether the motors are on."""
     on = status.motion.motors_on
     return {"steppers": {stepper_object(name): on for name in machine.steppers}}
+
+
+def input_shaper(status: Status) -> Object:
+    """The shapers of the axes, with the parameters of SET_INPUT_SHAPER."""
+    found: Object = {}
+    for axis, shaper in status.shapers.items():
+        found[f"shaper_type_{axis}"] = shaper.type
+        found[f"shaper_freq_{axis}"] = shaper.frequency_hz
+        found[f"damping_ratio_{axis}"] = shaper.damping
+    return found

@@ -15,6 +15,12 @@ def extruder_object(number: int) -> str:
     return f"extruder{number or ''}"
 
 
+def number_of(extruder: str) -> int | None:
+    """The tool of the name of an extruder; None for another name."""
+    number = extruder.removeprefix("extruder")
+    return int(number or 0) if number.isdigit() or not number else None
+
+
 def heater_object(machine: MachineConfig, name: str) -> str:
     """A heater: hotends by their tools, the first bed, others by name."""
     if machine.heaters[name].kind == "hotend":

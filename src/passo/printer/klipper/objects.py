@@ -17,8 +17,14 @@ from passo.printer.klipper.job import (
     virtual_sdcard,
 )
 from passo.printer.klipper.machine import mcu, webhooks
-from passo.printer.klipper.motion import gcode_move, motion_report, stepper_enable, toolhead
-from passo.printer.klipper.names import board_object, fan_object, heater_object
+from passo.printer.klipper.motion import (
+    gcode_move,
+    input_shaper,
+    motion_report,
+    stepper_enable,
+    toolhead,
+)
+from passo.printer.klipper.names import board_object, fan_object, heater_object, number_of
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -62,8 +68,14 @@ def objects(machine: MachineConfig, status: Status, variables: Variables) -> Obj
     if machine.levelling.screws is not None:
         found["screws_tilt_adjust"] = lambda: screws_tilt_adjust(status)
     for name, part in machine.heaters.items():
-        make = extruder if part.kind == "hotend" else heater
-        found[heater_object(machine, name)] = lambda name=name, make=make: make(status, name)
+        shown = heater_object(machine, name)
+        if part.kind == "hotend":
+            number = number_of(shown)
+            found[shown] = lambda name=name, number=number: extruder(status, name, number)
+        else:
+            found[shown] = lambda name=name: heater(status, name)
+    if status.shapers:
+        found["input_shaper"] = lambda: input_shaper(status)
     for name in machine.fans:
         found[fan_object(machine, name)] = lambda name=name: fan(status, name)
     for name in status.boards:
