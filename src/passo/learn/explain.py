@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from math import ceil
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -26,6 +27,7 @@ from passo.learn.explanation import (
     Explanation,
     WireCommand,
 )
+from passo.learn.filter_effects import filter_effects
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -101,13 +103,15 @@ def explain(
     hz = machine.board.clock_hz
     names, unit = job.job.limit_names, path_unit(machine)
     shown = seen.moves if len(seen.moves) <= 3 else [seen.moves[0], seen.moves[-1]]
-    runs = _runs(job, seen.moves[0].start_ticks, seen.moves[-1].end_ticks)
+    delay = ceil(job.filters.delay_s * hz)
+    runs = _runs(job, seen.moves[0].start_ticks + delay, seen.moves[-1].end_ticks + delay)
     wire = [run for run in runs if machine.all_boards[run.board].firmware != "passo"]
     return replace(
         told,
         moves=tuple(_move(move, hz, names, unit) for move in shown),
         junction_before=corner(seen.before, seen.moves[0], machine),
         junction_after=corner(seen.moves[-1], seen.after, machine),
+        filters=filter_effects(job.filters, seen.moves),
         steps=tuple(_steps(job, runs, hz)),
         wire=tuple(WireCommand(r.board, r.stepper, r.text, r.payload.hex(" ")) for r in wire),
         frame=_core.make_frame(wire[0].payload, 1).hex(" ") if wire else "",

@@ -88,10 +88,11 @@ class Explanation:
 
     `planned` is the number of planned moves; `moves` has all of them, or the first and the last.
     `junction_before` and `junction_after` describe the limit of the speed before and after the
-    moves; both are empty for a line without moves. `sub_program`: the line calls a sub-program,
-    whose lines contain the moves. `wire` has the commands for boards with recorded bytes; `frame`
-    is a frame with the first command. `tick_ns` is the length of a clock tick, by board; the name
-    of the main board is empty. `unseen`: commands for other boards are missing in `wire`.
+    moves; both are empty for a line without moves. `filters` describe the effects of the motion
+    filters. `sub_program`: the line calls a sub-program, whose lines contain the moves. `wire` has
+    the commands for boards with recorded bytes; `frame` is a frame with the first command.
+    `tick_ns` is the length of a clock tick, by board; the name of the main board is empty.
+    `unseen`: commands for other boards are missing in `wire`.
     """
 
     place: str
@@ -104,6 +105,7 @@ class Explanation:
     moves: tuple[ExplainedMove, ...] = ()
     junction_before: str = ""
     junction_after: str = ""
+    filters: tuple[str, ...] = ()
     sub_program: bool = False
     steps: tuple[ExplainedSteps, ...] = ()
     wire: tuple[WireCommand, ...] = ()
@@ -129,6 +131,10 @@ def explanation_text(told: Explanation) -> str:
     parts += [_move(move) for move in told.moves]
     parts.append(f"Junction before: {told.junction_before}.")
     parts.append(f"Junction after: {told.junction_after}.")
+    if told.filters:
+        parts.append(
+            "\n".join(("Filters between plan and steps:", *(f"  {x}" for x in told.filters)))
+        )
     parts.append(_steps(told.steps))
     if told.wire or not told.unseen:
         parts.append(_wire(told))

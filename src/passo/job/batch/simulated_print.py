@@ -19,6 +19,7 @@ from passo.job.batch.policy import Policy
 from passo.job.batch.program import heated, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_s
+from passo.printer.commands.motion_filters import MotionFilters
 from passo.printer.commands.program import Commands
 from passo.printer.macros import Macros
 from passo.printer.setup.boards import connect_simulated, nozzle_gap
@@ -133,6 +134,11 @@ class Print:
     def macros(self) -> Macros:
         """The macros of the program."""
         return self._commands.macros
+
+    @property
+    def filters(self) -> MotionFilters:
+        """The filters that are set by the lines read so far."""
+        return self._commands.filters
 
     def watch(self, watcher: Callable[[], None]) -> None:
         """Sets a function that is called whenever the plan has grown. Call it before `run`."""

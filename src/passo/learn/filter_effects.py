@@ -1,0 +1,60 @@
+"""What the motion filters do to planned moves, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from passo.config.shapers import impulses
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.printer.commands.motion_filters import MotionFilters
+
+_E = 3  # index of the extruder in a move's positions
+
+
+def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple[str, ...]:
+    """A line for each shaper of an axis that the moves move, for the advance, and for the delay of
+    all motors. Empty without filters."""
+    delay_s = filters.delay_s
+    moves = [move for move in moves if move.kind != "dwell"]
+    if delay_s == 0 or not moves:
+        return ()
+    told: list[str] = []
+    for slot, (axis, shaper) in enumerate(filters.shapers.items()):
+        hardest = max(_part(move, slot) * _hardest(move) for move in moves)
+        if shaper.frequency_hz == 0 or hardest == 0:
+            continue
+        pulses = impulses(shaper.kind, shaper.frequency_hz, shaper.damping)
+        mean = sum(weight * at for weight, at in pulses)
+        # In constant acceleration a the sum of copies is a/2 times their variance off the plan.
+        off_mm = 0.5 * hardest * sum(weight * (at - mean) ** 2 for weight, at in pulses)
+        told.append(
+            f"{axis}: {shaper.kind} at {shaper.frequency_hz:g} Hz spreads each change of speed over"
+            f" {pulses[-1][1] * 1e3:.1f} ms; while {axis} speeds up by {hardest:.0f} mm/s² it is"
+            f" {off_mm * 1e3:.0f} µm off the plan"
+        )
+    advanced = [move for move in moves if move.advance_s > 0]
+    if advanced:
+        move = max(advanced, key=lambda m: m.advance_s * _part(m, _E) * m.cruise_speed)
+        speed, accel = _part(move, _E) * move.cruise_speed, _part(move, _E) * _hardest(move)
+        told.append(
+            f"E: an advance of {move.advance_s:g} s pushes {move.advance_s * speed:.4f} mm of"
+            f" filament ahead at {speed:.2f} mm/s, smoothed over"
+            f" {filters.smooth_s[move.extruder] * 1e3:g} ms; while the move speeds up the extruder"
+            f" does up to {speed + move.advance_s * accel:.2f} mm/s"
+        )
+    told.append(f"all motors follow the plan {delay_s * 1e3:.2f} ms later")
+    return tuple(told)
+
+
+def _part(move: _core.Move, slot: int) -> float:
+    return abs(move.end_mm[slot] - move.start_mm[slot]) / move.length
+
+
+def _hardest(move: _core.Move) -> float:
+    """The greater acceleration of the phases that the move has."""
+    speeds_up = move.accelerate_ticks > 0
+    slows = move.decelerate_ticks > 0
+    return max(abs(move.acceleration) * speeds_up, move.deceleration * slows)

@@ -1,0 +1,54 @@
+"""What `passo explain` shows of shapers and pressure advance."""
+
+from __future__ import annotations
+
+import pytest
+
+from passo import config
+from passo.config.load import shipped_text
+from passo.config.shapers import impulses
+from passo.job.batch.policy import Policy
+from passo.learn.explain import explain
+from passo.learn.explanation import explanation_text
+
+FILE = "G28\nM302 S0\nG92 E0\nM900 K0.05\nG1 X20 E1 F3000\nG4 P100\nG1 Y20 F6000\n"
+SHAPED = '[shaping.x]\ntype = "mzv"\nfrequency_hz = 50.0\n'
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text(FILE)
+    return path
+
+
+def explained(path, line, text=SHAPED):
+    machine = config.load_text(shipped_text("i3") + text)
+    return explain(machine, path, line, Policy())
+
+
+def test_effects_of_filters_on_a_line_are_shown(path):
+    told = explained(path, 5)
+    shown = explanation_text(told)
+    pulses = impulses("mzv", 50.0, 0.1)
+    mean = sum(weight * at for weight, at in pulses)
+    accel = abs(told.moves[0].acceleration)
+    off_um = 0.5e3 * accel * sum(weight * (at - mean) ** 2 for weight, at in pulses)
+    assert "Filters between plan and steps:\n  X: mzv at 50 Hz spreads" in shown
+    assert f"while X speeds up by {accel:.0f} mm/s² it is {off_um:.0f} µm off the plan" in shown
+    speed = told.moves[0].cruise_speed / 20
+    assert f"E: an advance of 0.05 s pushes {0.05 * speed:.4f} mm of filament ahead" in shown
+    assert "all motors follow the plan 20.00 ms later" in shown
+
+
+def test_only_filters_of_axes_that_move_are_shown(path):
+    assert explained(path, 7).filters == ("all motors follow the plan 20.00 ms later",)
+    assert explained(path, 7, "").filters == ("all motors follow the plan 20.00 ms later",)
+
+
+def test_steps_are_those_of_the_filtered_line(path):
+    shaped, plain = explained(path, 7), explain(config.load("i3"), path, 7, Policy())
+    by_motor = {one.motor: one for one in shaped.steps}
+    for one in plain.steps:
+        assert by_motor[one.motor].count == one.count
+    assert by_motor["y"].first_s > shaped.moves[0].start_s + 0.02
