@@ -20,6 +20,12 @@ export interface Administrator {
   code?: string;
 }
 
+/** The pressure advance of an extruder, and the time over which it is smoothed. */
+export interface AdvanceStatus {
+  advance_s: number;
+  smooth_s: number;
+}
+
 /** The lines of the printer's answer. */
 export interface Answer {
   lines: string[];
@@ -258,10 +264,11 @@ export interface ExplainedSteps {
 /** The explanation of one line. `number` is its line number (N), empty without one; `checksum`: it
  * has a checksum. `planned` is the number of planned moves; `moves` has all of them, or the first
  * and the last. `junction_before` and `junction_after` describe the limit of the speed before and
- * after the moves; both are empty for a line without moves. `sub_program`: the line calls a sub-
- * program, whose lines contain the moves. `wire` has the commands for boards with recorded bytes;
- * `frame` is a frame with the first command. `tick_ns` is the length of a clock tick, by board;
- * the name of the main board is empty. `unseen`: commands for other boards are missing in `wire`. */
+ * after the moves; both are empty for a line without moves. `filters` describe the effects of the
+ * motion filters. `sub_program`: the line calls a sub-program, whose lines contain the moves.
+ * `wire` has the commands for boards with recorded bytes; `frame` is a frame with the first
+ * command. `tick_ns` is the length of a clock tick, by board; the name of the main board is
+ * empty. `unseen`: commands for other boards are missing in `wire`. */
 export interface Explanation {
   place: string;
   line: string;
@@ -273,6 +280,7 @@ export interface Explanation {
   moves: ExplainedMove[];
   junction_before: string;
   junction_after: string;
+  filters: string[];
   sub_program: boolean;
   steps: ExplainedSteps[];
   wire: WireCommand[];
@@ -808,6 +816,13 @@ export interface SettingValue {
   source: string;
 }
 
+/** The input shaper of an axis; 0 Hz: the axis is not shaped. */
+export interface ShaperStatus {
+  type: string;
+  frequency_hz: number;
+  damping: number;
+}
+
 /** The machine file of a shipped machine. Copy it as a start for your own. */
 export interface ShippedFile {
   name: string;
@@ -851,7 +866,8 @@ export interface SpeedFactor {
  * `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
  * machine that cannot do this. `skew_profile` is the name of the active saved skew, or empty;
  * None without skew and profiles. `screws` are the last measurements of the bed screws;
- * `screws_limit_mm` is their allowed difference, if it is exceeded. */
+ * `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
+ * shapers by axis, `advances` the pressure advance of each extruder. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -885,6 +901,8 @@ export interface Status {
   gantry_level?: boolean | null;
   screws: ScrewStatus[];
   screws_limit_mm?: number | null;
+  shapers: Record<string, ShaperStatus>;
+  advances: AdvanceStatus[];
 }
 
 /** The status, and a number that increases with each change of it. */
