@@ -32,6 +32,7 @@ SEEDS = {
     "range(3) %}\n  G1 X{i}\n  {% endfor %}\n",
     "Configuration.h": of_marlin.BASE + of_marlin.PROBE + "#define BLTOUCH\n",
     "Configuration_Overall.h": of_marlin.STUFW,
+    "m503.txt": of_marlin.DUMP,
     "aprinter.json": json.dumps(of_aprinter.DOCUMENT, indent=1),
 }
 TOKENS = [
@@ -111,7 +112,12 @@ def changed(text: str, chance: random.Random) -> str:
 def fails(path: Path) -> str:
     """What is wrong with how a file is imported; empty if nothing is."""
     try:
-        draft = imported(path)
+        if path.suffix == ".txt":
+            base = path.with_name("Configuration.h")
+            base.write_text(SEEDS[base.name], encoding="utf-8")
+            draft = imported(base, path)
+        else:
+            draft = imported(path)
         config.load_text(draft.text("From a fuzzer."), "machine.toml")
     except ConfigError as error:
         blank = not all(problem.sentence.strip() for problem in error.problems)
@@ -145,7 +151,8 @@ def main() -> int:
                 kept.write_bytes(path.read_bytes())
                 print(f"{kept}: {wrong}", file=sys.stderr)
                 return 1
-            path.unlink()
+            for left in path.parent.iterdir():
+                left.unlink()
             count += 1
     print(f"{count} inputs")
     return 0
