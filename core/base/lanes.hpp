@@ -12,7 +12,7 @@
 
 namespace passo {
 
-// Two doubles. slide(a, b) = {a[1], b[0]}; above(a, b): bit k tells whether a[k] > b[k].
+// Two doubles. slide(a, b) = {a[1], b[0]}; above(a, b): bit k is set if a[k] > b[k].
 #if defined(__SSE2__)
 struct Pair {
   __m128d v;
@@ -96,7 +96,7 @@ PASSO_INLINE Lanes slide(Lanes x, Lanes y) {
   if constexpr (n == 2) return {x.b, y.a};
   if constexpr (n == 3) return {slide(x.a, x.b), slide(x.b, y.a)};
 }
-// Bit k tells whether x[k] > y[k].
+// Bit k is set if x[k] > y[k].
 PASSO_INLINE unsigned above(Lanes x, Lanes y) { return above(x.a, y.a) | above(x.b, y.b) << 2; }
 
 }  // namespace passo

@@ -36,16 +36,17 @@ struct MoveOrigin {
 struct MoveRequest : MoveOrigin {
   double target[kAxes];  // absolute machine position, mm
   double feed_mm_s;      // F; infinity when none was ever given
-  double duration_s;     // APrinter's T: at least this long; of a dwell: exactly; else 0
+  double duration_s;     // APrinter's T: the minimum duration; of a dwell, the duration; else 0
   double energy_ws;      // of a laser, for this move alone
-  double beam;           // a laser's share of full power at 1 mm/s; of a dwell: its share; 0: none
+  double beam;           // a laser's fraction of full power at 1 mm/s; of a dwell: the fraction
+                         // itself; 0: off
   double fastest_mm_s;   // independent of M220; 0: no such limit
-  double flow;           // that E was scaled with (M221); 0: not a program's filament
-  double owed_mm;        // by which the program has drawn filament back at the start
-  double hop_mm;         // of a retraction, that is in the target's Z
+  double flow;           // flow factor that has scaled E (M221); 0: the filament is not a program's
+  double owed_mm;        // filament that is retracted at the start of the move
+  double hop_mm;         // Z hop of a retraction, contained in the target's Z
   double radius_mm;      // arc radius; infinity on straight moves
   MoveKind kind;
-  uint8_t moved;     // bit per axis: the letter stood in the command
+  uint8_t moved;     // bit per axis: the command had its letter
   uint8_t arc_axis;  // slot perpendicular to the arc's plane
   bool arc_inner;    // joins the chord before it on the same arc: no junction limit
   bool rapid;        // G0
@@ -56,7 +57,7 @@ struct MoveRequest : MoveOrigin {
 // `tail` and `commit`: see commits.hpp.
 enum class MessageKind : uint8_t { queue_step, set_dir, reset_clock, pin, tail, commit };
 struct Message {
-  int64_t clock;      // tick at which the board takes it up (queue_step: the last step before it)
+  int64_t clock;      // tick at which the board starts it (queue_step: the last step before it)
   int64_t end_clock;  // tick at which its move slot is free again (equals clock if it takes none)
   // queue_step, tail: ticks to its first step (tail without steps: the clock to count from); pin:
   // value; commit: serial number
@@ -65,17 +66,18 @@ struct Message {
   int16_t add;      // queue_step: change of the interval after each step
   uint16_t target;  // index of the stepper, or of the output pin
   MessageKind kind;
-  uint8_t dir;  // set_dir, queue_step, tail: 1 forward; commit: 1 if the machine stands behind it
+  uint8_t dir;  // set_dir, queue_step, tail: 1 forward; commit: 1 if the machine is at standstill
+                // after it
 
   // Clock of the step before its first one.
   int64_t start() const { return end_clock - span(count); }
-  // How many of its steps come up to a clock.
+  // How many of its steps are due until a clock.
   int64_t steps_until(int64_t clock) const {
     int64_t n = count;
     while (n > 0 && start() + span(n) > clock) --n;
     return n;
   }
-  // Ticks that the first n steps take.
+  // Duration of the first n steps in ticks.
   int64_t span(int64_t n) const { return int64_t(interval) * n + int64_t(add) * (n * (n - 1) / 2); }
 };
 static_assert(sizeof(Message) == 32);

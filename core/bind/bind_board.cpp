@@ -139,10 +139,10 @@ void bind_board(nb::module_& m) {
           },
           "center"_a, "size"_a, "tilt"_a, "dome"_a, "wave"_a, "wave_length"_a, "lift"_a,
           "Raises ValueError for a size or a wave length of 0.")
-      .def("height", &Bed::height, "x"_a, "y"_a, "Height over a place.");
-  nb::class_<ProbeMechanism>(m, "ProbeMechanism", "How a simulated probe gets to the bed.")
+      .def("height", &Bed::height, "x"_a, "y"_a, "Height of the bed at X, Y.");
+  nb::class_<ProbeMechanism>(m, "ProbeMechanism", "How a simulated probe is deployed.")
       .def_static(
-          "fixed", [] { return ProbeMechanism(); }, "To the head.")
+          "fixed", [] { return ProbeMechanism(); }, "The probe is fixed to the head.")
       .def_static(
           "servo",
           [](uint32_t control_pin, double deploy_us, double stow_us, bool stowed_reads) {
@@ -155,7 +155,7 @@ void bind_board(nb::module_& m) {
             return m;
           },
           "control_pin"_a, "deploy_us"_a, "stow_us"_a, "stowed_reads"_a,
-          "Turned down by the pulses of a servo.")
+          "A servo turns the probe down.")
       .def_static(
           "bltouch",
           [](uint32_t control_pin) {
@@ -164,7 +164,7 @@ void bind_board(nb::module_& m) {
             m.control_pin = control_pin;
             return m;
           },
-          "control_pin"_a, "A pin that a BLTouch puts out.")
+          "control_pin"_a, "The pin of a BLTouch.")
       .def_static(
           "dock",
           [](const std::array<double, 3>& dock, const Pair& leave) {
@@ -175,12 +175,14 @@ void bind_board(nb::module_& m) {
             for (int i = 0; i < 2; ++i) m.leave[i] = leave[size_t(i)];
             return m;
           },
-          "dock"_a, "leave"_a, "Coupled with the nozzle at `dock`; on the way to `leave` it stays.")
+          "dock"_a, "leave"_a,
+          "The head picks the probe up with the nozzle at `dock`, and returns it on the path to "
+          "`leave`.")
       .def_prop_rw(
           "jammed", [](const ProbeMechanism& m) { return m.jammed; },
-          [](ProbeMechanism& m, bool on) { m.jammed = on; }, "A fault: it never gets into place.");
-  nb::class_<Bench, Device>(m, "Bench",
-                            "A simulated board with the plant around it; pins by number.")
+          [](ProbeMechanism& m, bool on) { m.jammed = on; }, "A fault: the probe never deploys.");
+  nb::class_<Bench, Device>(
+      m, "Bench", "A simulated board with the simulated printer around it; pins by number.")
       .def(
           "add_actuator",
           [](Bench& b, uint32_t step_pin, double start, double per_step) {
@@ -195,7 +197,8 @@ void bind_board(nb::module_& m) {
                 {pin, std::move(weights), position, at_maximum, pressed_level});
           },
           "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
-          "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
+          "Adds an endstop that is triggered at or beyond `position`, the weighted sum of the "
+          "actuators: (step pin, weight).")
       .def(
           "add_probe",
           [](Bench& b, uint32_t pin, std::vector<uint32_t> motors, const Dict& geometry,
@@ -220,7 +223,7 @@ void bind_board(nb::module_& m) {
           },
           "pin"_a, "motors"_a, "geometry"_a, "bed"_a, "offset"_a, "trigger"_a, "pressed_level"_a,
           "hysteresis"_a, "sigma"_a, "seed"_a, "dead"_a, "touchy"_a, "mechanism"_a,
-          "A probe on the head, and the bed below; `motors` are the step pins of the actuators.")
+          "Adds a probe on the head, and the bed. `motors` are the step pins of the actuators.")
       .def(
           "carry_probe",
           [](Bench& b, uint32_t pin,
@@ -232,8 +235,8 @@ void bind_board(nb::module_& m) {
             });
           },
           "pin"_a, "lifts"_a,
-          "Several motors carry the gantry of a probe: the step pin of each, and c of its weight "
-          "c · (1, x, y, x y) at X, Y of the nozzle.")
+          "Several motors carry the gantry with the probe: the step pin of each, and the "
+          "coefficients c of its weight c · (1, x, y, x y) at X, Y of the nozzle.")
       .def(
           "change_probe",
           [](Bench& b, uint32_t pin, const std::vector<Corners>& dead,
@@ -245,17 +248,19 @@ void bind_board(nb::module_& m) {
               probe.mechanism.jammed = jammed;
             });
           },
-          "pin"_a, "dead"_a, "touchy"_a, "sigma"_a, "jammed"_a, "Faults of a probe from now on.")
+          "pin"_a, "dead"_a, "touchy"_a, "sigma"_a, "jammed"_a,
+          "Sets faults of a probe from now on.")
       .def(
           "change_bed",
           [](Bench& b, uint32_t pin, const Bed& bed) {
             change_probe(b, pin, [&](BedProbe& probe) { probe.bed = bed; });
           },
-          "pin"_a, "bed"_a, "The bed below a probe from now on.")
+          "pin"_a, "bed"_a, "Changes the bed below a probe from now on.")
       .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a,
-           "A motor on another board, as the switches of this one feel it while that board lives.")
+           "A motor on another board, which triggers the endstops of this board while that board "
+           "exists.")
       .def("place", &Bench::place, "step_pin"_a, "position"_a,
-           "Somebody moves the motor's actuator by hand.")
+           "Moves the motor's actuator, as if by hand.")
       .def(
           "force_switch",
           [](Bench& b, uint32_t pin, int pressed) {
@@ -264,7 +269,7 @@ void bind_board(nb::module_& m) {
             for (BedProbe& probe : b.plant().probes)
               if (probe.pin == pin) probe.forced = pressed;
           },
-          "pin"_a, "pressed"_a, "A fault: never pressed (0), always (1); -1 ends it.")
+          "pin"_a, "pressed"_a, "A fault: never triggered (0), always triggered (1); -1 ends it.")
       .def(
           "add_body",
           [](Bench& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c, double rise_c,
@@ -285,15 +290,16 @@ void bind_board(nb::module_& m) {
           "sensor_time_constant_s"_a, "adc_ratio"_a, "fan_pin"_a = 0, "fan_loss"_a = 0.0)
       .def(
           "invert_output", [](Bench& b, uint32_t pin) { b.plant().low_is_on.push_back(pin); },
-          "pin"_a, "What hangs on this output pin is on when the pin is low.")
+          "pin"_a, "The device on this output pin is on when the pin is low.")
       .def("force_adc", &set_fault<&HeatedBody::forced_ratio, double>, "sensor_pin"_a, "ratio"_a,
-           "A fault: the ADC sees this share of full scale; negative ends it.")
+           "A fault: the ADC reads this fraction of full scale; negative ends it.")
       .def("force_heater", &set_fault<&HeatedBody::forced_duty, double>, "sensor_pin"_a, "duty"_a,
-           "A fault: the heater does this whatever its pin says; negative ends it.")
+           "A fault: the heater has this power, 0 to 1, whatever the level of its pin; negative "
+           "ends it.")
       .def("add_noise", &set_fault<&HeatedBody::noise, double>, "sensor_pin"_a, "share"_a,
-           "A fault: the ADC errs by up to this share of full scale.")
+           "A fault: readings of the ADC have errors of up to this fraction of full scale.")
       .def("drop_sensor", &set_fault<&HeatedBody::fallen, bool>, "sensor_pin"_a, "fallen"_a,
-           "A fault: the sensor feels the room instead of its body.")
+           "A fault: the sensor measures the ambient temperature instead of the heated mass.")
       .def(
           "temperature",
           [](Bench& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
@@ -311,7 +317,7 @@ void bind_board(nb::module_& m) {
       .def(
           "take_changes", [](Bench& b, uint32_t pin) { return changes_of(b.take_changes(pin)); },
           "pin"_a, "List of (clock, value) since the last call.")
-      .def_prop_ro("fault", &Bench::fault, "Why it is shut down, or an empty string.")
+      .def_prop_ro("fault", &Bench::fault, "Why the board is shut down, or an empty string.")
       .def_prop_ro("frames", &Bench::frames)
       .def_prop_ro("naks", &Bench::naks)
       .def_prop_ro("now", &Bench::now);
@@ -327,7 +333,7 @@ void bind_board(nb::module_& m) {
           "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
       .def_prop_ro("peak_slots", &VirtualBoard::peak_slots);
   nb::class_<FirmwareBoard, Bench>(m, "FirmwareBoard",
-                                   "A board run by the firmware itself, in virtual time.")
+                                   "A board that runs Passo's firmware, in virtual time.")
       .def(
           "__init__",
           [](FirmwareBoard* self, const std::string& library, uint32_t clock_hz,
@@ -339,29 +345,30 @@ void bind_board(nb::module_& m) {
           "library"_a, "clock_hz"_a, "move_count"_a, "adc_max"_a, "identify"_a, "start"_a,
           "faults"_a)
       .def("add_motor", &FirmwareBoard::add_motor, "step_pin"_a, "dir_pin"_a, "step_inverted"_a,
-           "A motor driver on these pins; to be told before the board moves it.")
+           "Adds a motor driver on these pins. Call it before the board moves the motor.")
       .def("trace_edges", &FirmwareBoard::trace_edges, "pin"_a)
       .def(
           "take_edges",
           [](FirmwareBoard& b, uint32_t pin) { return changes_of(b.take_edges(pin)); }, "pin"_a,
           "List of (clock, level) since the last call.");
   nb::class_<Distant, Device>(m, "Distant",
-                              "A device with a clock and a cable that are not perfect: its clock "
-                              "begins at `start` and is a share of `drift` faster than host time; "
-                              "bytes travel `latency` to `latency` + `jitter` ticks each way.")
+                              "A device with an imperfect clock and cable. Its clock starts at "
+                              "`start` and is faster than host time by the fraction `drift`. Bytes "
+                              "need `latency` to `latency` + `jitter` ticks in each direction.")
       .def(nb::init<Device&, Ticks, double, Ticks, Ticks, uint32_t>(), "device"_a, "start"_a = 0,
            "drift"_a = 0.0, "latency"_a = 0, "jitter"_a = 0, "seed"_a = 1, nb::keep_alive<1, 2>())
       .def_prop_ro("now", &Distant::now, "Host time.")
-      .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
+      .def("cut", &Distant::cut, "on"_a, "While it is set, all bytes in both directions are lost.")
       .def("spoil", &Distant::spoil, "share"_a, "frames"_a = 0.0,
-           "So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere; "
-           "and so many of all frames not at all, twice, behind the next one, or late.")
+           "Damages this fraction of all bytes in both directions (changed, lost, doubled or "
+           "swapped), and this fraction of all frames (lost, doubled, swapped with the next, or "
+           "late).")
       .def_prop_ro(
           "spoilt_frames",
           [](const Distant& d) {
             return std::vector<int>(d.spoilt_frames().begin(), d.spoilt_frames().end());
           },
-          "How many frames were lost, doubled, swapped with the next, and late so far.")
+          "The number of frames that were lost, doubled, swapped with the next, and late so far.")
       .def("clock_at", &Distant::clock_at, "host_ticks"_a)
       .def("host_at", &Distant::host_at, "clock"_a);
   m.def(

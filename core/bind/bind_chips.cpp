@@ -21,11 +21,13 @@ void bind_chips(nb::module_& m) {
   nb::class_<TrinamicChip>(m, "TrinamicChip", "A simulated motor driver with registers.")
       .def(nb::init<TrinamicChip::Kind, uint8_t>(), "kind"_a, "address"_a = 0)
       .def("read", &TrinamicChip::read, "register"_a)
-      .def("set", &TrinamicChip::set, "register"_a, "value"_a, "What the chip itself finds out.")
-      .def("power_on", &TrinamicChip::power_on, "Its supply was gone: it forgets its settings.")
+      .def("set", &TrinamicChip::set, "register"_a, "value"_a,
+           "Sets the status flags that the chip detects itself.")
+      .def("power_on", &TrinamicChip::power_on,
+           "Simulates a power failure: the chip loses its settings.")
       .def_rw("plugged", &TrinamicChip::plugged)
       .def_rw("damaged_answers", &TrinamicChip::damaged_answers,
-              "So many of its next answers have a bit turned over.");
+              "This number of its next answers has a wrong bit.");
   m.def(
       "add_uart_driver",
       [](Bench& bench, uint32_t rx_pin, uint32_t tx_pin, std::shared_ptr<TrinamicChip> chip) {
@@ -34,7 +36,7 @@ void bind_chips(nb::module_& m) {
         plant.uart(rx_pin)->chips.push_back(std::move(chip));
       },
       "bench"_a, "rx_pin"_a, "tx_pin"_a, "chip"_a,
-      "Wires a driver to the UART on these pins, which may have others.");
+      "Connects a driver to the UART on these pins. Several drivers may share them.");
   m.def(
       "add_spi_driver",
       [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
@@ -44,8 +46,8 @@ void bind_chips(nb::module_& m) {
             [chip](Ticks) { return chip->answer(); }, [chip](const Bytes& in) { chip->take(in); });
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "chip"_a,
-      "Wires a driver to the SPI bus on these pins.");
-  nb::class_<Digipot>(m, "Digipot", "A simulated setter of motors' currents.")
+      "Connects a driver to the SPI bus on these pins.");
+  nb::class_<Digipot>(m, "Digipot", "A simulated digital potentiometer that sets motor currents.")
       .def("wiper", &Digipot::wiper, "channel"_a, "0 to 255.");
   m.def(
       "add_digipot",
@@ -58,11 +60,11 @@ void bind_chips(nb::module_& m) {
         return chip;
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a,
-      "Wires a setter of currents to the SPI bus on these pins.");
-  nb::class_<ConverterChip>(m, "ConverterChip", "A simulated converter of a sensor.")
+      "Connects a digital potentiometer to the SPI bus on these pins.");
+  nb::class_<ConverterChip>(m, "ConverterChip", "A simulated thermocouple or RTD converter.")
       .def("setting", &ConverterChip::setting, "address"_a,
-           "What it was told: of a MAX31856 its modes (0) and its thermocouple (1), of a MAX31865 "
-           "its modes (0).");
+           "A configuration register: of a MAX31856 the modes (0) and the thermocouple type (1), "
+           "of a MAX31865 the modes (0).");
   m.def(
       "add_converter",
       [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
@@ -85,6 +87,6 @@ void bind_chips(nb::module_& m) {
         return chip;
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "converter"_a,
-      "Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose"
-      " sensor is on the select pin.");
+      "Connects a converter to the SPI bus on these pins. It measures the heated mass whose sensor "
+      "is on the select pin.");
 }

@@ -81,12 +81,13 @@ void bind_frames(nb::module_& m) {
       "board_faults",
       [] { return std::vector<std::string>(std::begin(kFaults), std::end(kFaults)); },
       "Texts of the virtual board's shutdown reasons, by static_string_id.");
-  nb::class_<Scanner>(m, "FrameScanner", "Finds frames in bytes cut anywhere.")
+  nb::class_<Scanner>(m, "FrameScanner",
+                      "Finds frames in a stream of bytes that may be split anywhere.")
       .def(nb::init<>())
       .def("feed", &scan, "data"_a,
            nb::sig("def feed(self, data: bytes) -> list[tuple[int, bytes] | None]"),
-           "List of (sequence, payload) for each good frame and None for each stretch that is "
-           "none.");
+           "List with (sequence, payload) for each valid frame and None for each run of bytes that "
+           "is not a frame.");
   nb::class_<Formats>(m, "Formats",
                       "Messages of one direction, as a data dictionary declares them.")
       .def(

@@ -66,9 +66,8 @@ void bind_gcode(nb::module_& m) {
         return plain.empty() ? text : plain;
       },
       "text"_a,
-      "A line's command with decimal numbers in place of those with exponents, as a job reads it "
-      "on a "
-      "machine that has an E.");
+      "The command of a line with decimal numbers instead of numbers with exponents, as a job on a "
+      "machine with an E axis reads it.");
   m.def(
       "split_text",
       [](const std::string& text) {
@@ -79,10 +78,8 @@ void bind_gcode(nb::module_& m) {
       },
       "text"_a,
       "The words of a command's text, in order: the letter in upper case, or another character "
-      "that "
-      "begins no word; its number, not a number for `nan`, or None; the number as it is written, "
-      "or "
-      "what stands in quotes. Comments in parentheses are left out.");
+      "that begins no word; its number (NaN for `nan`) or None; the number as it is written, or "
+      "the quoted text. Comments in parentheses are left out.");
   m.def(
       "find_stray",
       [](std::string text, bool any) {
@@ -90,11 +87,10 @@ void bind_gcode(nb::module_& m) {
         return std::pair(stray.token, stray.code);
       },
       "text"_a, "any"_a,
-      "The first character of a command's text that is not G-code: what stands around it, and its "
-      "code (0: none; below 0: a byte that is not UTF-8). Not `any`: only one that "
-      "changes "
-      "what the text means.");
-  nb::enum_<ObjectAction>(m, "ObjectAction", "What a command says about the objects of a print.")
+      "The first character of a command's text that is not G-code: the text around it, and its "
+      "code (0: there is none; below 0: a byte that is not UTF-8). Without `any`, only a character "
+      "that changes the meaning of the text.");
+  nb::enum_<ObjectAction>(m, "ObjectAction", "The action of a command on the objects of a print.")
       .value("COUNT", ObjectAction::count, "There are so many.")
       .value("DEFINE", ObjectAction::define, "One of this name.")
       .value("BEGIN", ObjectAction::begin, "What follows belongs to this one.")
@@ -113,8 +109,8 @@ void bind_gcode(nb::module_& m) {
         return orders;
       },
       "code"_a, "text"_a,
-      "(action, number, name) of M486 or EXCLUDE_OBJECT…, by what follows the code. The number is "
-      "-1 where the object is meant by its name. What cannot be read is left out.");
+      "(action, number, name) of M486 or EXCLUDE_OBJECT…, from the text after the code. The number "
+      "is -1 if the command names the object. Parts that cannot be read are left out.");
   nb::class_<Survey>(m, "Survey", "The commands of a program, found before it runs.")
       .def(
           "__init__",
@@ -129,7 +125,7 @@ void bind_gcode(nb::module_& m) {
             self.feed(data.c_str(), data.size());
           },
           "data"_a)
-      .def("finish", &Survey::finish, "No more input will come.")
+      .def("finish", &Survey::finish, "Ends the input.")
       .def_prop_ro(
           "commands",
           [](const Survey& self) {
@@ -137,7 +133,7 @@ void bind_gcode(nb::module_& m) {
             for (const Event& e : self.commands()) list.push_back(as_tuple(e));
             return list;
           },
-          "(line, letter, number, minor, name, text) of each command that is no move, once for "
+          "(line, letter, number, minor, name, text) of each command that is not a move, once for "
           "each code.")
       .def_prop_ro(
           "bad_calls",

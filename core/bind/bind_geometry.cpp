@@ -66,7 +66,7 @@ void bind_geometry(nb::module_& m) {
           [](const GeometryView& self, int i, const Point& p) {
             return self.geometry->inverse(checked(self, i), Array(p).p);
           },
-          "actuator"_a, "point"_a, "Position of an actuator; NaN where it cannot reach.")
+          "actuator"_a, "point"_a, "Position of an actuator; NaN if it cannot reach the point.")
       .def(
           "forward",
           [](const GeometryView& self, const Point& q) {
@@ -75,7 +75,7 @@ void bind_geometry(nb::module_& m) {
               throw nb::value_error("no nozzle position belongs to these");
             return Point(p[0], p[1], p[2]);
           },
-          "positions"_a, "Nozzle position. Raises ValueError where there is none.")
+          "positions"_a, "Nozzle position. Raises ValueError if there is none.")
       .def(
           "linear",
           [](const GeometryView& self, int i) -> std::optional<Point> {
@@ -83,7 +83,9 @@ void bind_geometry(nb::module_& m) {
             if (!self.geometry->linear(checked(self, i), c)) return std::nullopt;
             return Point(c[0], c[1], c[2]);
           },
-          "actuator"_a, "How far an actuator goes for each mm of X, Y and Z; None if that differs.")
+          "actuator"_a,
+          "The distance that an actuator moves per mm of X, Y and Z; None if it depends on the "
+          "position.")
       .def(
           "slopes",
           [](const GeometryView& self, int i, const Point& from, const Point& to, double s) {

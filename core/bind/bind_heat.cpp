@@ -20,9 +20,10 @@ namespace {
 using Points = std::vector<std::pair<double, double>>;
 
 void bind_controls(nb::module_& m) {
-  nb::class_<HeatModel>(m, "HeatModel",
-                        "A body and its sensor, each of first order; °C, s, and the share by which "
-                        "a fan at full speed raises the loss of heat.")
+  nb::class_<HeatModel>(
+      m, "HeatModel",
+      "Thermal model of a heated mass and its sensor, each of first order. Units: °C, s. fan_loss "
+      "is the fraction by which a fan at full speed increases the heat loss.")
       .def(nb::init<double, double, double, double, double>(), "rise_c"_a, "time_constant_s"_a,
            "sensor_lag_s"_a, "fan_loss"_a = 0.0, "ambient_c"_a = 25.0)
       .def_ro("rise_c", &HeatModel::rise_c)
@@ -31,10 +32,11 @@ void bind_controls(nb::module_& m) {
       .def_ro("fan_loss", &HeatModel::fan_loss)
       .def_ro("ambient_c", &HeatModel::ambient_c)
       .def(nb::self == nb::self);
-  nb::class_<PidControl>(m, "PidControl",
-                         "Gains in 1/255 of full power by °C, by °C·s and by °C/s, as M301 has "
-                         "them; drive_min and drive_max, fractions of full power, bound the "
-                         "integral; farther than range_c from the target it is fully on or off.")
+  nb::class_<PidControl>(
+      m, "PidControl",
+      "Gains in 1/255 of full power per °C, per °C·s and per °C/s, as in M301. drive_min and "
+      "drive_max, fractions of full power, bound the integral. If the temperature is more than "
+      "range_c from the target, the heater is fully on or off.")
       .def(nb::init<double, double, double, double, double, double, double>(), "kp"_a, "ki"_a,
            "kd"_a, "filter_s"_a = 1.0, "drive_min"_a = 0.0, "drive_max"_a = 1.0, "range_c"_a = 10.0)
       .def_ro("kp", &PidControl::kp)
@@ -45,21 +47,23 @@ void bind_controls(nb::module_& m) {
       .def_ro("drive_max", &PidControl::drive_max)
       .def_ro("range_c", &PidControl::range_c)
       .def(nb::self == nb::self);
-  nb::class_<OnOffControl>(m, "OnOffControl",
-                           "On below the target by the hysteresis, off above it by as much, and no "
-                           "two switchings within the interval.")
+  nb::class_<OnOffControl>(
+      m, "OnOffControl",
+      "Switches on when the temperature is below the target by the hysteresis, and off when it is "
+      "above by the same. Two switchings are at least the interval apart.")
       .def(nb::init<double, double>(), "hysteresis_c"_a = 1.0, "interval_s"_a = 0.0)
       .def_ro("hysteresis_c", &OnOffControl::hysteresis_c)
       .def_ro("interval_s", &OnOffControl::interval_s)
       .def(nb::self == nb::self);
   nb::class_<ModelControl>(m, "ModelControl",
-                           "The power that by the model closes the gap within the horizon.")
+                           "The power with which, according to the model, the temperature reaches "
+                           "the target within the horizon.")
       .def(nb::init<HeatModel, double>(), "model"_a, "horizon_s"_a = 3.0)
       .def_ro("model", &ModelControl::model)
       .def_ro("horizon_s", &ModelControl::horizon_s)
       .def(nb::self == nb::self);
   nb::class_<RelayControl>(m, "RelayControl",
-                           "Swings around the target between two powers, for autotuning.")
+                           "Switches between two powers around the target, for autotuning.")
       .def(nb::init<double>(), "half_cycle_s"_a = 5.0)
       .def_ro("half_cycle_s", &RelayControl::half_cycle_s)
       .def(nb::self == nb::self);
@@ -78,15 +82,15 @@ void bind_protections(nb::module_& m) {
       .value("STUCK_ON", FaultKind::stuck_on)
       .value("MODEL_DEVIATION", FaultKind::model_deviation);
   nb::class_<Fault>(m, "HeatFault",
-                    "What failed, what the sensor said, the limit that was broken (°C; of a model "
-                    "deviation a share of power), the board clock.")
+                    "The fault, the reading of the sensor, the limit that was exceeded (°C; for a "
+                    "model deviation a fraction of power), and the board clock.")
       .def_ro("kind", &Fault::kind)
       .def_ro("celsius", &Fault::celsius)
       .def_ro("limit", &Fault::limit)
       .def_ro("clock", &Fault::clock);
-  nb::class_<ProtectionLimits>(m, "ProtectionLimits",
-                               "What a heater must keep to; 0 switches a protection off, except "
-                               "for min_c and max_c.")
+  nb::class_<ProtectionLimits>(
+      m, "ProtectionLimits",
+      "The limits of a heater's protections. 0 switches a protection off, except min_c and max_c.")
       .def(
           "__init__",
           [](ProtectionLimits* self, double min_c, double max_c, double jump_c, double watch_rise_c,
@@ -122,8 +126,8 @@ auto held(Heater& heater, A... arguments) {
 
 void bind_heater(nb::module_& m) {
   nb::class_<Terms>(m, "HeatTerms",
-                    "Error (°C) and shares of full power; of a relay, p is the mean of its two "
-                    "powers and d how far it is above or below it.")
+                    "Error (°C) and fractions of full power. For a relay, p is the mean of its two "
+                    "powers, and d the difference of the present power from p.")
       .def(
           "__init__",
           [](Terms* self, double error, double p, double i, double d, double output) {
@@ -174,18 +178,18 @@ void bind_heater(nb::module_& m) {
         return std::pair(double(reading.steps) / heat::scale_of(converter).per_unit, reading.fault);
       },
       "converter"_a, "word"_a, "faults"_a = 0,
-      "What a converter says: °C, or of a MAX31865 a share of its reference resistor; and what is "
-      "wrong.");
+      "The reading of a converter: °C, or for a MAX31865 the fraction of its reference resistor; "
+      "and its fault.");
   m.def(
       "converter_full", [](heat::Converter converter) { return heat::scale_of(converter).full; },
-      "converter"_a, "Steps of full scale.");
+      "converter"_a, "Number of steps at full scale.");
   m.def(
       "converter_share",
       [](heat::Converter converter, double value) {
         heat::ConverterScale scale = heat::scale_of(converter);
         return (value * scale.per_unit + scale.zero) / scale.full;
       },
-      "converter"_a, "value"_a, "The share of full scale of what read_converter() gives.");
+      "converter"_a, "value"_a, "The fraction of full scale for a reading of read_converter().");
   m.def(
       "converter_words",
       [](heat::Converter converter, double low, double high) {
@@ -197,10 +201,10 @@ void bind_heater(nb::module_& m) {
         return std::pair(word(low), word(high) | rest);
       },
       "converter"_a, "low"_a, "high"_a,
-      "The least and the greatest word between two shares of full scale, from 0 on.");
+      "The minimum and the maximum word between two fractions of full scale.");
   nb::class_<Arrival>(m, "Arrival",
-                      "When a target is reached: within `window_c` for `seconds`, which begin anew "
-                      "beyond `leaves_c`.")
+                      "When a target is reached: after `seconds` within `window_c`. The time "
+                      "restarts if the temperature leaves `leaves_c`.")
       .def(
           "__init__",
           [](Arrival* self, double window_c, double leaves_c, double seconds) {
@@ -239,9 +243,9 @@ void bind_heater(nb::module_& m) {
           "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
           "inverted"_a = false, "converter"_a = heat::Converter::none, "spi_oid"_a = 0,
           "clears_faults"_a = nb::bytes(""),
-          "longest_s: how long the board leaves the power on without being told.\n"
-          "fan_target: index of the fan's output among the link's pins.");
-  nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
+          "longest_s: time after which the board switches the power off if it is not "
+          "renewed.\nfan_target: index of the fan's output among the link's pins.");
+  nb::class_<Heater>(m, "Heater", "A heater loop that runs in the thread of the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)
       .def_prop_ro("heard", &held<&Heater::heard>,
                    "The sensor has reported, and the link has not been lost since.")
@@ -251,14 +255,14 @@ void bind_heater(nb::module_& m) {
       .def_prop_ro("power", &held<&Heater::power>)
       .def_prop_ro("max_power", [](const Heater& h) { return h.options().max_power; })
       .def_prop_ro("reached", &held<&Heater::reached>,
-                   "It has been at its target, since that was set.")
+                   "The heater has reached its target since the target was set.")
       .def_prop_ro("settled", &held<&Heater::settled>,
-                   "It has been at its target for as long as who waits for it wants.")
+                   "The heater has been at its target for as long as `arrival` requires.")
       .def_prop_ro("arrival", [](const Heater& h) { return h.options().arrival; })
       .def_prop_ro("terms", &held<&Heater::terms>)
       .def_prop_ro("control", &held<&Heater::control>)
       .def("set_control", &held<&Heater::set_control, const Control&>, "control"_a,
-           "Takes over at once; a model also serves the protections.")
+           "Sets the controller, which acts at once. The protections also use the model.")
       .def_prop_ro("model",
                    [](Heater& h) {
                      std::lock_guard lock(h.guard());
@@ -274,13 +278,15 @@ void bind_heater(nb::module_& m) {
             std::lock_guard lock(h.guard());
             return h.faulty() ? std::optional(h.fault()) : std::nullopt;
           },
-          "What is wrong; while it is not None the target is kept, but nothing heats.")
+          "The present fault, or None. During a fault the target is kept, but the heater is off.")
       .def("set_sensor", &held<&Heater::set_sensor, const HeaterOptions&>, "options"_a,
-           "Takes over table, broken ends and query of these options, from the next report on.")
+           "Uses the table, the limits for a broken sensor and the query of these options, from "
+           "the next report on.")
       .def("asked_anew", &held<&Heater::asked_anew>,
-           "The board was asked for the sensor's reports anew, with its own range.")
+           "The host has sent the query for the sensor's reports again, with the sensor's own "
+           "range.")
       .def("rearm", &held<&Heater::rearm>,
-           "Ends the fault: the heater heats to the target that it kept.")
+           "Clears the fault: the heater heats to the target that it has kept.")
       .def(
           "take_samples",
           [](Heater& h) {
@@ -295,8 +301,8 @@ void bind_heater(nb::module_& m) {
 // A body and its heater by themselves; readings are exact to a thousandth of a degree.
 void bind_heat_run(nb::module_& m) {
   nb::class_<HeatRun>(m, "HeatRun",
-                      "A heater loop and the body that it heats, without a board: how long heating "
-                      "takes, as on a simulated printer.")
+                      "A heater loop and the heated mass, without a board. It predicts how long "
+                      "heating takes, as on a simulated printer.")
       .def(
           "__init__",
           [](HeatRun* self, const HeatModel& body, const Control& control, const Arrival& arrival,
@@ -334,7 +340,7 @@ void bind_heat_run(nb::module_& m) {
           "body"_a, "control"_a, "arrival"_a, "max_power"_a, "limits"_a, "model"_a.none())
       .def("run", &HeatRun::run, "seconds"_a, "Lets time pass.")
       .def("set_fan", &HeatRun::set_fan, "speed"_a,
-           "The fan that cools the body blows so fast from now on, 0 to 1.")
+           "Sets the speed of the fan that cools the heated mass, 0 to 1.")
       .def_prop_ro("heater", &HeatRun::heater, nb::rv_policy::reference_internal);
 }
 

@@ -19,11 +19,10 @@ std::shared_ptr<const HeightMap> height_map_of(const std::pair<double, double>& 
                                                const Rows& heights, const FadeSpec& fade);
 
 inline constexpr char kHeightMapText[] =
-    "What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y "
-    "of "
-    "`first`; bilinear in between, level beyond. With a `fade` of start, end and target, mm: in "
-    "full up to the start in Z, then evenly less, until the target alone is added from the end on. "
-    "No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is "
-    "queued. Raises ValueError.";
+    "Sets the bed correction: heights in mm on an even grid. Rows are along X; the first row is at "
+    "the Y of `first`. Between the points the height is bilinear; beyond the grid it continues "
+    "level. With a `fade` of start, end and target in mm, the correction acts in full up to Z "
+    "start, and changes linearly to the target at Z end. Without rows the bed is flat. No motor "
+    "moves, but Z of the plan changes. Call it only while nothing is queued. Raises ValueError.";
 
 }  // namespace passo

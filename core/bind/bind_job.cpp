@@ -20,11 +20,11 @@ void bind_job(nb::module_& m) {
       .value("ERROR", Job::Status::error)
       .value("FULL", Job::Status::full)
       .value("END", Job::Status::end);
-  nb::enum_<Job::Within>(m, "Within", "What a move outside of any program must keep to.")
+  nb::enum_<Job::Within>(m, "Within", "The limits of a move outside of any program.")
       .value("LIMITS", Job::Within::limits, "The machine's limits.")
       .value("REACH", Job::Within::reach, "What its actuators reach: it has been there.")
       .value("ANYTHING", Job::Within::anything, "Nothing: it does not know where it is.");
-  nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
+  nb::class_<JobView> job(m, "Job", "Runs a G-code program on one machine. Not thread-safe.");
   job.def(
          "__init__",
          [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
@@ -41,16 +41,16 @@ void bind_job(nb::module_& m) {
             return self.job.advance(horizon, most, to_boundary);
           },
           "horizon"_a = kInfinity, "most"_a = size_t(1) << 20, "to_boundary"_a = false,
-          "Reads on until something wants the caller, or the plan reaches a clock or a number of "
-          "messages; or no further than to the end of the line that it is in.")
+          "Reads and plans until the caller must act, or the plan reaches a clock or a number of "
+          "messages; with `to_boundary`, only the rest of the current line.")
       .def(
           "adopt", [](JobView& self, JobView& other) { self.job.adopt(other.job); }, "other"_a,
-          "Takes the state of a program that another job has read up to the position of this "
+          "Takes over the state of a program that another job has read up to the position of this "
           "machine.")
       .def_prop_ro(
           "messages",
           [](JobView& self) -> MessageQueue& { return self.job.motion.stream().messages(0); },
-          nb::rv_policy::reference_internal, "The main board's.")
+          nb::rv_policy::reference_internal, "The messages of the main board.")
       .def(
           "messages_of",
           [](JobView& self, size_t board) -> MessageQueue& {

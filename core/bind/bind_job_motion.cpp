@@ -22,7 +22,8 @@ namespace {
 void bind_position(JobClass& job) {
   job.def(
          "settle_position", [](JobView& self) { self.job.settle_position(); },
-         "After homing: stop, and be where the program says.")
+         "After homing: ends the plan, and sets the position of the machine to that of the "
+         "program.")
       .def_prop_ro(
           "stop_position",
           [](JobView& self) {
@@ -40,8 +41,8 @@ void bind_position(JobClass& job) {
             self.job.interpreter.take_tool(tool);
           },
           "tool"_a,
-          "This tool is in use, with its offset, as if the program had selected it; nothing moves. "
-          "Tool 0 may be named without tools, too.")
+          "Selects this tool with its offset, as if the program had selected it. Nothing moves. "
+          "Tool 0 is valid on a machine without tools, too.")
       .def_prop_ro(
           "machine_position",
           [](JobView& self) {
@@ -57,8 +58,9 @@ void bind_position(JobClass& job) {
             return self.job.move_to(target.data(), feed_mm_s, within);
           },
           "target"_a, "feed_mm_s"_a, "within"_a = Job::Within::limits,
-          "A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if "
-          "it is too long, or not within what it must keep to: see error.")
+          "A straight move in machine coordinates (NaN: the axis does not move). If the move takes "
+          "too long, or is not within the limits of `within`, returns False and changes nothing, "
+          "see error.")
       .def(
           "set_axes",
           [](JobView& self, const std::vector<std::pair<int, double>>& places, bool homed) {
@@ -73,9 +75,8 @@ void bind_position(JobClass& job) {
             job.motion.set_position(p.data(), job.interpreter.extruder());
           },
           "places"_a, "homed"_a = false,
-          "These axes, by number, are here now (mm), without motion; and at home there, if they "
-          "are "
-          "`homed`.")
+          "Sets the positions of these axes, by number, in mm, without motion. With `homed`, they "
+          "are homed there.")
       .def(
           "stand_at",
           [](JobView& self, const std::vector<std::pair<int, double>>& places) {
@@ -89,8 +90,8 @@ void bind_position(JobClass& job) {
             job.motion.set_position(p.data(), job.interpreter.extruder());
           },
           "places"_a,
-          "The machine is here now (slots, machine mm), without motion; the program's offsets "
-          "stay.")
+          "Sets the position of the machine (slots, machine mm), without motion. The program's "
+          "offsets stay.")
       .def(
           "use_joints",
           [](JobView& self, bool on) {
@@ -98,9 +99,8 @@ void bind_position(JobClass& job) {
             self.job.motion.use_joints(on);
           },
           "on"_a,
-          "X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the "
-          "axes "
-          "again; only at standstill, and set_axes must say where they are.")
+          "From now on X, Y and Z are the first three actuators of a nonlinear geometry, or the "
+          "axes again. Call it only at standstill; set_axes must follow.")
       .def(
           "renew_steppers",
           [](JobView& self, const std::vector<size_t>& steppers) {
@@ -119,7 +119,8 @@ void bind_position(JobClass& job) {
             self.job.interpreter.lock(slot_of_axis(axis), locked);
           },
           "axis"_a, "locked"_a,
-          "A locked axis does not know where it is: moves of it are errors, until it is set.")
+          "The position of a locked axis is unknown: its moves are errors until the position is "
+          "set.")
       .def_prop_ro("locked_axes",
                    [](JobView& self) {
                      std::vector<int> axes;
@@ -131,16 +132,16 @@ void bind_position(JobClass& job) {
       .def(
           "line_at", [](JobView& self, double ticks) { return self.job.motion.lines().at(ticks); },
           "ticks"_a,
-          "Line of the program's move that is under way, or was last, at a clock (0: none). Clocks "
-          "must not go back.")
+          "Line of the program's move at a clock, or of the last one before (0: none). The clock "
+          "must not be before that of the last call.")
       .def(
           "line_near",
           [](JobView& self, double ticks) { return self.job.motion.lines().near(ticks); },
-          "ticks"_a, "As line_at, for any clock from a second before the last one asked for.")
+          "ticks"_a, "As line_at, for any clock from a second before the last call of line_at on.")
       .def(
           "layer_near",
           [](JobView& self, double ticks) { return self.job.motion.lines().layer_near(ticks); },
-          "ticks"_a, "The layer of that move (0: before the first one).")
+          "ticks"_a, "The layer of the move that line_near means (0: before the first layer).")
       .def(
           "position_at",
           [](JobView& self, double ticks) -> std::optional<std::vector<double>> {
@@ -149,9 +150,8 @@ void bind_position(JobClass& job) {
             return std::vector<double>(p->begin(), p->end());
           },
           "ticks"_a,
-          "Where the plan was at a clock not much more than a second ago, as machine_position; "
-          "None "
-          "if it is longer ago.");
+          "The planned position at a clock of about the last second, as machine_position; None if "
+          "the clock is too long ago.");
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ void bind_job_motion(JobClass& job) {
          "Moves that are not settled.")
       .def_prop_ro(
           "queued_ticks", [](JobView& self) { return self.job.motion.planner().queued_ticks(); },
-          "Ticks that these moves take at least.")
+          "The minimum duration of these moves in ticks.")
       .def(
           "record",
           [](JobView& self, uint16_t target, uint32_t value) {
@@ -176,7 +176,7 @@ void bind_job_motion(JobClass& job) {
             self.job.motion.record_at(ticks, target, value);
           },
           "ticks"_a, "target"_a, "value"_a,
-          "A record for output `target` at this clock, whatever moves are planned; it cannot be "
+          "A record for output `target` at this clock, independent of planned moves. It cannot be "
           "revoked.")
       .def(
           "mark",
@@ -192,15 +192,15 @@ void bind_job_motion(JobClass& job) {
             const auto& r = marks.front();
             return std::make_tuple(r.clock, r.target - Motion::kMark, r.value);
           },
-          "(clock, target, value) of the earliest mark whose clock is known by now; None without "
-          "one. A mark after a cut of the plan gets another clock.")
+          "(clock, target, value) of the earliest mark with a known clock, or None. If the plan is "
+          "cut before a mark, its clock changes.")
       .def(
           "pop_mark",
           [](JobView& self) {
             auto& marks = self.job.motion.marks();
             if (!marks.empty()) marks.pop_front();
           },
-          "Removes the next mark, if there is one: the host carries it out.")
+          "Removes the next mark, if there is one. The caller carries it out.")
       .def(
           "set_laser",
           [](JobView& self, uint16_t target, uint32_t full) {
@@ -210,18 +210,19 @@ void bind_job_motion(JobClass& job) {
       .def(
           "follow_speed", [](JobView& self, double share) { self.job.motion.follow_speed(share); },
           "share"_a,
-          "The laser's share of full power, at the feed rate of the moves that follow; it is less "
-          "where they are slower, and none while nothing moves. 0: records alone set it.")
+          "The laser's fraction of full power at the feedrate of later moves. The power decreases "
+          "in proportion where they are slower, and is 0 at standstill. 0: only records set the "
+          "power.")
       .def(
           "flush",
           [](JobView& self) {
             nb::gil_scoped_release released;
             self.job.motion.flush();
           },
-          "Settles all for a stop.")
+          "Settles all moves, for a stop at the end.")
       .def(
           "wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); },
-          "ticks"_a, "The machine is idle until then; only after flush.")
+          "ticks"_a, "The machine is idle until this clock. Call it only after flush.")
       .def(
           "replan_from",
           [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
@@ -229,8 +230,8 @@ void bind_job_motion(JobClass& job) {
           "skip_dwell_from",
           [](JobView& self, double ticks) { return self.job.motion.skip_dwell_from(ticks); },
           "ticks"_a,
-          "Ends the dwell that is under way at this clock; returns the clock of the cut, None if "
-          "there is no dwell.")
+          "Ends the dwell at this clock. Returns the clock of the cut, or None if there is no "
+          "dwell.")
       .def(
           "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
           "ticks"_a)
@@ -241,31 +242,30 @@ void bind_job_motion(JobClass& job) {
             self.job.motion.use_commits(period, most);
           },
           "period"_a, "most"_a,
-          "Messages come in commits of at most so many ticks and messages from now on; only while "
-          "the machine is idle.")
+          "From now on messages come in commits of at most this many ticks and messages. Call it "
+          "only while the machine is idle.")
       .def(
           "stop_commits",
           [](JobView& self) {
             self.job.motion.flush();
             self.job.motion.stream().stop_commits();
           },
-          "Messages come as they are; only at standstill.")
+          "From now on messages do not come in commits. Call it only at standstill.")
       .def(
           "recover_from",
           [](JobView& self, uint32_t serial) { return self.job.motion.recover_from(serial); },
           "serial"_a,
-          "The boards have stopped behind this commit by themselves: what was to follow is held "
-          "until `release`. Returns its clock; None, and nothing is changed, if it is not known.")
+          "The boards have stopped by themselves after this commit: the moves after it are held "
+          "until `release`. Returns the clock of the commit. If the commit is not known any more, "
+          "returns None and changes nothing.")
       .def(
           "between_stops",
           [](JobView& self, uint32_t serial, uint32_t next) {
             return self.job.motion.stream().between_stops(serial, next);
           },
           "serial"_a, "next"_a,
-          "Net steps by which each motor is further where it has stopped behind the commit `next` "
-          "than where it would have behind `serial`, the one before; None if they are not known, "
-          "or "
-          "do not follow each other.")
+          "For each motor, the net steps from the stop after commit `serial` to the stop after the "
+          "following commit `next`. None if the commits are not known, or not consecutive.")
       .def_prop_ro(
           "holds", [](JobView& self) { return self.job.motion.held() > 0; },
           "Moves wait for `release`.")
@@ -276,14 +276,13 @@ void bind_job_motion(JobClass& job) {
             return self.job.stop_from(ticks, program);
           },
           "ticks"_a, "program"_a = true,
-          "Brakes to a stop from this clock on and forgets what was to follow; returns the clock "
-          "of "
-          "the cut.")
+          "Brakes to a stop from this clock on and drops later moves. Returns the clock of the "
+          "cut.")
       .def(
           "suspend", [](JobView& self, bool hand_over_macro) { self.job.suspend(hand_over_macro); },
           "hand_over_macro"_a = false,
-          "After hold_from: other moves may come before what is held. What is left of a macro of "
-          "the program is read as a console's if it is handed over.")
+          "Call it after hold_from: other moves may come before the held moves. With `hand_over`, "
+          "the rest of the program's macro is read as a macro of a console.")
       .def_prop_ro("suspended", [](JobView& self) { return self.job.motion.suspended(); })
       .def(
           "resume",
@@ -300,8 +299,8 @@ void bind_job_motion(JobClass& job) {
             return self.job.shift_from(ticks, axis, mm);
           },
           "ticks"_a, "axis"_a, "mm"_a,
-          "From this clock on all lies so much further; returns the clock of the cut, None if that "
-          "is out of range, see error.")
+          "Shifts all motion from this clock on by `mm` along an axis. Returns the clock of the "
+          "cut, or None if an end would be out of range, see error.")
       .def(
           "shift",
           [](JobView& self, int axis, double mm) {
@@ -309,17 +308,18 @@ void bind_job_motion(JobClass& job) {
             return self.job.shift(axis, mm);
           },
           "axis"_a, "mm"_a,
-          "The same behind all moves so far; False if that is out of range, see error.")
+          "Shifts all motion after the moves read so far. False if an end would be out of range, "
+          "see error.")
       .def(
           "passed", [](JobView& self, double ticks) { self.job.motion.pass(ticks); }, "ticks"_a,
-          "Time has passed to this clock, or nothing before it will be replanned.")
+          "Nothing before this clock will be planned again, for example because it has passed.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
           "End of the settled plan, ticks.")
       .def_prop_ro(
           "rests", [](JobView& self) { return self.job.motion.planner().rests(); },
-          "The settled plan ends at rest: what is queued may begin later.")
+          "The settled plan ends at standstill, so queued moves may begin later.")
       .def_prop_ro(
           "handed_out", [](JobView& self) { return self.job.motion.stream().handed_out(); },
           "Clock of the last message, ticks.");

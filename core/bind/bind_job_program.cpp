@@ -37,12 +37,12 @@ void bind_objects(JobClass& job) {
              list.emplace_back(o.name, o.cancelled, o.centre, o.outline);
            return list;
          },
-         "(name, cancelled, centre, outline) of each object of the program, by number; centre and "
-         "outline as they are written, or empty.")
+         "(name, cancelled, centre, outline) of each object of the program, by number. Centre and "
+         "outline are as in the file, or empty.")
       .def_prop_ro(
           "objects_version",
           [](const JobView& self) { return self.job.interpreter.objects().version(); },
-          "Another value after each change of `objects`, and for each program.")
+          "A number that changes with each change of `objects`, and with each program.")
       .def(
           "watch_height",
           [](JobView& self, double low, double high) {
@@ -58,14 +58,13 @@ void bind_objects(JobClass& job) {
           [](const JobView& self, uint32_t line) {
             return self.job.interpreter.object_of_line(line);
           },
-          "line"_a,
-          "The object that a line of the main program belongs to, of those read lately; -1: none.")
+          "line"_a, "The object that a recent line of the main program belongs to; -1: none.")
       .def(
           "find_objects",
           [](const JobView& self, const std::string& name) {
             return self.job.interpreter.objects().find(name);
           },
-          "name"_a, "Numbers of the objects of this name, in any case.")
+          "name"_a, "Numbers of the objects of this name, in upper or lower case.")
       .def(
           "cancel_object",
           [](JobView& self, int number, bool cancelled) {
@@ -74,7 +73,7 @@ void bind_objects(JobClass& job) {
             objects.cancel(number, cancelled);
           },
           "number"_a, "cancelled"_a = true,
-          "Moves of the object that are read from now on are left out, or are not left out.");
+          "Skips the moves of the object that are read from now on, or no longer skips them.");
 }
 
 }  // namespace
@@ -87,14 +86,14 @@ void bind_job_program(JobClass& job) {
          },
          "data"_a)
       .def(
-          "finish", [](JobView& self) { self.job.interpreter.finish(); },
-          "No more input will come.")
+          "finish", [](JobView& self) { self.job.interpreter.finish(); }, "Ends the input.")
       .def(
           "select", [](JobView& self, bool console) { self.job.interpreter.select(console); },
-          "console"_a, "Reads on from the console's lines, or the program's; only at a boundary.")
+          "console"_a,
+          "Selects the console's lines or the program's. Call it only at a boundary between lines.")
       .def_prop_ro(
           "at_boundary", [](JobView& self) { return self.job.interpreter.at_boundary(); },
-          "No line is under way.")
+          "The job is between two lines.")
       .def(
           "restart",
           [](JobView& self, uint32_t first_line) {
@@ -102,13 +101,13 @@ void bind_job_program(JobClass& job) {
             self.job.motion.lines().forget();
           },
           "first_line"_a = 1,
-          "Forgets the unread text of the selected source; its lines count from this one again.")
+          "Drops the unread text of the selected source. Its next line has this number.")
       .def(
           "abandon", [](JobView& self) { self.job.abandon(); },
           "After an error: drops the rest of the line and continues at the end of the plan.")
       .def_prop_ro(
           "offset", [](JobView& self) { return self.job.interpreter.offset(); },
-          "Bytes of the selected source that were read.")
+          "Number of bytes of the selected source that were read.")
       .def_prop_ro(
           "program_position",
           [](JobView& self) {
@@ -119,7 +118,7 @@ void bind_job_program(JobClass& job) {
             p.push_back(i.logical(kE));
             return p;
           },
-          "Where the program is, in its own coordinates: the axes, then E.")
+          "The position of the program in its own coordinates: the axes, then E.")
       .def_prop_ro(
           "event", [](const JobView& self) { return as_tuple(self.job.interpreter.event()); },
           "(line, letter, number, minor, name, text) of the event or the macro that advance "
@@ -134,25 +133,27 @@ void bind_job_program(JobClass& job) {
           "of the call, and then the rest of its line.")
       .def_prop_ro(
           "macro_depth", [](const JobView& self) { return self.job.interpreter.macro_depth(); },
-          "How many macros of the selected source are under way within each other.")
+          "The nesting depth of the running macros of the selected source.")
       .def_prop_ro(
           "modal",
           [](const JobView& self) {
             const auto modal = self.job.interpreter.modal();
             return std::make_tuple(modal.absolute, modal.absolute_e, modal.feed_mm_s);
           },
-          "(G90, M82, feedrate in mm/s): the modal state of what is read; the feedrate is infinite "
-          "while none was given.")
+          "(G90, M82, feedrate in mm/s): the modal state of the selected source. The feedrate is "
+          "infinite until one is given.")
       .def_prop_rw(
           "plain", [](JobView& self) { return self.job.interpreter.plain; },
           [](JobView& self, bool plain) { self.job.interpreter.plain = plain; },
-          "No macro is called: the commands that they replace are carried out.")
+          "While it is set, no macro is called: the replaced built-in commands run.")
       .def(
           "forget_macros", [](JobView& self) { self.job.interpreter.forget_macros(); },
-          "What is left of a console's macros is not carried out.")
+          "Drops the unread lines of a console's macros.")
       .def(
           "listen", [](JobView& self, uint32_t line) { self.job.interpreter.listen(line); },
-          "line"_a, "Before this line of the program is read: notes its commands, see heard.")
+          "line"_a,
+          "Records the commands of this line of the program, see heard. Call it before the line is "
+          "read.")
       .def_prop_ro(
           "heard",
           [](const JobView& self) {
@@ -161,12 +162,12 @@ void bind_job_program(JobClass& job) {
             for (const auto& c : heard.commands) commands.emplace_back(c.code, c.words, c.text);
             return std::make_tuple(heard.number, heard.checked, commands);
           },
-          "(number, whether it had a checksum, [(code, words, text), …]) of the line "
-          "listened to. The code is empty for a move in the way of the last one, the text is what "
-          "follows the code.")
+          "(number, whether it had a checksum, [(code, words, text), …]) of the line given to "
+          "listen. The code is empty for a move with the modal code of the last one. The text is "
+          "what follows the code.")
       .def_prop_ro(
           "ends_in_move", [](JobView& self) { return self.job.interpreter.ends_in_move(); },
-          "All was read, and the last line is a move without an end of line.")
+          "All text was read, and the last line is a move without an end of line.")
       .def_prop_ro(
           "error", [](const JobView& self) { return as_tuple(self.job.error()); },
           "(line, fault, word, value, limit, point) of the error that advance stopped at.")
@@ -182,9 +183,8 @@ void bind_job_program(JobClass& job) {
               all.emplace_back(as_tuple(job.left_out.first), job.left_out.times);
             return all;
           },
-          "What `clamp` has changed: for each axis the first target that was moved to the limit, "
-          "as "
-          "`error`, and how many were; then the same of the moves that were left out.")
+          "The effects of `clamp`: for each axis, the first target that was moved to the limit, in "
+          "the form of `error`, and the number of such targets; then the same for skipped moves.")
       .def(
           "use_survey",
           [](JobView& self, const Survey& survey) {
@@ -193,8 +193,8 @@ void bind_job_program(JobClass& job) {
             self.job.interpreter.objects().learn(survey.objects());
           },
           "survey"_a,
-          "Of the program that it reads next: its sub-programs, its objects, and the comments that "
-          "mark layers.")
+          "Sets the sub-programs, the objects and the comments that mark layers for the next "
+          "program.")
       .def_prop_ro(
           "calls",
           [](JobView& self) {
@@ -208,7 +208,7 @@ void bind_job_program(JobClass& job) {
           "M98 of a sub-program that is missing is an event, not an error.")
       .def_prop_ro(
           "commands", [](JobView& self) { return self.job.interpreter.commands(); },
-          "How many were read, unknown ones too.")
+          "The number of commands read, including unknown ones.")
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers.count(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })

@@ -137,16 +137,17 @@ void bind_job_results(JobClass& job) {
             self.toolpath.emplace(self.job.motion.machine().clock_hz);
             self.watch_moves();
           },
-          "From now on keeps the path of all moves.")
+          "From now on records the path of all moves.")
       .def("take_toolpath", &take_toolpath,
-           "The path that was kept, as toolpath.py describes it; None of none. It is kept no more.")
+           "Returns the recorded path in the format of toolpath.py, or None if there is none. Ends "
+           "the recording.")
       .def(
           "keep_ideal",
           [](JobView& self, bool on) {
             for (size_t i = 0; i < self.job.motion.machine().steppers.size(); ++i)
               self.job.motion.stream().compressor(i).keep_ideal(on);
           },
-          "on"_a, "From now on keeps the ideal time of every step, see take_ideal.")
+          "on"_a, "From now on records the ideal time of every step, see take_ideal.")
       .def(
           "take_ideal",
           [](JobView& self, size_t stepper) {

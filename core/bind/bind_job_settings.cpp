@@ -58,7 +58,8 @@ void bind_job_settings(JobClass& job) {
            self.job.motion.flush();
            self.job.motion.set_steps_per_unit(stepper, value);
          },
-         "stepper"_a, "value"_a, "Another scale of a motor, at standstill.")
+         "stepper"_a, "value"_a,
+         "Changes the steps per unit of a motor. Call it only at standstill.")
       .def(
           "set_geometry",
           [](JobView& self, const nb::typed<nb::dict, nb::str, nb::any>& spec) {
@@ -67,9 +68,8 @@ void bind_job_settings(JobClass& job) {
                 make_geometry(get<std::string>(spec, "kind"), geometry_params(spec)));
           },
           "spec"_a,
-          "Other parameters of the machine's geometry, as in its spec, at standstill. "
-          "No "
-          "motor moves: set_axes must say where the axes are now.")
+          "Changes the parameters of the machine's geometry. Call it only at standstill. No motor "
+          "moves; set_axes must follow.")
       .def(
           "let_rest",
           [](JobView& self, const std::vector<size_t>& steppers) {
@@ -80,8 +80,8 @@ void bind_job_settings(JobClass& job) {
             self.job.motion.let_rest(steppers);
           },
           "steppers"_a,
-          "These motors, by number, make no step of later moves, all others do; while the machine "
-          "stands. set_axes must say where the axes are after the moves of a motor that rested.")
+          "These motors, by number, make no steps for later moves; all others do. Call it only at "
+          "standstill. After moves without a motor, set_axes must follow.")
       .def(
           "set_height_map",
           [](JobView& self, const std::pair<double, double>& first,
@@ -98,8 +98,8 @@ void bind_job_settings(JobClass& job) {
             self.job.motion.set_shaper(axis, shaper_of(impulses));
           },
           "axis"_a, "impulses"_a,
-          "The shaper of X, Y or Z at standstill: (weight, seconds) of each impulse; "
-          "none: the axis is not shaped.")
+          "Sets the shaper of X, Y or Z: (weight, seconds) of each impulse; empty: the axis is not "
+          "shaped. Call it only at standstill.")
       .def(
           "set_smoothing",
           [](JobView& self, size_t extruder, double half_s) {
@@ -108,51 +108,50 @@ void bind_job_settings(JobClass& job) {
             self.job.motion.set_smoothing(extruder, half_s);
           },
           "extruder"_a, "half_s"_a,
-          "Half of the width over which an advance is smoothed, s, at standstill; 0: "
-          "the "
-          "extruder has no advance.")
+          "Sets half of the width, in s, over which the advance is smoothed; 0: the extruder has "
+          "no advance. Call it only at standstill.")
       .def(
           "smoothing",
           [](JobView& self, size_t extruder) {
             const std::vector<double>& all = self.job.motion.machine().filters.smooth_s;
             return extruder < all.size() ? all[extruder] : 0.0;
           },
-          "extruder"_a, "What set_smoothing has set, s.")
+          "extruder"_a, "The value of set_smoothing, s.")
       .def(
           "set_advance",
           [](JobView& self, size_t extruder, double seconds) {
             check_extruder(self, extruder);
             self.job.motion.planner().advance[extruder] = seconds;
           },
-          "extruder"_a, "seconds"_a, "Pressure advance of the moves that follow.")
+          "extruder"_a, "seconds"_a, "Sets the pressure advance of later moves.")
       .def(
           "pressure_advance",
           [](JobView& self, size_t extruder) {
             check_extruder(self, extruder);
             return self.job.motion.planner().advance[extruder];
           },
-          "extruder"_a, "What set_advance has set, s.")
+          "extruder"_a, "The value of set_advance, s.")
       .def(
           "use_filters",
           [](JobView& self, bool on) {
             self.job.motion.flush();
             self.job.motion.use_filters(on);
           },
-          "on"_a, "Shapers and advance act from now on, or do not; only at standstill.")
+          "on"_a, "Switches shapers and pressure advance on or off. Call it only at standstill.")
       .def(
           "plan_z",
           [](JobView& self, double x, double y, double height) {
             return self.job.motion.machine().plan_z(x, y, height);
           },
           "x"_a, "y"_a, "height"_a,
-          "Z of the plan, in mm, where what the bed adds there lifts the nozzle to this height.")
+          "The Z of the plan, in mm, at which the corrected nozzle is at this height.")
       .def(
           "nozzle_height",
           [](JobView& self, double x, double y, double z) {
             const double p[] = {x, y, z};
             return self.job.motion.machine().raised(p);
           },
-          "x"_a, "y"_a, "z"_a, "Z of the plan and what the bed adds to it there, in mm.")
+          "x"_a, "y"_a, "z"_a, "The Z of the plan plus the bed correction there, in mm.")
       .def(
           "set_tool_offset",
           [](JobView& self, size_t tool, int axis, double mm) {
@@ -175,9 +174,8 @@ void bind_job_settings(JobClass& job) {
             return std::vector<double>{program.offset_due(kX), program.offset_due(kY),
                                        program.offset_due(kZ)};
           },
-          "mm by which the next move of an axis moves X, Y and Z, too: for a change of tools, or "
-          "of "
-          "the offset of the tool in use, that no move has carried out yet.")
+          "The additional distance in mm that the next move of an axis makes in X, Y and Z, "
+          "because of a tool change or a changed tool offset.")
       .def_prop_ro(
           "retraction",
           [](JobView& self) {
@@ -194,7 +192,7 @@ void bind_job_settings(JobClass& job) {
             if (!i.volumetric()) return std::nullopt;
             return i.diameters();
           },
-          "mm, of each extruder, where E is a volume (M200); else None.")
+          "The filament diameter of each extruder in mm if E is a volume (M200); otherwise None.")
       .def_prop_ro(
           "filament_changes",
           [](JobView& self) {
@@ -203,11 +201,11 @@ void bind_job_settings(JobClass& job) {
               lengths.emplace_back(c.load_mm, c.unload_mm);
             return lengths;
           },
-          "mm that M701 pushes in and M702 pulls out, of each extruder.")
+          "The lengths in mm that M701 loads and M702 unloads, of each extruder.")
       .def_prop_ro(
           "modes", [](JobView& self) { return self.job.interpreter.modes(); },
-          "Tool, speed, plane, kinds of positions and units of a program that does not name its "
-          "own: a command a line, the units last.")
+          "G-code, one command a line, that sets tool, feedrate, plane, absolute or relative "
+          "positions, and last the units.")
       .def_prop_ro("auto_retract",
                    [](JobView& self) { return self.job.interpreter.auto_retract(); })
       .def(
@@ -216,7 +214,7 @@ void bind_job_settings(JobClass& job) {
             Limits limits = self.job.motion.planner().rules().now().limits;
             return *place_of(limits, name);
           },
-          "name"_a, "A limit as set_limit takes it.")
+          "name"_a, "The value of a limit, named as in set_limit.")
       .def(
           "axis_limit",
           [](JobView& self, const std::string& axis, const std::string& what) {
@@ -244,7 +242,7 @@ void bind_job_settings(JobClass& job) {
             uint8_t &slots = self.job.interpreter.cold, bit = uint8_t(1u << slot_of_axis(axis));
             slots = uint8_t(cold ? slots | bit : slots & ~bit);
           },
-          "axis"_a, "cold"_a, "The same for an axis, by number, that pushes filament.")
+          "axis"_a, "cold"_a, "The same for an axis, by number, that moves filament.")
       .def_prop_ro(
           "filament_scale", [](JobView& self) { return self.job.interpreter.e_scale(); },
           "mm of filament of the tool in use for a mm, or mm3, of the program's E.")
@@ -263,7 +261,7 @@ void bind_job_settings(JobClass& job) {
             check_flow(self, extruder, flow);
             self.job.interpreter.set_flow(extruder, flow);
           },
-          "extruder"_a, "flow"_a, "M221, a factor above 0, for what is read from now on.")
+          "extruder"_a, "flow"_a, "M221, a factor above 0, for moves that are read from now on.")
       .def(
           "scale_flow_from",
           [](JobView& self, double ticks, size_t extruder, double flow) {
@@ -271,8 +269,8 @@ void bind_job_settings(JobClass& job) {
             return self.job.scale_flow_from(ticks, extruder, flow);
           },
           "ticks"_a, "extruder"_a, "flow"_a,
-          "M221, a factor above 0, for all that is replanned from this clock on, and what is "
-          "read from now on; returns the clock of the cut.")
+          "M221, a factor above 0, for all moves after this clock, planned or not yet read. "
+          "Returns the clock of the cut.")
       .def_prop_ro(
           "speed_factor",
           [](JobView& self) { return self.job.motion.planner().rules().now().speed_factor; },
@@ -284,7 +282,7 @@ void bind_job_settings(JobClass& job) {
                                                      [&](Rules& r) { r.speed_factor = factor; });
           },
           "factor"_a, "live"_a = false,
-          "M220 for the moves that follow; `live`: for all that is replanned from now on.")
+          "M220 for later moves; with `live`, also for moves that are planned again from now on.")
       .def(
           "set_limit",
           [](JobView& self, const std::string& name, double value, bool live) {
@@ -292,7 +290,7 @@ void bind_job_settings(JobClass& job) {
                 live, [&](Rules& r) { *place_of(r.limits, name) = value; });
           },
           "name"_a, "value"_a, "live"_a = false,
-          "Changes a limit of the moves that follow; `live`: of all that is replanned.")
+          "Changes a limit for later moves; with `live`, also for moves that are planned again.")
       .def(
           "set_axis_limit",
           [](JobView& self, const std::string& axis, const std::string& what, double value,
@@ -304,6 +302,6 @@ void bind_job_settings(JobClass& job) {
             });
           },
           "axis"_a, "what"_a, "value"_a, "live"_a = false,
-          "Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as "
-          "set_limit.");
+          "Changes the `speed`, `accel` or `jerk` of an axis like set_limit, at most to the "
+          "machine's own limit.");
 }

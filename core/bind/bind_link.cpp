@@ -60,22 +60,24 @@ void bind_link(nb::module_& m) {
         return q.size();
       });
   nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
-  nb::enum_<Cause>(m, "Cause", "Why a frame was not at the board sooner.")
+  nb::enum_<Cause>(m, "Cause", "Why a frame did not arrive at the board earlier.")
       .value("PLAN", Cause::plan, "Its moves were planned late.")
       .value("STALL", Cause::stall, "The program did not run.")
-      .value("BYTES", Cause::bytes, "The link carries no more bytes.")
-      .value("RETRANSMITS", Cause::retransmits, "Bytes got lost.")
+      .value("BYTES", Cause::bytes, "The link was saturated.")
+      .value("RETRANSMITS", Cause::retransmits, "Bytes were lost.")
       .value("SLOTS", Cause::slots, "The board had no slot free.");
   m.attr("LATE_S") = Lateness::kLateSeconds;
-  nb::class_<Slack>(m, "Slack",
-                    "Of a frame: ticks before the clock of its most urgent message at which the "
-                    "board had it, that clock, and what held it up for how long.")
+  nb::class_<Slack>(
+      m, "Slack",
+      "The slack of a frame: how many ticks before the clock of its most urgent message it "
+      "arrived; that clock; and what delayed the frame, and for how many ticks.")
       .def_prop_ro("known", [](const Slack& s) { return s.slack != kNever; })
       .def_ro("slack", &Slack::slack)
       .def_ro("clock", &Slack::clock)
       .def_ro("held", &Slack::held)
       .def_ro("cause", &Slack::cause);
-  nb::class_<Timeline>(m, "Timeline", "What the links to the boards of one machine share.")
+  nb::class_<Timeline>(m, "Timeline",
+                       "The state that the links to the boards of one machine share.")
       .def(nb::init<>())
       .def(
           "arm",
@@ -86,11 +88,11 @@ void bind_link(nb::module_& m) {
             t.arm(std::move(list), reason, expired, clock, patience);
           },
           "members"_a, "reason"_a, "expired"_a, "clock"_a, "patience"_a,
-          "These trsyncs, (seat of the link, oid), trigger together, for one of two reasons; and "
-          "by themselves when one of them was not heard of for so many ticks.")
+          "These trsyncs, (number of the link, oid), trigger together: with `reason` when one has "
+          "triggered, or with `expired` when one has not reported for `patience` ticks.")
       .def("disarm", &Timeline::disarm)
       .def_prop_ro("halted", &Timeline::halted, "A board has stopped or is lost.");
-  nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
+  nb::class_<Link>(m, "Link", "The host's end of the connection to a board; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
       .def_prop_ro("hz", &Link::hz)
       .def(
@@ -122,11 +124,11 @@ void bind_link(nb::module_& m) {
           nb::sig("def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]"))
       .def("follow_clock", &held<&Link::follow_clock, Ticks>, "now"_a)
       .def("set_byte_ticks", &held<&Link::set_byte_ticks, double>, "ticks"_a,
-           "What a byte takes on a serial line.")
+           "Sets the ticks that a byte takes on a serial line.")
       .def_prop_ro("synchronous", &held<&Link::synchronous>)
       .def_prop_ro("lost", &held<&Link::lost>)
       .def_prop_ro("begun_anew", &held<&Link::begun_anew>,
-                   "The board was reset, or its supply has failed.")
+                   "The board has restarted, after a reset or a power failure.")
       .def(
           "clock_at",
           [](Link& l, Ticks host) {
@@ -156,11 +158,12 @@ void bind_link(nb::module_& m) {
             l.join(timeline, main, tolerance);
           },
           "timeline"_a, "main"_a, "tolerance"_a = 0.0,
-          "The board is one of several: the main one, or one whose steps are told in its own "
-          "clock, within so many ticks.")
-      .def_prop_ro("seat", &held<&Link::seat>, "Its number among the links of the machine.")
+          "The board is one of several: the main board, or a further one, which gets its steps in "
+          "its own clock with `tolerance` more ticks.")
+      .def_prop_ro("seat", &held<&Link::seat>,
+                   "The number of this link among the links of the machine.")
       .def("own_clock", &held<&Link::own_clock, Ticks>, "main_clock"_a,
-           "What this board's clock reads when the main one's reads so much.")
+           "The clock of this board when the main board's clock reads `main_clock`.")
       .def("main_clock", &held<&Link::main_clock, Ticks>, "own_clock"_a)
       .def(
           "set_apart",
@@ -169,7 +172,7 @@ void bind_link(nb::module_& m) {
             if (Retimer* retimer = l.job().retimer()) retimer->set_apart(target, {least, turning});
           },
           "target"_a, "least"_a, "turning"_a,
-          "How close steps of a motor may come, in ticks, one way and where it turns.")
+          "The minimum distance of a motor's steps in ticks: in one direction, and at a reversal.")
       .def(
           "add_pin",
           [](Link& l, size_t target, const std::string& name, uint32_t oid, PinKind kind,
@@ -178,9 +181,8 @@ void bind_link(nb::module_& m) {
             l.job().add_pin(l.commands(), target, name, oid, kind, inverted_full, longest);
           },
           "target"_a, "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0, "longest"_a = 0,
-          "inverted_full: the value at full scale of a pin that is on when low; longest: ticks "
-          "that "
-          "the board lets it be on without a word.")
+          "inverted_full: the value at full scale of a pin that is on when low. longest: ticks "
+          "after which the board shuts down if the pin is on and not renewed; 0: it does not.")
       .def(
           "set_kick",
           [](Link& l, size_t target, Ticks ticks, uint32_t full, uint32_t rise) {
@@ -188,8 +190,8 @@ void bind_link(nb::module_& m) {
             l.job().set_kick(target, {ticks, full, rise});
           },
           "target"_a, "ticks"_a, "full"_a, "rise"_a,
-          "Where the value of a pin comes from 0, or rises by more than so much, it is `full` for "
-          "so many ticks first.")
+          "Kickstart: if the value of a pin rises from 0, or by more than `rise`, the pin is "
+          "`full` for `ticks` first.")
       .def(
           "set_slots",
           [](Link& l, size_t slots) {
@@ -205,11 +207,11 @@ void bind_link(nb::module_& m) {
           },
           "queue"_a.none(), nb::keep_alive<1, 2>())
       .def("start_job", &held<&Link::start_job, Ticks, double>, "base_clock"_a, "main_hz"_a,
-           "Both are the main board's.")
+           "Starts the job at this clock of the main board, whose clock frequency is `main_hz`.")
       .def_prop_ro("clock_jitter_s", &held<[](Link& l) { return l.clock().jitter_s(); }>,
-                   "What answers usually take longer than the quickest ones, seconds.")
+                   "The usual delay of an answer beyond the fastest ones, in seconds.")
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
-           "The job comes in commits, and leaves so many ticks ahead.")
+           "The job comes in commits, and its messages are sent `horizon` ticks ahead.")
       .def(
           "begin_commits",
           [](Link& l, bool on) {
@@ -217,19 +219,19 @@ void bind_link(nb::module_& m) {
             l.begin_commits(on);
           },
           "on"_a,
-          "The machine stands, and what moves it comes in commits from here on, for the board is "
-          "armed; or it does no more.")
+          "Call it at standstill. With `on`, the board is armed, and motion comes in commits from "
+          "here on; otherwise no longer.")
       .def("reconnect", &held<&Link::reconnect>,
-           "The board has gone on without this host: what was on its way is forgotten, and the job "
-           "stands until go_on().")
-      .def_prop_ro("told", &held<&Link::told>,
-                   "The board has all commands; answers at once have come, or are lost.")
-      .def(
-          "unheard_s", &held<&Link::unheard_s, Ticks>, "clock"_a,
-          "Seconds since the first of what the board has not acknowledged was sent, when its clock "
-          "reads `clock`; 0 if it has acknowledged all.")
+           "The board has continued without this host: messages on their way are dropped, and the "
+           "job is paused until go_on().")
+      .def_prop_ro(
+          "told", &held<&Link::told>,
+          "The board has all commands. Their immediate answers have been received, or are lost.")
+      .def("unheard_s", &held<&Link::unheard_s, Ticks>, "clock"_a,
+           "Age in seconds of the oldest message that the board has not acknowledged, when its "
+           "clock reads `clock`; 0 if it has acknowledged all.")
       .def_prop_ro("delivered", &held<&Link::delivered>,
-                   "Everything of the job so far is at the board.")
+                   "The board has all messages of the job so far.")
       .def("go_on", &held<&Link::go_on>)
       .def("stop_job", &held<[](Link& l) { l.job().stop(); }>)
       .def(
@@ -244,14 +246,14 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("stopped_with_others", &held<&Link::stopped_with_others>,
                    "The board was shut down because another one of the machine had failed.")
       .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)
-      .def(
-          "restart", &held<&Link::restart>,
-          "The board begins anew: what was on its way is forgotten, its numbering is learnt again.")
+      .def("restart", &held<&Link::restart>,
+           "Call it when the board restarts: messages on their way are dropped, and its frame "
+           "numbers are read again.")
       .def_prop_ro("wire_bytes", &held<&Link::wire_bytes>)
       .def_prop_ro("frames", &held<&Link::frames>)
       .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
       .def("take_slack", &held<[](Link& l) { return l.lateness().take_recent(); }>,
-           "The least since this was last asked.")
+           "The minimum slack since the last call.")
       .def_prop_ro("min_slack", &held<[](Link& l) { return l.lateness().least(); }>)
       .def_prop_ro(
           "late_frames",
@@ -261,9 +263,10 @@ void bind_link(nb::module_& m) {
             for (size_t i = 0; i < kCauses; ++i) frames[Cause(i)] = l.lateness().late_frames()[i];
             return frames;
           },
-          "How many frames were at the board less than LATE_S before it needed them, by cause.")
+          "The number of frames that arrived less than LATE_S before the board needed them, by "
+          "cause.")
       .def_prop_ro("longest_stall", &held<[](Link& l) { return l.lateness().longest_stall(); }>,
-                   "The most that it was looked after too late, ticks.")
+                   "The longest delay of a poll, in ticks.")
       .def_prop_ro("queue_steps", &held<[](Link& l) { return l.job().queue_steps(); }>)
       .def_prop_ro("messages", &held<[](Link& l) { return l.job().messages(); }>)
       .def_prop_ro("stream_hash", &held<[](Link& l) { return l.job().hash(); }>)
@@ -274,7 +277,7 @@ void bind_link(nb::module_& m) {
             l.record().keep(bytes, parts);
           },
           "bytes"_a, "parts"_a,
-          "Keeps the last bytes of both directions from now on; powers of two.")
+          "Keeps the last bytes of both directions from now on. Both sizes are powers of two.")
       .def(
           "recorded",
           [](Link& l, Ticks since) {
@@ -289,8 +292,8 @@ void bind_link(nb::module_& m) {
           },
           nb::sig("def recorded(self, since: int) -> list[tuple[int, int, bool, bytes]]"),
           "since"_a,
-          "What was sent and received since that host time, oldest first: host time, the board's "
-          "clock (0 while it is not known), whether it came from the board, and its bytes.")
+          "The data sent and received since that host time, oldest first: host time, the board's "
+          "clock (0 if not known), True if the board sent it, and the bytes.")
       .def(
           "feed",
           [](Link& l, const nb::bytes& data, Ticks now) {

@@ -116,8 +116,8 @@ void bind_motion(nb::module_& m) {
       .def("push", &push, "target"_a, "feed_mm_s"_a, "kind"_a = "travel", "extruder"_a = 0,
            "duration_s"_a = 0.0, "radius_mm"_a = kInfinity, "inner"_a = false, "line"_a = 0,
            "flow"_a = 1.0,
-           "Adds a move to the absolute target: one number an axis, then E, which was scaled with "
-           "`flow` (0: by none, and never). Raises ValueError.")
+           "Adds a move to the absolute target: one number for each axis, then E. `flow` is the "
+           "factor that has scaled E; 0: E is never scaled. Raises ValueError.")
       .def(
           "set_height_map",
           [](RecordedMotion& self, const std::pair<double, double>& first,
@@ -125,12 +125,11 @@ void bind_motion(nb::module_& m) {
             self.motion.set_height_map(height_map_of(first, spacing, heights, fade));
           },
           "first"_a, "spacing"_a, "heights"_a, "fade"_a = nb::none(), kHeightMapText)
-      .def(
-          "add_pieces", &add_pieces, "pieces"_a, "end"_a = nb::none(), "extruder"_a = 0,
-          "Motion that is planned already, behind what was pushed so far: of each piece its "
-          "seconds, and for each axis, then E, up to six coefficients of a polynomial of time: mm, "
-          "mm/s, mm/s^2 and so on. Pieces join to 1e-6 mm; `end` says where the last one ends if "
-          "not where its polynomials do. Raises ValueError.")
+      .def("add_pieces", &add_pieces, "pieces"_a, "end"_a = nb::none(), "extruder"_a = 0,
+           "Adds motion that is planned already, after the moves pushed so far. Each piece has its "
+           "duration in s and, for each axis, then E, up to six coefficients of a polynomial of "
+           "time: mm, mm/s, mm/s^2 and so on. Pieces must join to 1e-6 mm. `end` is the exact end "
+           "of the last piece; by default, the end of its polynomials. Raises ValueError.")
       .def(
           "record",
           [](RecordedMotion& self, uint16_t target, uint32_t value) {
@@ -148,10 +147,11 @@ void bind_motion(nb::module_& m) {
             p[kE] = position.back();
             self.motion.set_position(p, 0);
           },
-          "position"_a, "Sets where the machine is, without motion; only while nothing is queued.")
+          "position"_a,
+          "Sets the position of the machine, without motion. Call it only while nothing is queued.")
       .def(
           "flush", [](RecordedMotion& self) { self.motion.flush(); },
-          "Settles all for a stop at the end.")
+          "Settles all moves, for a stop at the end.")
       .def(
           "wait_until", [](RecordedMotion& self, double ticks) { self.motion.wait_until(ticks); },
           "ticks"_a)
@@ -159,7 +159,7 @@ void bind_motion(nb::module_& m) {
           "replan_from",
           [](RecordedMotion& self, double ticks) { return self.motion.replan_from(ticks); },
           "ticks"_a,
-          "Plans anew from this clock on with the limits of now; returns the clock of the cut.")
+          "Plans again from this clock on with the present limits. Returns the clock of the cut.")
       .def(
           "shift_from",
           [](RecordedMotion& self, double ticks, int axis, double mm) {
@@ -167,7 +167,8 @@ void bind_motion(nb::module_& m) {
             return self.motion.shift_from(ticks, axis, mm, 0, 0);
           },
           "ticks"_a, "axis"_a, "mm"_a,
-          "From this clock on all lies so much further; returns the clock of the cut.")
+          "Shifts all motion from this clock on by `mm` along an axis. Returns the clock of the "
+          "cut.")
       .def(
           "change_flow_from",
           [](RecordedMotion& self, double ticks, double flow, size_t extruder) {
@@ -178,35 +179,37 @@ void bind_motion(nb::module_& m) {
             return self.motion.change_flow_from(ticks, extruder, change);
           },
           "ticks"_a, "flow"_a, "extruder"_a = 0,
-          "From behind this clock on filament moves with this flow; returns the clock of the cut.")
+          "Changes the flow of an extruder after this clock. Returns the clock of the cut.")
       .def(
           "skip_dwell_from",
           [](RecordedMotion& self, double ticks) { return self.motion.skip_dwell_from(ticks); },
           "ticks"_a,
-          "Ends the dwell that is under way at this clock; returns the clock of the cut, or None.")
+          "Ends the dwell at this clock. Returns the clock of the cut, or None if there is no "
+          "dwell.")
       .def(
           "hold_from",
           [](RecordedMotion& self, double ticks) { return self.motion.hold_from(ticks); },
           "ticks"_a,
-          "Brakes to a stop on the path from this clock on; returns the clock of the cut.")
+          "Brakes to a stop on the path from this clock on. Returns the clock of the cut.")
       .def(
           "release", [](RecordedMotion& self) { self.motion.release(); },
-          "Goes on with what hold_from left.")
+          "Continues the moves that hold_from has stopped.")
       .def(
           "use_commits",
           [](RecordedMotion& self, int64_t period, size_t most) {
             self.motion.use_commits(period, most);
           },
           "period"_a, "most"_a,
-          "Messages come in commits of at most so many ticks and messages from now on; only behind "
-          "flush().")
+          "From now on messages come in commits of at most this many ticks and messages. Call it "
+          "only after flush().")
       .def(
           "set_speed_factor",
           [](RecordedMotion& self, double factor, bool live) {
             self.motion.planner().rules().change(live, [&](Rules& r) { r.speed_factor = factor; });
           },
           "factor"_a, "live"_a = true,
-          "M220: of moves to come, or, `live`, of all that is replanned.")
+          "M220: the speed factor of later moves; with `live`, also of moves that are planned "
+          "again.")
       .def(
           "set_accel",
           [](RecordedMotion& self, double accel, bool live) {
@@ -220,7 +223,7 @@ void bind_motion(nb::module_& m) {
           [](RecordedMotion& self, size_t extruder, double seconds) {
             self.motion.planner().advance.at(extruder) = seconds;
           },
-          "extruder"_a, "seconds"_a, "Pressure advance of moves to come.")
+          "extruder"_a, "seconds"_a, "Sets the pressure advance of later moves.")
       .def_prop_ro(
           "clock", [](RecordedMotion& self) { return self.motion.planner().clock(); },
           "End of the last settled move, ticks.")
@@ -254,7 +257,7 @@ void bind_motion(nb::module_& m) {
               out.push_back(self.motion.stream().count(i));
             return out;
           },
-          "Step count of every motor after all that was solved.")
+          "Step count of every motor after all solved moves.")
       .def("dropped_pairs",
            [](RecordedMotion& self, size_t i) {
              return self.motion.stream().statistics(i).dropped_pairs;

@@ -21,7 +21,7 @@ void bind_wire(nb::module_& m) {
       .value("HEATERS", Stop::heaters)
       .value("FAULT", Stop::fault)
       .value("CLOSED", Stop::closed);
-  nb::class_<Pump>(m, "Pump", "Runs a link and a device in virtual time.")
+  nb::class_<Pump>(m, "Pump", "Runs links and devices in virtual time.")
       .def(
           "__init__",
           [](Pump* self, Link& link, Device& device, Ticks start) {
@@ -29,15 +29,16 @@ void bind_wire(nb::module_& m) {
           },
           "link"_a, "device"_a, "start"_a = 0, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
       .def("attach", &Pump::attach, "link"_a, "device"_a, nb::keep_alive<1, 2>(),
-           nb::keep_alive<1, 3>(), "A further device, or another link to one that is here.")
+           nb::keep_alive<1, 3>(),
+           "Adds a further device, or another link to a device that is attached already.")
       .def_prop_ro("now", &Pump::now)
-      .def_prop_ro("hz", &Pump::hz, "Ticks of its time in a second.")
-      .def("board_clock", &Pump::board_clock, "link"_a,
-           "What the clock of this link's board reads, as far as it is known.")
-      .def("sleep", &Pump::sleep, "until"_a, "The host does nothing until then; boards live on.")
-      .def("cut", &Pump::cut, "Takes the cable away.")
+      .def_prop_ro("hz", &Pump::hz, "Ticks per second of its clock.")
+      .def("board_clock", &Pump::board_clock, "link"_a, "The estimated clock of this link's board.")
+      .def("sleep", &Pump::sleep, "until"_a,
+           "The host does nothing until that time; boards continue to run.")
+      .def("cut", &Pump::cut, "Cuts the cables: no byte arrives any more.")
       .def_prop_ro("device_share", &Pump::device_share,
-                   "The part of its processor time that the devices take, from a sample.")
+                   "The fraction of its processor time that the devices take, from a sample.")
       .def("record", &Pump::record, "on"_a)
       .def("take_recorded",
            [](Pump& p) {
@@ -48,27 +49,28 @@ void bind_wire(nb::module_& m) {
       .def("run", &Pump::run, "until"_a, "until_heaters"_a = false,
            nb::call_guard<nb::gil_scoped_release>());
   nb::class_<LiveWire>(m, "LiveWire",
-                       "Drives a link over a file descriptor, which it owns, in real time and a "
-                       "thread of its own.")
+                       "Runs a link over a file descriptor in real time, in a separate thread. "
+                       "Owns the file descriptor.")
       .def(nb::init<Link&, int>(), "link"_a, "fd"_a, nb::keep_alive<1, 2>())
       .def_prop_ro("now", &LiveWire::now)
       .def_prop_ro("failure", &LiveWire::failure,
-                   "What ended the connection, if it was not the cable.")
-      .def_prop_ro("hz", &LiveWire::hz, "Ticks of its time in a second.")
+                   "The reason why the connection ended, if it was not the cable; otherwise empty.")
+      .def_prop_ro("hz", &LiveWire::hz, "Ticks per second of its clock.")
       .def(
           "board_clock", [](LiveWire& w, const Link&) { return w.now(); }, "link"_a,
-          "What the board's clock reads, as far as it is known.")
+          "The estimated clock of the board.")
       .def("use_board_clock", &LiveWire::use_board_clock,
-           "Once the link is synchronous: `now` is the board's clock from here on.")
+           "From here on `now` is the board's clock. Call it once the link is synchronous.")
       .def("join", &LiveWire::join, "timeline"_a,
-           "The link looks up whenever others of its machine have news for it.")
-      .def("stop", &LiveWire::stop, "No byte moves any more.",
+           "The thread wakes whenever another link of the machine has a message for this one.")
+      .def("stop", &LiveWire::stop, "Stops the thread: no more bytes are sent or received.",
            nb::call_guard<nb::gil_scoped_release>())
       .def("run", &LiveWire::run, "until"_a, "until_heaters"_a = false,
            nb::call_guard<nb::gil_scoped_release>());
-  nb::class_<LiveBoard>(m, "LiveBoard",
-                        "Lets a device answer on a file descriptor, which it owns, in real time "
-                        "and a thread of its own; look at the device in `look`, or after `stop`.")
+  nb::class_<LiveBoard>(
+      m, "LiveBoard",
+      "Connects a device to a file descriptor in real time, in a separate thread. Owns the file "
+      "descriptor. Use the device only in `look`, or after `stop`.")
       .def(nb::init<Device&, int, double, Ticks>(), "device"_a, "fd"_a, "clock_hz"_a, "start"_a = 0,
            nb::keep_alive<1, 2>())
       .def(
@@ -81,6 +83,6 @@ void bind_wire(nb::module_& m) {
             }
             return at();
           },
-          "at"_a, "What the function returns, which may use the device.")
+          "at"_a, "Calls the function, which may use the device, and returns its result.")
       .def("stop", &LiveBoard::stop, nb::call_guard<nb::gil_scoped_release>());
 }

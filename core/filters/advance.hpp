@@ -85,7 +85,7 @@ class Advance {
   static constexpr int kResum = 64;
   Phases* phases_;
   double h_, per_hh_, delay_[3];
-  size_t k_[3] = {0, 0, 0};  // phase under way at t + h, t and t - h of the delayed plan
+  size_t k_[3] = {0, 0, 0};  // current phase at t + h, t and t - h of the delayed plan
   size_t last_ = 0;          // one more than the last phase so far in which something is advanced
   double t_ = 0, q_ = 0, v_ = 0, a_ = 0;     // of e
   double g_ = 0, g1_ = 0, g2_ = 0, g3_ = 0;  // g and its derivatives
@@ -121,7 +121,7 @@ class Advance {
   template <class Sink>
   void settle(Sink& sink) {
     const double end = (q_ - count_) + g_, n = std::floor(end + 0.5);
-    // Where the four Bezier values lie within one step there is none.
+    // If the four Bezier values are within one step, the interval has no step.
     const double b1 = c0_ + c1_ * (1.0 / 3), b2 = c0_ + (2 * c1_ + c2_) * (1.0 / 3);
     if ((n == 0) & (b1 < 0.5) & (b2 < 0.5) & (b1 > -0.5) & (b2 > -0.5)) return;
     sink.cubic(t_ - d_, d_, c0_, c1_, c2_, end, n);
@@ -134,7 +134,7 @@ class Advance {
     double once = 0, twice = 0, once_middle = 0, twice_middle = 0;  // integrals of y from t - h on
     double y[3], slope[3], at = from;
     for (size_t k = k_[2];; ++k) {
-      // Up to the middle, the end, or the next phase.
+      // Continues up to the middle, the end, or the next phase.
       const double y0 = p.advanced[k].y + p.advanced[k].slope * (acts(k) ? at - p.t[k] : 0);
       const double b = p.advanced[k].slope;
       auto go = [&](double begin, double to, double begin_y) {

@@ -1,4 +1,5 @@
-// The filtered way of the nozzle in X, Y and Z, for motors that are not a sum of them.
+// The filtered path of the nozzle in X, Y and Z, for motors whose position is not a linear sum of
+// X, Y and Z.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -23,17 +24,17 @@ class NozzleLaw {
  public:
   explicit NozzleLaw(const Machine& machine) : machine_(machine), hz_(machine.clock_hz) {}
 
-  // A motor of the machine follows it.
+  // A motor of the machine needs this path.
   bool needed() const;
-  // As FilteredSolver: moves that follow the last ones, and what is certain of the way that they
-  // add, from the end of the track before it on.
+  // As FilteredSolver::solve: takes moves that follow the last ones, and returns the new part of
+  // the path that later moves cannot change. It begins at the end of the track before it.
   void solve(const std::vector<Move>& moves, double known, bool last);
   // Continues at `clock` after the moves `past`. The track is that point alone.
   void restart(double clock, const std::vector<Move>& past);
   const Track& track() const { return track_; }
 
  private:
-  // Its position where it begins.
+  // The position at the start of the track.
   struct Interval {
     double end, q, v, a;
   };

@@ -13,19 +13,20 @@ inline constexpr double kNeverTicks = 1e300;
 typedef double Two __attribute__((vector_size(16)));  // two doubles, added and scaled at once
 
 // Phase k begins at t[k] with position q, speed v and acceleration a, in steps and ticks. `change`
-// is what is different there from the phase before it, as that one ends by these numbers: a clock
-// has 6e-5 ticks at the end of a long print, so the position changes by a trifle at each move, and
-// sums over many breakpoints would drift without it. After the last phase stands t = kNeverTicks.
+// is the difference at its start from the calculated end of the phase before. At the end of a long
+// print a clock has a resolution of 6e-5 ticks, so the position jumps a little at each move;
+// without `change`, sums over many breakpoints would drift. The entry after the last phase has t =
+// kNeverTicks.
 class Phases {
  public:
   struct Change {
     Two place;  // of q and of v
     Two rate;   // of a; 1 if the new phase is a standstill, else 0
   };
-  // What is advanced, of an extruder: the speed by the seconds of advance of its moves.
+  // The pressure advance of an extruder: the speed times the advance of its moves in seconds.
   struct Advanced {
     double y, slope;     // at the begin of the phase
-    double dy, d_slope;  // against the phase before it, as that one ends
+    double dy, d_slope;  // difference from the end of the phase before
   };
   std::vector<double> t, q, v, a;
   std::vector<Change> change;
@@ -34,8 +35,8 @@ class Phases {
 
   explicit Phases(bool advances = false) : advances_(advances) { reserve(kSmallest); }
 
-  // The axis stands at q0, and has done so for ever. A breakpoint of an axis that stands is left
-  // out if it is later than `span` ticks after the one before it.
+  // The axis is at rest at q0, and always was. A breakpoint of an axis at rest is left out if it is
+  // more than `span` ticks after the one before it.
   void begin(double q0, double span) {
     span_ = span;
     t[0] = -span, q[0] = q0, v[0] = a[0] = 0;
@@ -64,20 +65,20 @@ class Phases {
       end_ = until;
     }
   }
-  // The law is known up to `clock`, and goes on from there.
+  // The law is known up to `clock`, and continues from there.
   void resume(double clock) {
     if (clock > end_ + 0.5) stand();
     end_ = std::max(end_, clock);
   }
-  // The axis stands at the end of the last move.
+  // The axis is at rest at the end of the last move.
   void stand() {
     advance_ = 0;
     if (!stands[n_ - 1]) write(end_, at_end_, 0, 0);
   }
   double at_end() const { return at_end_; }
 
-  // Phases before number k are no longer needed. Returns by how much the numbers of the others
-  // have become less.
+  // Drops the phases before number k. Returns how much smaller the numbers of the remaining phases
+  // are now.
   size_t drop(size_t k) {
     if (k < kDropped) return 0;
     for (auto* x : {&t, &q, &v, &a}) shift(*x, k, n_ + 1 - k);

@@ -13,7 +13,7 @@ namespace passo {
 // Later than any breakpoint, and before kNeverTicks.
 inline constexpr double kAllTicks = 1e299;
 
-// Of positive doubles the order of their bits is their own.
+// Positive doubles have the same order as their bit patterns.
 inline int64_t ordered(double x) { return std::bit_cast<int64_t>(x); }
 
 class Taps {
@@ -22,7 +22,7 @@ class Taps {
   struct Tap {
     Phases* phases;
     double weight, delay;  // ticks
-    size_t k = 0;          // phase under way
+    size_t k = 0;          // current phase
   };
 
   void add(Phases* phases, double weight, double delay) {
@@ -30,9 +30,9 @@ class Taps {
     earliest_ = std::min(earliest_, delay);
   }
 
-  // The least delay, ticks: so much later than the plan the law is known.
+  // The minimum delay in ticks: the law is known until this long after the end of the plan.
   double earliest() const { return earliest_; }
-  // The law continues from here, whatever came before.
+  // The law continues from here; earlier phases have no effect.
   void start(double t) {
     t_ = t;
     for (int i = 0; i < n_; ++i) {
@@ -92,7 +92,8 @@ class Taps {
   Tap taps_[kMost];
   double earliest_ = kNeverTicks, t_ = 0, q_ = 0, v_ = 0, a_ = 0;
 
-  // The law at t_, summed again from the phases under way: exact where all of them stand.
+  // The law at t_, summed again from the current phases. It is exact when all of them are at
+  // standstill.
   void sum() {
     double x[kMost];
     v_ = a_ = q_ = 0;
@@ -117,7 +118,8 @@ class Taps {
 
   template <int N, class Sink>
   void walk(double limit, Sink& sink) {
-    // All of it in locals: the compiler cannot know that the sink does not write to members.
+    // All values are in local variables, because the compiler cannot exclude that the sink writes
+    // to members.
     constexpr int kRoom = N > 0 ? N : kMost;
     const int n = N > 0 ? N : n_;
     const double* times[kRoom];

@@ -9,25 +9,26 @@
 
 namespace passo {
 
-// Chords whose middle is at most kChordError inside the circle: the angle between points is
-// 2 acos(1 - kChordError/r), and acos(1 - x) ≥ sqrt(2x). A helix and the extruder go along in
+// Chords whose middle is at most kChordError inside the circle: the angle between points is 2
+// acos(1 - kChordError/r), and acos(1 - x) ≥ sqrt(2x). The axis of a helix and the extruder move in
 // proportion.
 class Arc {
  public:
   static constexpr double kChordError = 0.0045;  // mm
   static constexpr double kMaxChords = 1e7;
-  // By how much the radii at both ends may differ: a share of the larger one, within these, mm.
+  // By how much the radii at both ends may differ: a fraction of the larger one, between these
+  // bounds in mm.
   static constexpr double kSpiral = 0.005, kMinSpiralMm = 0.05, kMaxSpiralMm = 0.5;
   static constexpr double kFullTurn = 6.283185307179586;
 
-  // Whether an arc whose ends are so many mm apart counts as a straight line if its words define no
-  // circle: its distances from one of the ends differ by no more than the tolerance.
+  // Whether an arc whose ends are this many mm apart counts as a straight line if its parameters
+  // define no circle.
   static bool tiny(double mm) { return mm <= kMinSpiralMm; }
 
   bool active() const { return done_ < chords_; }
 
   // From `start` to `end` in the plane of slots u, v, about a centre; `turns` further full circles.
-  // False where that takes too many chords.
+  // False if this needs too many chords.
   bool begin(const double* start, const double* end, int u, int v, double cu, double cv,
              bool clockwise, int turns) {
     std::memcpy(start_, start, sizeof start_);
@@ -54,7 +55,7 @@ class Arc {
     reached_ = false;
     return true;
   }
-  // All that is left of it lies so much further along slot j.
+  // Shifts the rest of the arc by this distance along slot j.
   void shift(int j, double mm) {
     start_[j] += mm;
     end_[j] += mm;
@@ -62,29 +63,30 @@ class Arc {
     if (j == v_) cv_ += mm;
     reached_ = false;
   }
-  // How far it still goes along slot j.
+  // The remaining distance along slot j.
   double left(int j) const { return (end_[j] - start_[j]) * (1 - double(done_) / chords_); }
-  // From `at` on it goes so far instead.
+  // Changes the remaining distance from `at` on.
   void set_left(int j, double at, double mm) {
     end_[j] = at + mm;
     start_[j] = end_[j] - mm / (1 - double(done_) / chords_);
   }
-  double most_turns() const { return most_turns_; }      // that begin() takes for sure
+  double most_turns() const { return most_turns_; }      // that begin() always accepts
   uint8_t axis() const { return uint8_t(3 - u_ - v_); }  // slot perpendicular to its plane
   double radius() const { return std::max(radius0_, radius1_); }
   double start_radius() const { return radius0_; }
   double end_radius() const { return radius1_; }
-  // Rounded coordinates make a circle a little of a spiral, a wrong centre makes a wide one.
+  // Rounded coordinates turn a circle into a slight spiral; a wrong centre turns it into a wide
+  // one.
   bool round() const {
     double allowed = std::clamp(kSpiral * radius(), kMinSpiralMm, kMaxSpiralMm);
     return std::fabs(radius1_ - radius0_) <= allowed;
   }
   bool first() const { return done_ == 1; }
-  // The least and the greatest that any of its points has along slot j of its plane, or less and
-  // more: those of the whole circle.
+  // Bounds of the arc along slot j of its plane: those of the whole circle, so the arc itself may
+  // be smaller.
   double lowest(int j) const { return (j == u_ ? cu_ : cv_) - radius(); }
   double highest(int j) const { return (j == u_ ? cu_ : cv_) + radius(); }
-  // All chords that are left were found to be within the reach of the actuators.
+  // All remaining chords are known to be within the reach of the actuators.
   bool reached() const { return reached_; }
   void note_reached() { reached_ = true; }
 

@@ -10,7 +10,7 @@ namespace passo {
 // and drilled along slot w. next() yields the moves one by one, so a line takes no memory.
 class Cycle {
  public:
-  static constexpr double kBackOffMm = 0.254;  // between pecks, as RS274 has it
+  static constexpr double kBackOffMm = 0.254;  // between pecks, as in RS274
   static constexpr double kMaxRepeats = 10'000, kMaxPecks = 1e6;
 
   struct Plan {
@@ -31,7 +31,7 @@ class Cycle {
   Cycle() = default;
   explicit Cycle(const Plan& plan) : plan_(plan) {}
   bool active() const { return hole_ < plan_.repeats; }
-  // All that is left of it is so much further along slot j.
+  // Shifts the rest of the cycle by this distance along slot j.
   void shift(int j, double mm) {
     if (j == plan_.u) plan_.at[0] += mm;
     if (j == plan_.v) plan_.at[1] += mm;

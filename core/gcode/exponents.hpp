@@ -1,5 +1,5 @@
-// Numbers with an exponent. G-code has none: the E of `X1E5` is a word. Some programs print such
-// numbers all the same (`E9.9e-05`), so an E that cannot be a word is read as a part of the number
+// Numbers with an exponent. G-code has no exponents: the E of `X1E5` is a word. Some programs print
+// them nevertheless (`E9.9e-05`), so an E that cannot be a word is read as a part of the number
 // before it: docs/reference/gcode.md has the rules.
 #pragma once
 #include <algorithm>

@@ -55,7 +55,7 @@ class Interpreter {
   // Drops the unread text of the selected source; its next line has the number `first`. With 1, a
   // new program begins: layers count from 0, and there are no objects.
   void restart(uint32_t first = 1);
-  // Reads on until there is a move, an event, an error, or no more text.
+  // Continues to read until there is a move, an event, an error, or no more text.
   Found next();
   const MoveRequest& move() const { return move_; }
   const Event& event() const { return event_; }
@@ -70,11 +70,11 @@ class Interpreter {
   void insert(std::string_view text);
   // How many macros of the selected source run within each other.
   size_t macro_depth() const { return frames_of(FrameKind::macro); }
-  // The rest of the program's macro does not belong to it any more: `mine` has it, as a console's.
+  // Moves the unread rest of the program's macro to `mine`, as a macro of a console.
   void hand_over_macro(Interpreter& mine);
   // Drops the rest of a console's macros.
   void forget_macros() { frames_[1].clear(); }
-  // Records how the program's line of this number is understood, see heard().
+  // Records how the program's line of this number is interpreted, see heard().
   void listen(uint32_t line) { listened_ = line; }
   const Heard& heard() const { return heard_; }
   // Commands read so far, unknown ones too.
@@ -172,7 +172,7 @@ class Interpreter {
   // Continues `change`, which has changed the planned moves, in the moves that are read but not
   // taken.
   void change_flow(size_t extruder, FlowChange& change);
-  // G11 gives back nothing of what G10 drew back before.
+  // G11 will not return the filament that G10 has retracted before.
   void forget_retraction();
   // M207 and M208.
   struct Retraction {
@@ -229,13 +229,13 @@ class Interpreter {
     bool valid = false;
     double at[kAxes];
   };
-  struct Drawn {  // by G10, not given back yet
+  struct Drawn {  // by G10, not returned yet
     bool back = false, swapped = false;
     double mm = 0;
   };
   struct Strand {       // the filament of an extruder, or of an axis that pushes it
-    double drawn = 0;   // mm by which it is drawn back
-    double excess = 0;  // mm by which that is more than the program means
+    double drawn = 0;   // mm by which it is retracted
+    double excess = 0;  // mm by which that is more than the program has commanded
   };
   enum class FrameKind : uint8_t { subprogram, macro, rest };
   struct Frame {  // lines of a sub-program, of a macro, or the rest of a line that called one
@@ -307,14 +307,15 @@ class Interpreter {
   std::vector<std::string> features_;
   uint64_t arcs_ = 0;
   Clamped clamped_[kAxes];
-  uint8_t cut_ = 0;  // a bit for each slot that is at a limit, not where the program means
+  uint8_t cut_ = 0;  // a bit for each slot that is at a limit instead of the commanded position
   Arc arc_;
   MoveRequest arc_move_{};  // its chord
   double arc_hop_ = 0;      // hop_ where it begins
   std::string text_;        // of the line, comments removed
   std::vector<Word> words_;
   uint32_t listened_ = 0, moved_line_ = 0;
-  uint32_t ended_line_ = 0;  // of the program: zero bytes or a Ctrl-Z end its text here; 0: no
+  uint32_t ended_line_ = 0;  // of the program: zero bytes or a Ctrl-Z end its text here; 0: they do
+                             // not
   bool ended_by_zero_ = false;
   Heard heard_;
   uint64_t commands_ = 0;
@@ -363,11 +364,11 @@ class Interpreter {
   bool skips() const { return object_ >= 0 && !source_ && objects_->cancelled(object_); }
   Strand& strand_of(int j) { return j == kE ? strands_[active_] : axis_strands_[j]; }
 
-  // Where the program means slot j to be, in machine coordinates.
+  // The position that the program has commanded for slot j, in machine coordinates.
   double meant(int j) const { return position_[j] + gap(j) - (j == kZ ? hop_ : 0) + due_[j]; }
-  // How far skipped moves have taken the program from the machine; nothing for a console.
+  // The distance from the machine to the program's position, after skipped moves; 0 for a console.
   double gap(int j) const { return source_ ? 0 : gap_[j]; }
-  // Where the program has left the machine, by skipped moves too.
+  // The position that the program has commanded, skipped moves included.
   void here(double* at) const {
     for (int j = 0; j < kAxes; ++j) at[j] = position_[j] + gap(j);
   }
@@ -383,8 +384,8 @@ class Interpreter {
   void owe(const double* mm) {
     for (int j = 0; j < 3; ++j) owe(j, mm[j]);
   }
-  // Whether a move may not bring axis slot j to `at`. From a switch beyond the limits a move may go
-  // back, or to the switch, but not to positions between it and the limit.
+  // Whether a move may not bring axis slot j to `at`. If the endstop is beyond the limits, a move
+  // may go back from it, or to it, but not to positions between it and the limit.
   bool beyond(int j, double at) const { return beyond(j, at, position_[j]); }
   bool beyond(int j, double at, double from) const {
     return (at < std::min(low_[j], from) - 1e-6 || at > std::max(high_[j], from) + 1e-6) &&

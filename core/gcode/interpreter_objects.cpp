@@ -168,7 +168,7 @@ bool Interpreter::join(const MoveRequest& m) {
     for (int j = 0; j < kAxes; ++j)
       if (is_filament(j) && (j != kE || !extruder_.empty())) with(j, strand_of(j));
   };
-  // It is drawn back as the program means from now on, or only where that is further.
+  // It is drawn back as the program means from now on, or only of the converter further.
   auto settle = [&](bool only_back) {
     bool moves = false;
     each_strand([&](int j, Strand& strand) {

@@ -10,8 +10,8 @@
 
 namespace passo {
 
-// The comments with which slicers begin a layer. A file may have those of two, for its slicer's and
-// a host's sake: then only one of them counts.
+// The comments with which slicers begin a layer. A file may have the comments of two kinds, for
+// example of its slicer and for a host: then only one kind counts.
 enum class LayerMark : uint8_t {
   none,          // not a mark
   number,        // ;LAYER:3
@@ -24,7 +24,8 @@ inline constexpr size_t kLayerMarks = 5;
 // The mark in a comment: its text after ';'.
 inline LayerMark layer_mark(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  auto rest = [&](std::string_view word) {  // behind the word in any case; null: it is not there
+  auto rest = [&](std::string_view word) {  // after the word in upper or lower case; null: the word
+                                            // is missing
     if (text.size() < word.size()) return static_cast<const char*>(nullptr);
     for (size_t i = 0; i < word.size(); ++i)
       if (std::toupper(uint8_t(text[i])) != word[i]) return static_cast<const char*>(nullptr);
@@ -43,11 +44,11 @@ inline LayerMark layer_mark(std::string_view text) {
   return LayerMark::none;
 }
 
-// How often each kind of mark is in a program.
+// The number of marks of each kind in a program.
 class LayerMarks {
  public:
   void comment(std::string_view text) { ++times_[size_t(layer_mark(text))]; }
-  // The kind that is there most often; none: the program marks no layers.
+  // The most frequent kind; none: the program does not mark layers.
   LayerMark kind() const {
     const auto most = std::max_element(times_.begin() + 1, times_.end());
     return *most ? LayerMark(most - times_.begin()) : LayerMark::none;

@@ -53,8 +53,8 @@ inline bool read_number(const char*& p, const char* end, double& value) {
   return true;
 }
 
-// Cuts a stream of bytes into lines, which end with LF, CR LF or CR. A byte order mark in front of
-// the first line goes.
+// Cuts a stream of bytes into lines, which end with LF, CR LF or CR. A byte order mark before the
+// first line is removed.
 class Lines {
  public:
   static constexpr size_t kMaxLineBytes = 65536;  // bytes of a line, comment not counted
@@ -123,7 +123,7 @@ class Lines {
   uint64_t fed_ = 0;
   uint32_t number_ = 0;
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false, unended_ = false;
-  bool reported_ = false;  // that the line at at_ is too long, before its end has come
+  bool reported_ = false;  // the line at at_ was reported as too long before its end was received
 
   // The first LF or CR of the line; null if there is none yet. The LF is looked for once for all
   // lines that end with a CR before it.
@@ -158,8 +158,8 @@ class Lines {
     return rest == stop ? begin : rest + 1;
   }
 
-  // Bounds the memory of a line whose end is not in sight, so that the same is left of it as if it
-  // had come in one piece.
+  // Bounds the memory of a line whose end has not been received yet. The result is the same as if
+  // the line had been received at once.
   void shorten(const char* stop) {
     const char* begin = text_begin();
     if (size_t(stop - begin) > kMaxLineBytes) {

@@ -77,8 +77,8 @@ class ObjectText {
   static constexpr int kMaxObjects = 10'000;
   static constexpr size_t kMaxNameBytes = 200;  // bytes
 
-  // The orders of a command, `text` being the text after its code. Unreadable parts are left out: a
-  // label must not stop a print.
+  // The actions of a command; `text` is the text after its code. Parts that cannot be read are
+  // ignored: a label must not stop a print.
   static std::vector<ObjectOrder> read(std::string_view code, std::string_view text) {
     return code == "M486" ? of_marlin(text) : of_klipper(code, text);
   }
@@ -131,10 +131,12 @@ class ObjectText {
                                           : ObjectAction::count,
                           number, "", "", ""});
     }
-    if (!label.name.empty()) orders.push_back(std::move(label));  // of what the line begins
+    if (!label.name.empty())
+      orders.push_back(std::move(label));  // of the object that the line
+                                           // begins
     return orders;
   }
-  // Where a text in quotes ends that comes first; npos: there is none.
+  // The end of a quoted text at the beginning; npos: there is none.
   static size_t quoted(std::string_view text) {
     const size_t open = text.find_first_not_of(" \t");
     if (open == std::string_view::npos || (text[open] != '"' && text[open] != '\''))
@@ -209,13 +211,14 @@ struct PrintObject {
   bool cancelled = false;
 };
 
-// The objects of one print by number, as the file begins them: shared by all that read it.
+// The objects of one print, numbered in the order in which the file begins them. All readers of the
+// file share them.
 class Objects {
  public:
-  static constexpr size_t kMaxOutlineBytes = size_t(4) << 20;  // bytes; what is beyond is left out
+  static constexpr size_t kMaxOutlineBytes = size_t(4) << 20;  // bytes; the rest is dropped
 
   const std::vector<PrintObject>& all() const { return all_; }
-  // Another value after each change, and for each print.
+  // The value changes with each change of the objects, and for each print.
   uint64_t version() const { return version_; }
   bool cancelled(int number) const { return all_[size_t(number)].cancelled; }
 
@@ -299,7 +302,7 @@ class Objects {
   }
 };
 
-// Which object each line of the program belongs to, of the latest lines.
+// The object that each of the latest lines of the program belongs to.
 class ObjectLines {
  public:
   // From this line on. Lines come in order, those of one call of a sub-program with the same one.

@@ -55,12 +55,14 @@ struct GcodeError {
   double point[3] = {0, 0, 0};  // of what cannot be reached, mm
 };
 
-// A line as it was understood: its number, whether it had a checksum, and its commands in order.
+// A line as the interpreter has read it: its number, whether it had a checksum, and its commands in
+// order.
 struct Heard {
   struct Command {
-    std::string code;  // as the dialect writes it; empty: a move in the way of the last one
+    std::string code;  // as the dialect writes it; empty: a move with the modal code of the last
+                       // one
     std::vector<std::string> words;
-    std::string text;  // what follows the code, as it is written; nothing of moves
+    std::string text;  // the text after the code, as it is written; empty for moves
   };
   std::string number;
   bool checked = false;

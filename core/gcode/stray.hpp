@@ -12,9 +12,8 @@
 namespace passo {
 
 struct Stray {
-  std::string
-      token;  // what stands between blanks around it, in UTF-8; U+FFFD for bytes that are not
-  int64_t code = 0;  // of the character; a byte that is not UTF-8: below 0; 0: there is none
+  std::string token;  // the text between the blanks around it, in UTF-8; U+FFFD for invalid bytes
+  int64_t code = 0;   // of the character; a byte that is not UTF-8: below 0; 0: there is none
 };
 
 // Text of two bytes a character, as some editors save it: with its mark, or with every second byte
@@ -93,7 +92,7 @@ inline Stray find_stray(std::string_view text, bool any) {
       case '>':
         found = any;
         break;
-      case '?':  // stands for a byte that is not UTF-8 where the core has passed it on
+      case '?':  // replaces a byte that is not UTF-8 where the core has passed it on
         found = any || after_word;
         break;
       default:

@@ -69,7 +69,7 @@ inline size_t last_star(std::string_view text) {
   return star;
 }
 
-// Whether nothing but a comment follows.
+// Whether only a comment follows.
 inline bool nothing_left(const char* p) {
   while (*p == ' ' || *p == '\t') ++p;
   return *p == 0 || *p == ';' || *p == '(';

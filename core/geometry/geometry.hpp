@@ -58,8 +58,8 @@ class Geometry {
   virtual void follow(int i, const Track& track, Followed& out) const;
   // Whether an arm would have to turn back by a full turn on the straight line between two points.
   virtual bool jumps(const double[3], const double[3]) const { return false; }
-  // Way along a line, in mm, on which slopes may become others altogether, the least of it within
-  // `around` mm of p: small where an actuator has to turn fast.
+  // The shortest path length, in mm, on which the slopes may change completely, within `around` mm
+  // of p. It is small where an actuator must turn fast.
   virtual double grain(const double[3], double) const {
     return std::numeric_limits<double>::infinity();
   }

@@ -1,4 +1,4 @@
-// Where a line is looked at between even samples: nowhere, unless the geometry bends sharply there.
+// Additional samples between the even samples of a line, where the geometry bends sharply.
 #pragma once
 #include "geometry/geometry.hpp"
 
@@ -11,7 +11,8 @@ class Sampling {
       : geometry_(geometry), p0_(p0), p1_(p1), mm_(mm), n_(n),
         even_(mm <= kOfGrain * n * grain(0.5, mm)) {}
 
-  // Visits fractions of the line between samples i - 1 and i, in order, until `visit` says false.
+  // Visits fractions of the line between samples i - 1 and i, in order, until `visit` returns
+  // false.
   template <typename Visit>
   bool before(int i, const Visit& visit) const {
     return even_ || between(double(i - 1) / n_, double(i) / n_, visit);

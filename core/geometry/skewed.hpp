@@ -7,8 +7,8 @@
 
 namespace passo {
 
-// The place of the machine's axes is a linear law of that of the nozzle, with the factors of the
-// planes XY, XZ and YZ as Klipper and Marlin have them (M852):
+// The position of the machine's axes is a linear function of the nozzle position, with the factors
+// of the planes XY, XZ and YZ as in Klipper and Marlin (M852):
 //   x' = x - xy y - (xz - xy yz) z,  y' = y - yz z,  z' = z
 class Skewed : public Geometry {
  public:

@@ -1,12 +1,12 @@
-// The condition that all nonlinear geometries here share: a point that goes along with the nozzle
-// stays at a given distance from a centre that the actuator moves,
+// The condition that all nonlinear geometries here share: a point that moves with the nozzle stays
+// at a given distance from a centre that the actuator moves,
 //
 //   |P(s) - C(q)|² = R²(q)
 //
 // (delta: C on the tower; arms: C is the elbow on its circle). For a given q it is a quadratic in
-// the path position s, so a step's place needs no search: s = (-B ± sqrt(B² - λ(|P0 - C|² - R²))) /
-// λ with λ = u·u, B = u·(P0 - C), and the sign of (P - C)·u, which changes only where the actuator
-// turns.
+// the path position s, so the position of a step needs no search: s = (-B ± sqrt(B² - λ(|P0 - C|² -
+// R²))) / λ with λ = u·u, B = u·(P0 - C), and the sign of (P - C)·u, which changes only where the
+// actuator turns.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -67,12 +67,11 @@ PASSO_SIMD inline bool ascending(const double* s, int n) {
   return !falls;
 }
 
-// Kernel: void local(const double p[3], double out[3]), the point that goes along, affine in p;
-// double value(const double local[3]), q or NaN; Centre centre(double q);
-// double sample_mm, the distance within which the actuator turns at most once;
-// bool kLifts: C goes straight up, to height q, and R stays; if not,
-// void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at in_fours(n) even
-// positions.
+// Kernel: void local(const double p[3], double out[3]), the point that moves with the nozzle,
+// affine in p; double value(const double local[3]), q or NaN; Centre centre(double q); double
+// sample_mm, the distance within which the actuator turns at most once; bool kLifts: C moves
+// straight up, to height q, and R is constant; otherwise void centres(double q, double dq, int n,
+// cx, cy, cz, r2), C and R² at in_fours(n) even positions.
 template <class Kernel>
 class SphereSolver {
  public:
@@ -180,7 +179,7 @@ class SphereSolver {
     size_t n = size_t(steps * dir), first = out.s.size();
     if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({int32_t(first), dir});
     const size_t room = size_t(in_fours(int(n)));
-    out.s.resize(first + room + 3);  // TimeLaw reads up to three behind them
+    out.s.resize(first + room + 3);  // TimeLaw reads up to three after them
     const double q = (double(k0) + 0.5 * dir) / per_unit, dq = dir / per_unit;
     const double sign = side > 0 ? 1 : -1, *p = line.p0, *u = line.u;
     double* s = out.s.data() + first;

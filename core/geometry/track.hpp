@@ -1,4 +1,4 @@
-// A way of the nozzle in time, and the law by which one actuator follows it.
+// A path of the nozzle in time, and the position of one actuator along it.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +13,7 @@ struct Track {
   size_t n = 0;                       // intervals
   UnsetDoubles t, p[3];               // of n + 1 breakpoints: ticks, mm
   UnsetDoubles v0[3], v1[3];          // of n intervals, at begin and end: mm/tick
-  static constexpr size_t kRoom = 8;  // loops that take four at a time read behind the end
+  static constexpr size_t kRoom = 8;  // loops that take four at a time read past the end
 
   void reserve(size_t intervals) {
     const size_t wanted = intervals + kRoom;
@@ -22,7 +22,7 @@ struct Track {
     for (int j = 0; j < 3; ++j)
       for (auto* x : {&p[j], &v0[j], &v1[j]}) x->resize(wanted);
   }
-  // What is read behind the end are numbers.
+  // Makes the elements past the end valid numbers.
   void finish() {
     for (size_t i = n; i < n + kRoom - 1; ++i) {
       t[i + 1] = t[n];
@@ -48,9 +48,9 @@ struct Track {
   }
 };
 
-// Of one actuator, in its unit: where it is at each breakpoint and in the middle of each interval,
-// its speeds at both ends of it, and how far from its law, at most, the polynomial of degree four
-// is that has all of these.
+// Of one actuator, in its unit: its position at each breakpoint and in the middle of each interval,
+// and its speeds at both ends. `error` is the maximum distance between the true position and the
+// polynomial of degree four through these values.
 struct Followed {
   UnsetDoubles q, middle, v0, v1, error;
   void reserve(size_t intervals) {

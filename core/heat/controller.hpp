@@ -1,4 +1,4 @@
-// A heater's controller, one of four kinds; each is fed with readings and answers with power.
+// A heater's controller, of one of four kinds. Each takes a reading and returns the power.
 #pragma once
 #include <variant>
 

@@ -9,9 +9,9 @@ enum class Converter : uint8_t { none, max31855, max31856, max31865, max6675 };
 enum class ConverterFault : uint8_t { none, open, short_circuit, out_of_range, no_answer };
 
 // How a converter puts a number into its word: `bits` of it from `shift` on, in two's complement if
-// `is_signed`. It counts in 1 / `per_unit` of a °C, or of the reference resistor. As a share of
-// full scale that is what an ADC would see: `full` steps, of which `zero` lie below 0; open at full
-// scale, short-circuited at 0.
+// `is_signed`. It counts in 1 / `per_unit` of a °C, or of the reference resistor. As a fraction of
+// full scale it is like the reading of an ADC: `full` steps, of which `zero` are below 0. An open
+// sensor reads full scale, a short-circuited one 0.
 struct ConverterScale {
   int32_t per_unit, full, zero;
   uint8_t bits, shift;
@@ -38,13 +38,13 @@ struct ConverterReading {
 
 // MAX31855 (Maxim 19-5793): D31-D18 signed quarters, D17 0, D16 any fault, D3 0, D2 short to the
 // supply, D1 short to ground, D0 open. MAX6675 (Maxim 19-2235): D15 0, D14-D3 unsigned quarters, D2
-// open, D1 0. Where a bit is set that must be 0, nobody has answered.
+// open, D1 0. If a bit is set that must be 0, no chip has answered.
 //
 // MAX31856 (Maxim 19-7534): D23-D5 signed 1/128 °C; of its faults bit 0 is open, 1 a voltage beyond
 // the supply, 2 and 3 and 6 a thermocouple beyond its limits, 4 and 5 and 7 the chip itself.
 // MAX31865 (Maxim 19-6478): D15-D1 share of the reference resistor, D0 any fault; of its faults bit
-// 2 is a voltage beyond the supply, 3 and 4 a wire at ground, 5 a wire that is open, 6 and 7 a
-// share of 0 and of all.
+// 2 is a voltage beyond the supply, 3 and 4 a wire at ground, 5 an open wire, 6 and 7 a fraction of
+// 0 and of 1.
 inline ConverterReading read_converter(Converter converter, uint32_t word, uint32_t faults) {
   const ConverterScale scale = scale_of(converter);
   int32_t steps = int32_t(word >> scale.shift & ((1u << scale.bits) - 1));

@@ -1,4 +1,4 @@
-// A piecewise linear function: how a sensor's reading follows temperature, or the other way round.
+// A piecewise linear function: a sensor's reading by temperature, or the temperature by reading.
 #pragma once
 #include <algorithm>
 #include <utility>

@@ -8,10 +8,10 @@
 namespace passo::heat {
 
 struct HeatModel {
-  double rise_c = 0;           // above the room in the end, at full power, without a fan
+  double rise_c = 0;           // final temperature rise above ambient at full power, without a fan
   double time_constant_s = 0;  // of the body, without a fan
   double sensor_lag_s = 0;
-  double fan_loss = 0;    // how much more heat is lost with the fan at full speed, as a share
+  double fan_loss = 0;    // fraction by which a fan at full speed increases the heat loss
   double ambient_c = 25;  // the room
   bool operator==(const HeatModel&) const = default;
 };
@@ -57,9 +57,9 @@ class Observer {
   }
 
   double body_c() const { return body_; }
-  // Share of full power that would keep the body at `celsius` as things are.
+  // The fraction of full power that would hold the body at `celsius` under the present conditions.
   double holding(double celsius) const { return loss_ * (celsius - room_) / m_.rise_c; }
-  // The part of it that the fan takes, in a room as the model has it.
+  // The part of that power which the fan removes, at the ambient temperature of the model.
   double blown(double celsius) const { return (loss_ - 1) * (celsius - m_.ambient_c) / m_.rise_c; }
   // The fraction of full power that the readings show above (below) the model.
   double unexplained() const { return loss_ * (room_ - m_.ambient_c) / m_.rise_c; }

@@ -54,9 +54,10 @@ class Pid {
     }
     target_ = r.target;
     if (error >= -o_.range_c) falls_ = false;
-    if (error < -o_.range_c && !falls_) i_ = low;  // it has gathered too much
-    // The integral would find the loss through the fan in time; it need not wait for the sensor.
-    // The part that its limits cut off when the fan starts is not subtracted when it stops.
+    if (error < -o_.range_c && !falls_) i_ = low;  // it is too large
+    // The integral would find the loss through the fan in time; it need not wait for the sensor. If
+    // the limits cut off a part when the fan starts, that part is not subtracted when the fan
+    // stops.
     double blown = r.body ? r.body->blown(r.target) : 0;
     double more = std::max(blown - std::exchange(blown_, blown), -fan_), was = i_;
     i_ = std::clamp(i_ + more, low, high);
@@ -87,7 +88,7 @@ class Pid {
   double before_ = 0, rate_ = 0, trend_ = 0, near_s_ = 0, i_ = 0;
   double target_ = 0;                   // that the integral belongs to
   double blown_ = 0, fan_ = 0;          // the loss through the fan, and its part in the integral
-  bool known_ = false, falls_ = false;  // it is on its way down to a lower target
+  bool known_ = false, falls_ = false;  // the temperature is falling to a lower target
   Terms terms_;
 
   double finish(double error, double p, double d, double output, double max_power) {

@@ -43,7 +43,7 @@ class Protection {
   struct Sight {
     double celsius, target, power;  // power: since the last report, share
     double dt;
-    bool full;  // the power was all that there is
+    bool full;  // the heater was at maximum power
     bool open, shorted;
     double unexplained;  // share of full power; 0 if no model is known
   };
@@ -68,7 +68,9 @@ class Protection {
   Fault check(const Sight& s) {
     time_ += s.dt;
     Fault fault = range(s);
-    if (outside_ > 0) return told(fault, s);  // the next report tells; this one is no temperature
+    if (outside_ > 0)
+      return told(fault, s);  // the next report tells; this reading is not a
+                              // temperature
     if (fault.kind == FaultKind::none) fault = jumps(s);
     if (fault.kind == FaultKind::none) fault = way_up(s);
     if (fault.kind == FaultKind::none) fault = switched_off(s);
@@ -77,7 +79,7 @@ class Protection {
   }
 
  private:
-  static constexpr int kReports = 2;     // a range is left when so many reports in a row say so
+  static constexpr int kReports = 2;     // so many consecutive reports outside a range are a fault
   static constexpr double kJumps = 3.5;  // a fault, each forgotten after kJumpSeconds
   static constexpr double kJumpSeconds = 10;
   static constexpr double kSettleSeconds = 10;  // heat under way may still reach the sensor

@@ -23,12 +23,13 @@ struct ClockLine {
 // Host time is counted in ticks of the nominal frequency; board clocks are 64 bits, unwrapped from
 // the 32 that the board sends.
 //
-// A question is read after it was sent, and an answer heard after it was made: each bounds the line
-// from one side. Where nothing was delayed much both bounds are tight, and the line lies in the
-// middle of the corridor between them at the rate at which that is widest: what is delayed touches
-// no bound, and the error falls with the number of answers, not with its root. (Delays of two ways
-// by hulls: Moon, Skelly, Towsley, "Estimation and removal of clock skew from network delay
-// measurements", INFOCOM 1999.) The least delays of both ways are taken to be equal.
+// The board reads a question after the host sent it, and the host receives the answer after the
+// board made it: each bounds the line from one side. If neither was delayed much, both bounds are
+// tight. The line is the middle of the corridor between the bounds, at the rate at which the
+// corridor is widest. Delayed answers touch no bound, and the error falls with the number of
+// answers, not with its square root. (Delays of two ways by hulls: Moon, Skelly, Towsley,
+// "Estimation and removal of clock skew from network delay measurements", INFOCOM 1999.) The least
+// delays of both ways are taken to be equal.
 class ClockSync {
  public:
   explicit ClockSync(double clock_hz) : hz_(clock_hz) {}
@@ -40,7 +41,7 @@ class ClockSync {
 
   // The board was not asked for a while, until this host time.
   void bridge(Ticks host);
-  // The low 32 bits of a clock that lies within 2^31 ticks of the last one known.
+  // Extends the low 32 bits of a clock that is within 2^31 ticks of the last known one.
   Ticks unwrap(uint32_t clock) const;
 
   void add(uint32_t clock32, Ticks sent, Ticks received);
@@ -60,14 +61,17 @@ class ClockSync {
   static constexpr double kExcessGain = 1.0 / 16;
   static constexpr double kMemorySeconds = 40, kSpanSeconds = 0.15;
   static constexpr double kRateRange = 0.01;  // of the worst resonators, either way
-  // A rate must widen the corridor by so many seconds for each unit by which it differs from what
-  // was known before: a short while tells nothing of it. Least of all one span, in which nothing
-  // bounds the rate, since what was read and what was heard may be as far apart as it is long.
+  // A rate must widen the corridor by this many seconds for each unit of difference from the
+  // earlier estimate, because a short time says little about the rate. Least of all one span, in
+  // which nothing bounds the rate, since what was read and what was heard may be as far apart as it
+  // is long.
   static constexpr double kPriorSeconds = 0.2;
   static_assert(kSpanSeconds < kPriorSeconds);
-  static constexpr double kJumpSeconds = 0.5e-3;  // so narrow no corridor is: a clock has jumped
+  static constexpr double kJumpSeconds = 0.5e-3;  // a narrower corridor means that a clock has
+                                                  // jumped
   static constexpr int kMaxTangents = 64;         // usually four to eight are enough
-  static constexpr double kFineTicks = 1e-4;      // rounding is less, and does not matter more
+  static constexpr double kFineTicks = 1e-4;      // more than rounding errors, and too little to
+                                                  // matter
 
   struct Point {
     double time, clock;  // since the origin
@@ -93,7 +97,8 @@ class ClockSync {
     double read = 0, heard = 0;  // times of the points, since last_time_
   };
   Corridor corridor(double rate) const;
-  // What a rate is worth, and how that grows with it, on that side of prior_ where it has a kink.
+  // The score of a rate, and the derivative of the score by rate; at prior_, where it has a kink,
+  // the derivative on the given side.
   struct Tangent {
     double rate, worth, slope;
 
@@ -101,8 +106,8 @@ class ClockSync {
   };
   Tangent tangent(double rate, bool above) const;
   Tangent tangent(double rate) const { return tangent(rate, rate > prior_); }
-  // The rate of the greatest worth. That is concave, of straight pieces: two tangents on either
-  // side meet above the top, or on it.
+  // The rate with the highest score. The score is concave and piecewise linear: tangents from
+  // either side meet above the maximum, or at it.
   void find_rate();
 };
 

@@ -32,18 +32,18 @@ class Timeline {
 
   // Returns the number of a link's mail.
   size_t take_seat();
-  // `wake` makes a link look at its mail; it may be called from any thread.
+  // `wake` makes a link read its mailbox; any thread may call it.
   void set_wake(size_t seat, std::function<void()> wake);
 
-  // The main board's clock as its link knows it; host time in ticks of `hz`.
+  // The main board's clock as its link estimates it; host time in ticks of `hz`.
   void set_clock(const ClockLine& line, double hz);
   // Host time, in ticks of `hz`, at which the main board's clock reads `clock`, and the other way.
   double host_at(double clock, double hz) const;
   double clock_at(double host, double hz) const;
 
   // These trsyncs trigger together: as soon as one has reported that it did, with `reason`, or with
-  // `expired` because its timeout was not extended, the others are told to. They expire when one of
-  // them has not reported for `patience` ticks, counted from `clock` at first.
+  // `expired` because its timeout was not extended, the others get the command to trigger. They
+  // expire when one of them has not reported for `patience` ticks, counted from `clock` at first.
   void arm(std::vector<Member> members, uint32_t reason, uint32_t expired, double clock,
            double patience);
   void disarm();
@@ -51,14 +51,15 @@ class Timeline {
   void heard(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock);
   std::vector<Order> take_mail(size_t seat);
 
-  // From now on motion comes in commits, of which none is there yet. Before any of it is sent.
+  // From now on motion comes in commits; no commit exists yet. Call it before any motion is sent.
   void begin_commits();
   // The board on a link has all messages of a commit except the one that makes it valid. True once
-  // all boards are so far: then that message may be sent. So a board that has it knows that all
-  // others have, at least, the commit before.
+  // this holds for all boards: then that message may be sent. So when a board has it, all other
+  // boards have at least the commit before.
   bool may_commit(size_t seat, uint32_t serial);
 
-  // The link to a board is lost. Where boards stop by themselves they will; else all stop at once.
+  // The link to a board is lost. Boards that can stop by themselves will do so; otherwise all stop
+  // at once.
   void lost();
   // A board has stopped: all others stop too.
   void halt();
@@ -74,7 +75,8 @@ class Timeline {
   struct Mail {
     std::vector<Order> orders;
     std::function<void()> wake;
-    uint32_t has = 0;  // the last commit that the board has all of, but the word
+    uint32_t has = 0;  // the last commit of which the board has everything except the commit
+                       // message
   };
 
   mutable std::mutex guard_;

@@ -15,11 +15,11 @@ class Device {
   virtual ~Device() = default;
   // Takes bytes from the host. `now` is the device's own clock and never runs backwards.
   virtual void feed(const uint8_t* data, size_t n, Ticks now) = 0;
-  // Does all that is due until `now` and appends its messages to the host.
+  // Executes everything that is due until `now` and appends its messages to the host.
   virtual void poll(Ticks now, Bytes& out) = 0;
-  // When it next has something to do by itself; kNever if only bytes can wake it.
+  // The clock of its next timer; kNever if only received bytes can wake it.
   virtual Ticks next_deadline() const = 0;
-  // True while it refuses to work; the host learns of it by messages alone.
+  // True while it is shut down. The host learns this only from its messages.
   virtual bool stopped() const = 0;
 };
 

@@ -142,8 +142,8 @@ inline void append_frame(Bytes& out, const uint8_t* payload, size_t size, uint64
 // the next 0x7e.
 class Scanner {
  public:
-  // Calls frame(sequence, payload, size) for each good frame and bad() once for each stretch of
-  // bytes that is none.
+  // Calls frame(sequence, payload, size) for each valid frame, and bad() once for each run of bytes
+  // that is not a frame.
   template <class Frame, class Bad>
   void feed(const uint8_t* data, size_t n, Frame&& frame, Bad&& bad) {
     if (rest_.empty()) {

@@ -24,9 +24,9 @@ struct SensorQuery {
 };
 
 // When a target is reached: within `window_c`, for so many seconds. They restart if the temperature
-// leaves the target by more than `leaves_c` (StuFW's rule, which is Marlin's). A wait does not last
-// forever for the last degree: a heater that has been nearer than `leaves_c` for a minute has
-// arrived.
+// leaves the target by more than `leaves_c` (StuFW's rule, which is Marlin's). So that a wait ends
+// even if the last degree is never reached: a heater that has been nearer than `leaves_c` for a
+// minute has arrived.
 struct Arrival {
   double window_c = 1, leaves_c = 3, seconds = 10;
   static constexpr double kTimeout = 60;  // seconds
@@ -38,7 +38,7 @@ struct HeaterOptions {
   uint32_t full;      // value of full power: PWM_MAX, or the ticks of the software PWM's cycle
   uint32_t adc_full;  // a report of the sensor at the ADC's full scale
   SensorQuery query;
-  double longest_s;  // the board leaves the power on for so long without a renewal
+  double longest_s;  // the board switches the power off if it is not renewed within this time
   double max_power;  // 0…1
   Arrival arrival;
   heat::Curve celsius;           // share of full scale → °C
@@ -50,8 +50,9 @@ struct HeaterOptions {
   int32_t fan_target = -1;               // pin of the job that cools the body; -1: none
   double fan_full = 1;                   // that pin's value at full speed
   bool inverted = false;                 // the output is on when low
-  heat::Converter converter = heat::Converter::none;  // whose words the reports are, if any's
-  uint32_t spi_oid = 0;                               // where that is
+  heat::Converter converter = heat::Converter::none;  // the converter that the reports come from,
+                                                      // if any
+  uint32_t spi_oid = 0;                               // of the converter
   Bytes clears_faults;  // the command that clears a fault of the converter, or nothing
 };
 
@@ -86,7 +87,7 @@ class Heater {
   void set_suspended(bool suspended) { suspended_ = suspended; }
   bool suspended() const { return suspended_; }
 
-  // Another sensor on the same input, or another idea of it: its table and its range.
+  // Another sensor on the same input, or other settings of it: its table and its range.
   void set_sensor(const HeaterOptions& other);
 
   const heat::Control& control() const { return controller_.control(); }
@@ -96,9 +97,9 @@ class Heater {
   const heat::ProtectionLimits& limits() const { return protection_.limits(); }
   void set_limits(const heat::ProtectionLimits& limits) { protection_.set(limits); }
   double fan() const { return fan_; }
-  // How fast the fan blows that cools this heater, 0…1, for its model.
+  // The speed of the fan that cools this heater, 0…1, for its model.
   void set_fan(double speed) { fan_ = std::clamp(speed, 0.0, 1.0); }
-  // The job's last word on it, which counts when it is new.
+  // The last value that the job has set for the fan; it counts when it is new.
   void follow_fan(uint32_t value);
 
   const heat::Fault& fault() const { return fault_; }
@@ -110,8 +111,8 @@ class Heater {
 
   // The board has run without the host, with at most the power that keeps the heater warm.
   void interrupted();
-  // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
-  // heater.
+  // The mean fraction of power that has held the target recently; 0 until the target was reached,
+  // and for a faulty heater.
   double keeping() const { return reached_ && !faulty() ? keeping_ : 0; }
 
   std::deque<HeatSample>& samples() { return samples_; }
@@ -129,7 +130,7 @@ class Heater {
  private:
   static constexpr double kKeepingSeconds = 20;  // over which the power is averaged
   static constexpr size_t kSamplesMax = 4096;
-  static constexpr double kFullShare = 0.95;  // of all the power: as good as all
+  static constexpr double kFullShare = 0.95;  // of maximum power: counts as full
 
   std::mutex guard_;
   HeaterOptions o_;
@@ -148,7 +149,7 @@ class Heater {
 
   void leave();
   void arrive(double target, double dt);
-  // A relay swings around its target: only being on the way up can be judged by the target.
+  // A relay oscillates around its target, so the target serves only to check the heating phase.
   double heating_target() const;
 };
 

@@ -19,13 +19,13 @@ class Heaters {
  public:
   using Send = std::function<void(const std::string&, const std::vector<Value>&)>;
 
-  // State of the link is only read here.
+  // The heaters only read the state of the link.
   Heaters(double clock_hz, const Formats& commands, const ClockSync& sync, const JobStream& job,
           Send send)
       : hz_(clock_hz), commands_(commands), sync_(sync), job_(job), send_(std::move(send)) {}
 
   Heater& add(HeaterOptions options);
-  // None is on its way to its target.
+  // No heater is still heating or cooling to its target.
   bool reached() const;
   // From now on the board learns the power that keeps each heater warm, in case this host falls
   // silent.
@@ -52,7 +52,7 @@ class Heaters {
   Send send_;
   std::vector<std::unique_ptr<Heater>> heaters_;
   bool keeps_ = false;
-  std::vector<int64_t> kept_;        // values that the board was told to keep
+  std::vector<int64_t> kept_;        // values that the host has sent to the board to keep
   std::vector<Ticks> heater_clock_;  // of the last update sent
   bool fault_ = false;
 

@@ -38,7 +38,7 @@ class JobStream {
   // The board takes commits: a message leaves so many ticks before its end instead, so that sent
   // messages never delay a cut. That is early enough: the message that makes it valid comes later.
   void use_commits(const Formats& commands, Ticks horizon);
-  // The board is armed: the messages that it has so far are in no commit.
+  // The board is armed: the messages that it has so far belong to no commit.
   void begin_commits() { staged_ = kNever; }
   // The clocks of its messages are another board's from now on; `tolerance` is that of a step's
   // time, in ticks of this board.
@@ -54,8 +54,8 @@ class JobStream {
   // The board clock at which a pin must be renewed, because the board would otherwise assume that
   // the host is gone; kNever if none.
   Ticks renew_at() const;
-  // The command for a pin that is due at board clock `now`, after all that is on its way; empty if
-  // none is.
+  // The command for a pin that is due at board clock `now`, after all commands on their way; empty
+  // if no pin is due.
   Bytes renew(Ticks now);
   // The value that a board receives for `value` of a pin.
   static uint32_t on_wire(uint32_t value, uint32_t inverted_full);
@@ -86,9 +86,9 @@ class JobStream {
   enum class Word : uint8_t { no, yes, and_ask };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
   // kPayloadMax + kMaxCommandBytes). `first` becomes the clock of the most urgent message in the
-  // frame, `need` the clock at which the board needs it. `commit(serial, rest)` tells of a Word,
-  // which is in the frame then; if it may not go, nothing behind it leaves until fill() is called
-  // again.
+  // frame, `need` the clock at which the board needs it. `commit(serial, rest)` reports a commit
+  // message that was put into the frame. If the commit message may not be sent, nothing after it is
+  // sent until fill() is called again.
   using Ask = std::function<Word(uint32_t serial, bool rest)>;
   Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now,
             const Ask& commit);
@@ -103,7 +103,7 @@ class JobStream {
 
  private:
   static constexpr double kMarginSeconds =
-      0.001;  // how wrong the estimate of the board's clock may be
+      0.001;  // maximum error of the estimate of the board's clock
   struct Prefix {
     uint8_t bytes[7], size;
   };
@@ -120,7 +120,7 @@ class JobStream {
     Ticks longest;
     Kick kick{};
     uint32_t value = 0;
-    Ticks told = 0;  // board clock of the last word
+    Ticks told = 0;  // board clock of the last command
 
     void tell(Ticks clock, uint32_t what) { told = clock, value = what; }
   };
@@ -147,7 +147,8 @@ class JobStream {
   static Prefix prefix(const Formats& commands, const std::string& name, uint32_t oid);
   // The rule for when a message leaves.
   Ticks due(const Message& m) const { return commits_ ? m.end_clock : m.clock; }
-  // The stream is that of the timeline, however well a board's clock is known.
+  // The stream hash covers the clocks of the timeline, so the error of a board's clock does not
+  // change it.
   void count(const Message& m);
   // Takes a message, if one is due and those before it are on their way.
   void retime(Ticks limit);
@@ -155,7 +156,7 @@ class JobStream {
   static uint8_t* put(uint8_t* p, const Prefix& prefix);
   uint8_t* encode(const Message& m, uint8_t* p) const;
   static uint8_t* put_value(uint8_t* p, const Pin& pin, Ticks clock, uint32_t value);
-  // The pin whose kick ends first, not after that board clock; null if none.
+  // The pin whose kickstart ends first, not after that board clock; null if none.
   Pin* kicked_until(Ticks clock);
   // The board needs moves by their first step, with the messages before them. Staged moves need
   // their commit by then too, and by the clock of the commit before, at which the board would

@@ -41,8 +41,8 @@ class Link {
   void set_dictionary(Formats commands, Formats reports, size_t receive_window);
   const Formats& commands() const { return commands_; }
 
-  // Queues one command to be sent at once, before any of the job. An emergency stop goes before all
-  // that the board does not have yet, and takes its place.
+  // Queues one command to be sent at once, before any of the job. An emergency stop replaces
+  // everything that the board has not acknowledged yet.
   void send(const std::string& name, const std::vector<Value>& values);
   // Messages of the board that the core does not use, oldest first.
   std::deque<Response>& inbox() { return inbox_; }
@@ -50,7 +50,7 @@ class Link {
   // Starts to follow the clock of the board, which has its configuration; its first answer makes
   // synchronous() true.
   void follow_clock(Ticks now);
-  // Ticks that a byte takes on a serial line: a frame that is sent has come when its last byte has.
+  // Ticks that a byte takes on a serial line: a frame has arrived when its last byte has arrived.
   void set_byte_ticks(double ticks);
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
@@ -77,25 +77,25 @@ class Link {
   void start_job(Ticks base, double main_hz);
 
   Heater& add_heater(HeaterOptions options);
-  // No heater is on its way to its target.
+  // No heater is still heating or cooling to its target.
   bool heaters_reached() const { return heaters_.reached(); }
   // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead,
   // and the board learns the power that keeps each heater warm, in case this host falls silent.
   void use_commits(Ticks horizon);
   // Call at standstill: motion comes in commits from here on, if `on`.
   void begin_commits(bool on);
-  // True once after faults of heaters: the board has been sent the order to switch them off.
+  // True once after faults of heaters: the host has sent the board the command to switch them off.
   bool take_fault() { return heaters_.take_fault(); }
 
   // The board reported that it stopped; its static_string_id has the reason.
   bool shut_down() const { return shut_down_; }
   uint32_t shutdown_reason() const { return shutdown_reason_; }
-  // It got a stop command, because another board of the machine had stopped or was lost.
+  // The host has stopped this board, because another board of the machine had stopped or was lost.
   bool stopped_with_others() const { return halted_; }
   // The board restarts, after a reset or a power cycle: messages on their way are dropped.
   void restart();
 
-  // The board has received nothing from this host in time, and stops by itself.
+  // The board has not received anything from this host in time, and stops by itself.
   bool alone() const { return alone_; }
 
   // The link was broken, and the board has run without the host: messages on their way are dropped,
@@ -107,7 +107,7 @@ class Link {
   // Age of the oldest message that the board has not acknowledged, in seconds, when its clock reads
   // `clock`; 0 if it has acknowledged all.
   double unheard_s(Ticks clock) const;
-  // All messages of the job so far are at the board. If motion comes in commits, the board has
+  // The board has all messages of the job so far. If motion comes in commits, the board has
   // confirmed the one after which the machine is at standstill.
   bool delivered() const;
   // The board has its outputs under control again; the job continues.
@@ -117,11 +117,11 @@ class Link {
   uint64_t frames() const { return frames_; }
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
   Lateness& lateness() { return lateness_; }
-  // The frames sent and received last, once recording is on.
+  // The last frames that were sent and received, once recording is on.
   FrameRecord& record() { return record_; }
 
-  // Bytes from the board. False if these were nothing but acknowledgements that nothing waits for:
-  // then poll() has no more to send than it had.
+  // Bytes from the board. False if these were only acknowledgements that nothing waits for: then
+  // poll() need not be called for them.
   bool feed(const uint8_t* data, size_t n, Ticks now);
   // The cable takes no bytes now, so poll() has to wait.
   void cable_full(Ticks now);
@@ -134,9 +134,10 @@ class Link {
   static constexpr double kLostSeconds = 4;
   static_assert(JobStream::kMaxCommandBytes <= Window::kOverrun);
   static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 300;
-  static constexpr int kSamplesPerState = 8;  // where the clock is asked for often
+  static constexpr int kSamplesPerState = 8;  // where the host queries the clock often
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
-  // Of several boards: usually, and at the beginning and where answers come when they like.
+  // With several boards: usual value; and the value at the beginning, or if the delay of answers
+  // varies.
   static constexpr double kSyncOfSeveralSeconds = 0.0983, kOftenSeconds = 0.0113;
   static constexpr double kJitterSeconds = 50e-6, kRenewSeconds = 0.9;
   static constexpr size_t kInboxMax = 4096;
@@ -151,7 +152,7 @@ class Link {
   Lateness lateness_;
   FrameRecord record_;
   Ticks due_ = kNever;                  // host time by which poll() should be called
-  Ticks woke_ = kNever, clock_ = 0;     // host time of the last look, and the board's clock then
+  Ticks woke_ = kNever, clock_ = 0;     // host time of the last poll, and the board's clock then
   std::shared_ptr<Timeline> timeline_;  // none: this is the only board
   size_t seat_ = 0;
   bool main_ = true, halted_ = false;
@@ -183,15 +184,16 @@ class Link {
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000, starting_id_ = -1000;
   bool configured_ = false, begun_anew_ = false;
   int32_t survive_id_ = -1000;
-  static constexpr int64_t kBraking = 4;  // state of survive_state from which on the board is alone
-  bool alone_ = false, long_ago_ = false;  // no report of the board for a while
+  static constexpr int64_t kBraking = 4;   // states of survive_state from this on: the board acts
+                                           // without the host
+  bool alone_ = false, long_ago_ = false;  // the board has not reported for a while
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   uint32_t committed_ = 0;                 // serial of the last commit sent
-  bool taken_ = true;                      // it has confirmed that, or was not asked
-  bool waits_ = false;                     // a commit's word waits for this board, or for others
+  bool taken_ = true;                      // the board has confirmed it, or was not queried
+  bool waits_ = false;                     // a commit message waits for this board, or for others
   uint64_t last_command_ = 0;              // number of the last frame with commands
-  uint64_t query_ = 0;                     // number of the frame with the last further question
-  bool queried_ = false;                   // such a question has to leave
+  uint64_t query_ = 0;                     // number of the frame with the last other query
+  bool queried_ = false;                   // such a query must be sent
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0;
@@ -200,31 +202,31 @@ class Link {
 
   // The board's clock, as estimated; messages due before now are late.
   Ticks wake(Ticks now);
-  // The reason that keeps more of the job from leaving.
+  // The reason why no more of the job can be sent now.
   Cause obstacle(Ticks clock) const;
 
   // Puts the allowed messages into the open frame; true if it has to leave now. `more`: there may
   // be another.
   bool fill_frame(Ticks clock, bool& more);
 
-  // Of several boards all must have acknowledged what belongs to a commit, and have said that they
-  // have taken the one before it, before the word for it leaves, which it does at once then. A
-  // board alone is asked for the commits behind which the machine stands. What a board answers
-  // comes before the acknowledgement, or never.
+  // With several boards, the commit message is sent as soon as all boards have acknowledged the
+  // messages of the commit and have reported that they took the commit before. A single board is
+  // queried only for the commits after which the machine is at standstill. The answer of a board
+  // arrives before the acknowledgement, or never.
   JobStream::Word word_for(uint32_t serial, bool rest);
-  // The board has left open whether it has the last commit of which it was asked.
+  // The board has not answered whether it has the last commit that was queried.
   bool must_ask_state() const;
-  // The board and the host mean the same commit.
+  // The board and the host have the same last commit.
   void agree() { committed_ = 0, taken_ = true, waits_ = false; }
-  // What the board has said of itself. With a frame behind that of the commit's word it must know
-  // of that; if it does not, what it acknowledged were other bytes.
+  // Checks the reported state of the board. After a frame that follows the commit message, the
+  // board must have the commit; if it does not, it has acknowledged damaged bytes.
   void take_state(int64_t state, uint32_t serial);
   void follow_orders();
   void renew_map(double job_clock);
   void begin_map_anew(Ticks now);
   // The expected reading of this board's clock, since the job began, at a clock of the job.
   double expected(double t) const { return double(own_clock(main_base_ + Ticks(t)) - job_.base()); }
-  // The clocks are known better now.
+  // The estimates of the clocks have improved.
   void follow_timeline(Ticks now);
 
   double until_next_question() const;
@@ -233,7 +235,7 @@ class Link {
 
   Ticks deadline(Ticks now) const;
 
-  // With any number: the board restarts its frame count.
+  // Accepts any frame number: the board has restarted its count.
   bool is_starting(const uint8_t* payload, size_t size) const;
   void started();
   void receive(const uint8_t* payload, size_t size, Ticks now);

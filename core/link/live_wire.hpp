@@ -1,5 +1,5 @@
-// A link on a cable, in real time: a thread of its own carries the bytes, so whatever else the
-// program does, commands leave when they are due and heaters are looked after.
+// A link on a cable, in real time: a separate thread carries the bytes, so commands leave when they
+// are due and heaters are controlled whatever the rest of the program does.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -15,8 +15,8 @@ namespace passo::wire {
 
 class LiveWire {
  public:
-  // Begins at once. Other threads may use the link only under its guard(), and it must outlive
-  // this; the queue of its job is shared from now on.
+  // Starts at once. Other threads may use the link only under its guard(). The link must outlive
+  // this object. The queue of its job is shared from now on.
   LiveWire(Link& link, int fd);
   ~LiveWire();
 
@@ -27,7 +27,7 @@ class LiveWire {
   // Call once the link is synchronous, because the time must not change while a caller computes
   // with it.
   void use_board_clock();
-  // The link looks up whenever others of its machine have news for it.
+  // The thread wakes whenever another link of the machine puts a message into this link's mailbox.
   void join(std::shared_ptr<Timeline> timeline);
   // Moves no more bytes, and releases the cable.
   void stop();

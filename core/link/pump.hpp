@@ -1,4 +1,5 @@
-// Links and devices in one process, in virtual time: from deadline to deadline, as fast as it goes.
+// Links and devices in one process, in virtual time: from deadline to deadline, as fast as the
+// computer can.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -24,17 +25,17 @@ class Pump {
   Ticks board_clock(const Link& link) const;
   // The cables are cut: no byte arrives any more.
   void cut() { cut_ = true; }
-  // This host does nothing until then, and the boards live on.
+  // This host does nothing until then; the boards continue to run.
   void sleep(Ticks until);
   // The part of run()'s work that is the devices', from a sample of one exchange in kSample.
   double device_share() const;
-  // Bytes that the host sent to the first board, frames and all, from now on.
+  // Records the bytes that the host sends to the first board, with their frames, from now on.
   void record(bool on);
   Bytes& recorded() { return recorded_; }
 
-  // Runs until virtual time reaches `until`, until all boards have stopped, or one for so long that
-  // the others should have heard of it, until a heater fails, or, if asked,
-  // until no heater is on its way to its target. The queue of the job must already hold all
+  // Runs until virtual time reaches `until`; until all boards have stopped, or one has stopped so
+  // long ago that the others should have stopped too; until a heater fails; or, if requested, until
+  // no heater is still heating or cooling to its target. The queue of the job must already hold all
   // messages whose clock is below `until` plus the horizon.
   Stop run(Ticks until, bool until_heaters);
 

@@ -14,13 +14,13 @@ class Stabbing;
 
 namespace passo::wire {
 
-// Step k of a message is due at a tick of the main board's clock; here it gets the one of its own
-// board's at that instant, rounded within a window as a compressor does. A message becomes one or
-// several.
+// Step k of a message is due at a tick of the main board's clock. It gets the tick of its own
+// board's clock at the same instant, rounded within a window as by the compressor. One message
+// becomes one or several messages.
 class Retimer {
  public:
-  // How close steps of a motor may come, in ticks of this board: of one direction, and where it
-  // turns.
+  // The minimum distance of a motor's steps in ticks of this board: in one direction, and at a
+  // reversal.
   struct Apart {
     double least = 1, turning = 1;
   };
@@ -44,8 +44,8 @@ class Retimer {
  private:
   // Of a motor, up to its last step.
   struct Way {
-    int64_t told = 0;  // the clock of that step on the timeline
-    int64_t last = 0;  // and here
+    int64_t told = 0;  // clock of that step on the timeline
+    int64_t last = 0;  // and on this board
     bool turning = false;
     uint8_t dir = 0;
 
@@ -58,7 +58,7 @@ class Retimer {
     Apart apart;
     Way way{};
     // While a tail is being sent: its commit is always later, because revoked messages are later
-    // than all that was taken.
+    // than all messages taken so far.
     std::optional<Way> tail{};
 
     Motor() = default;

@@ -1,4 +1,5 @@
-// How long before its time each frame of a job is at the board, and the cause if that is little.
+// How long before its deadline each frame of a job arrives at the board, and the cause if that time
+// is short.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,8 +9,8 @@
 
 namespace passo::wire {
 
-// Why a frame was not there sooner: its moves were planned late; the program did not run; the link
-// carries no more bytes; bytes got lost; the board had no slot.
+// Why a frame did not arrive earlier: its moves were planned late; the program did not run; the
+// link was saturated; bytes were lost; the board had no free slot.
 enum class Cause : uint8_t { plan, stall, bytes, retransmits, slots };
 inline constexpr size_t kCauses = 5;
 
@@ -20,8 +21,7 @@ struct Slack {
   Cause cause = Cause::plan;
 };
 
-// All times are the board's clock. Work is done for each frame and each look of the link, none for
-// each message.
+// All times are the board's clock. The cost is per frame and per poll of the link, not per message.
 class Lateness {
  public:
   // A frame with less than this to spare counts as late.
@@ -30,11 +30,11 @@ class Lateness {
   explicit Lateness(double clock_hz)
       : late_(Ticks(kLateSeconds * clock_hz)), stall_(Ticks(kStallSeconds * clock_hz)) {}
 
-  // Whatever is on its way does not count any more.
+  // Frames that are on their way do not count any more.
   void restart();
-  // The link looks again: it should have done so by `due`.
+  // The link polls again; it should have polled by `due`.
   void woke(Ticks due, Ticks clock);
-  // It has sent all that it could; this keeps it from sending more (plan: nothing more is due).
+  // It has sent all that it could; `reason` is why it cannot send more (plan: nothing more is due).
   void looked(Cause reason, Ticks clock);
   // A frame leaves that should have left at `must` and is useless after `need` (kNever: no message
   // of the job is in it).
@@ -42,16 +42,16 @@ class Lateness {
   // The board has it; `again`: not all copies arrived.
   void arrived(uint64_t number, bool again, Ticks clock);
 
-  // The least slack since this was last asked; kNever: no frame has arrived since.
+  // The minimum slack since the last call; kNever: no frame has arrived since.
   Slack take_recent() { return std::exchange(recent_, Slack{}); }
-  // The least of all, and how many frames were late, by cause.
+  // The minimum of all, and how many frames were late, by cause.
   const Slack& least() const { return least_; }
   const std::array<uint64_t, kCauses>& late_frames() const { return late_frames_; }
   Ticks longest_stall() const { return longest_stall_; }
 
  private:
   static constexpr size_t kFrames = 16;  // more than may be on their way
-  // Programs are woken so much late now and then, which costs nothing.
+  // An operating system sometimes wakes a program this late, without consequences.
   static constexpr double kStallSeconds = 0.005;
   struct Frame {
     Ticks must = 0, need = kNever, left = 0;
@@ -62,7 +62,7 @@ class Lateness {
 
   Ticks late_, stall_;
   std::array<Frame, kFrames> frames_{};
-  std::array<Span, kCauses> spans_{};  // the last time that each held things up
+  std::array<Span, kCauses> spans_{};  // the last time that each cause delayed frames
   Cause reason_ = Cause::plan;
   Ticks looked_ = 0, longest_stall_ = 0;
   Slack recent_, least_;

@@ -8,10 +8,10 @@
 namespace passo::wire {
 
 // The retransmission timer is that of RFC 6298 (smoothed round trip plus four times its variation),
-// bounded by 25 ms and 5 s, with what differs on a line of its own, where nobody else's load can be
-// the cause of a loss and a step is due at the end of the horizon:
-// - it runs from when the frame's last byte has gone out, which no round trip contains either;
-// - it doubles only while the board has not answered at all, or after kSteady silent repetitions,
+// bounded by 25 ms and 5 s, adapted to a dedicated line, where losses are never congestion and a
+// step is due at the end of the horizon: - it runs from when the frame's last byte has gone out,
+// which no round trip contains either; - it doubles only while the board has not answered at all,
+// or after kSteady silent repetitions,
 //   and any good frame of the board ends that;
 // - where a board refuses copies of what it had, their time since the first sending counts as a
 //   round trip. RFC 6298 waits longer instead until one can be measured. The refusal must come
@@ -33,10 +33,10 @@ class Window {
       : rto_min_(Ticks(0.025 * clock_hz)), rto_max_(Ticks(5 * clock_hz)),
         rto_start_(Ticks(0.1 * clock_hz)), rto_(rto_start_) {}
 
-  // Bytes that the board can take in before it has worked; 0: no such limit.
+  // Bytes that the board can buffer before it processes them; 0: no such limit.
   void set_receive_window(size_t bytes) { receive_window_ = bytes; }
 
-  // Ticks that a byte takes on the line; 0: as good as none.
+  // Ticks that a byte takes on the line; 0: negligible.
   void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
 
   // Drops all unanswered frames: the board restarts and may count from any number.
@@ -60,10 +60,10 @@ class Window {
   // Completes the next frame and sends it.
   void seal(size_t payload, Ticks now, Bytes& out);
 
-  // Puts `payload` in the place of all that the board has not acknowledged, and behind it:
-  // whichever frame the board takes next is this one. poll() sends it, again soon, and nothing new
-  // before the board has it. False while the board's first answer is awaited: then it may have to
-  // be put behind that, too.
+  // Replaces all frames that the board has not acknowledged, and the next one, by `payload`:
+  // whichever frame the board accepts next is this one. poll() sends it, again soon, and nothing
+  // new before the board has it. False while the first answer of the board is outstanding: then
+  // call it again after that answer.
   bool replace(const Bytes& payload);
 
   // A good frame came from the board. `empty`: an acknowledgement without content; the second of
@@ -86,7 +86,7 @@ class Window {
     uint8_t length = 0;
     bool again = false;  // also of numbers that renumbering has left out, and of the first
     bool opening = false;
-    Ticks sent = 0, gone = 0;  // first; and when its last byte left then
+    Ticks sent = 0, gone = 0;  // the first time; and when its last byte left that time
   };
 
   Block blocks_[kSequenceMask + 1];

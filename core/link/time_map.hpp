@@ -6,9 +6,9 @@
 
 namespace passo::wire {
 
-// A chain of straight pieces. Each begins where the one before it is at that time, and aims at
-// where the board's clock is expected one second later: an error of the estimate is gone by then,
-// and the board's time never jumps. Times are ticks of the main board's clock since the job began,
+// A chain of straight lines. Each begins at the end of the line before it, and ends at the expected
+// clock of the board one second later: so an error of the estimate is corrected within a second,
+// and the mapped time never jumps. Times are ticks of the main board's clock since the job began,
 // values ticks of the board's since then.
 class TimeMap {
  public:
@@ -32,7 +32,7 @@ class TimeMap {
     const Piece& p = pieces_.back();
     return p.from + (value - p.value) / p.rate;
   }
-  // No step changes by a tick between the boards: they are one clock, in different units.
+  // True if both clocks have exactly the nominal ratio: then no step is rounded.
   bool whole() const {
     return std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& p) { return p.rate == 1; });
   }

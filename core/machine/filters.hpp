@@ -13,9 +13,9 @@ struct Impulse {
   double weight, at;  // the weights add up to 1; at: s, the first one 0, ascending
 };
 
-// What is filtered depends on the past alone: every motor follows the plan `delay` later, so that
-// the earliest impulse needs no position that is not planned yet. A cut of the plan and of the
-// steps is then at one clock.
+// The filtered position depends on the past only: every motor follows the plan `delay` later, so
+// that the earliest impulse needs only positions that are planned already. A cut of the plan and of
+// the steps is then at one clock.
 struct Filters {
   std::vector<Impulse> shapers[3];  // of X, Y and Z; empty: none
   std::vector<double> smooth_s;     // by extruder: half of the width over which the advance is
@@ -35,7 +35,7 @@ struct Filters {
            (std::any_of(shapers, shapers + 3, [](const auto& s) { return !s.empty(); }) ||
             std::any_of(smooth_s.begin(), smooth_s.end(), [](double s) { return s > 0; }));
   }
-  // Axes are shaped in different ways: their speeds add up otherwise than in the plan.
+  // Axes have different shapers, so the sum of their speeds differs from the plan.
   bool differ() const { return on() && (shapers[0] != shapers[1] || shapers[0] != shapers[2]); }
   // Whole ticks, so that clocks of the plan and of the steps are rounded alike.
   double delay(double hz) const {

@@ -1,5 +1,5 @@
-// The correction of Z by the bed: heights on an even grid, bilinear in between; beyond the grid its
-// edge stays level. With a fade it decreases with the height of the nozzle.
+// The correction of Z by the bed: heights on an even grid, bilinear in between; beyond the grid,
+// the height of its edge continues. With a fade it decreases with the height of the nozzle.
 #pragma once
 #include <algorithm>
 #include <cmath>

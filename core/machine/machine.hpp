@@ -25,7 +25,7 @@ struct Axis {  // X, Y, Z and further linear axes
   double jerk;             // mm/s, change of speed allowed at a junction (law `jerk`)
   double cornering_steps;  // law `cornering_distance`
   bool filament = false;   // an extruder without tools: it is never homed, and has no limits
-  bool by_arms = false;    // homed by arms, with all others that are
+  bool by_arms = false;    // homed together with all other axes that arms move
 };
 
 struct Extruder {  // one motor that pushes filament
@@ -58,7 +58,8 @@ struct Limits {
   JunctionLaw junction;
   double junction_deviation;
   double minimum_cruise_ratio;
-  double least_speed_gain;  // a move speeds up by this share of the faster of its ends, or not
+  double least_speed_gain;  // a move accelerates only if it gains this fraction of the faster of
+                            // its end speeds
 };
 
 // The capacity of the board and its link, all motors together; infinite without a figure.
@@ -67,7 +68,8 @@ struct Budget {
   double command_rate = kInfinity;  // commands per second
   double burst = 0;                 // commands that may come ahead of that rate
   bool by_link = false;             // the link bounds the rate of commands, else the processor
-  double commits = 0;               // per second, each with the way on which every motor brakes
+  double commits = 0;               // per second, each with the steps with which every motor would
+                                    // brake
 };
 
 // Commands whose meaning the machine file gives: the codes of its macros, and other codes by which
@@ -105,7 +107,7 @@ struct Machine {
   std::string motor_letters;  // of actuators that are not axes: G1 moves them, too
   bool joints = false;        // X, Y, Z of positions are the first three actuators' own, for homing
 
-  // It has filament, in extruders or pushed by axes.
+  // The machine has filament, in extruders or moved by axes.
   bool prints() const {
     return !extruders.empty() ||
            std::any_of(axes.begin(), axes.end(), [](const Axis& axis) { return axis.filament; });

@@ -65,7 +65,7 @@ class Job {
   // not `within`, returns false, changes nothing and sets error().
   bool move_to(const double* target, double feed_mm_s, Within within);
 
-  // Babystep: moves everything from `ticks` on by `mm` along slot j (X, Y or Z), see
+  // Babystep: shifts everything from `ticks` on by `mm` along slot j (X, Y or Z), see
   // Motion::shift_from; the program's coordinates stay. Returns the clock of the cut. Returns
   // nothing and sets error() if an end would be out of range, or the axis is not homed.
   std::optional<double> shift_from(double ticks, int j, double mm);

@@ -27,7 +27,7 @@ void each_speed(const Move& m, double hz, F value_at) {
   ramp(m.start + m.t_acc + m.t_cru, m.t_dec, m.vc, -m.b);
 }
 
-// The light of a laser, from moves that have it follow their speed and from records that set it.
+// The power of a laser: moves make it follow their speed, and records set it.
 class LaserLight {
  public:
   static constexpr uint16_t kNone = 0x7fff;  // no output has this number
@@ -40,8 +40,8 @@ class LaserLight {
   }
   // A record sets it from now on.
   void recorded() { follows_ = false; }
-  // Calls put(ticks, value) for each change along a move, each value once; it goes off before a
-  // move without light.
+  // Calls put(ticks, value) for each change along a move, each value once; the laser goes off
+  // before a move without power.
   template <class Put>
   void follow(const Move& m, double hz, Put&& put) {
     if (m.duty == 0) return off(m.start, put);
@@ -61,7 +61,7 @@ class LaserLight {
     if (follows_) change(ticks, 0, put);
     follows_ = false;
   }
-  // After a cut: whether a move sets the light; the last value is not known.
+  // After a cut: whether a move sets the power; the last value is not known.
   void cut(bool follows) {
     follows_ = follows;
     value_ = full_ + 1;
@@ -70,7 +70,7 @@ class LaserLight {
  private:
   uint16_t target_ = kNone;
   uint32_t full_ = 0, value_ = 0;  // value_: the last value, while it follows
-  bool follows_ = false;           // the speed, not a record
+  bool follows_ = false;           // the power follows the speed, not a record
 
   template <class Put>
   void change(double ticks, double share, Put&& put) {

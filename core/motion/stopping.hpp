@@ -1,5 +1,5 @@
-// How the machine would stop on its path from a clock on. Boards get this plan in advance, for the
-// case that their link fails.
+// The planned stop of the machine on its path from a given clock. Boards get this plan in advance,
+// in case their link fails.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-// The rest of a plan that a controlled stop has left.
+// The part of a plan that a controlled stop has suspended.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -13,7 +13,7 @@ struct Record {
   uint16_t target;
   uint32_t value;
   int64_t clock;
-  bool alone = false;  // no move brings it: it came after one
+  bool alone = false;  // it belongs to no move: it came after the last one
 };
 
 struct HeldPlan {

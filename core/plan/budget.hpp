@@ -1,5 +1,5 @@
-// The load limits of a board's processor and its link, as limits of moves. Everything here follows
-// from the moves in their order; nothing comes back from the compressor.
+// The load limits of a board's processor and its link, as limits of moves. The calculation uses
+// only the moves in their order, not the results of the compressor.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -13,26 +13,27 @@ namespace passo {
 
 // The rate of steps bounds the speed of each move. The rate of commands may be exceeded for a
 // burst, which the board's slots take up; beyond it a move's steps may be farther from their ideal
-// times, which saves commands, and if that is not enough it gets slower. A move is taken to end as
-// fast as it begins; what it needs more or less than that is known, and accounted for, with the
-// next.
+// times, which saves commands, and if that is not enough it gets slower. The calculation assumes
+// that a move ends as fast as it begins; the difference is corrected with the next move.
 class MoveBudget {
  public:
-  // Commands of a motor for a move: in each second of it so many, in each second of acceleration
-  // the root of that in steps/s² times the second figure, and for the turn at its beginning the
-  // root of the steps that this makes in the move times the third, but not more than the fourth;
-  // and never more in all than its steps. Fitted to circles and random paths of 0.02 to 3 mm a
-  // move, 5 to 300 mm/s, 1000 to 20000 mm/s², at 2 µs; at 25 µs what grows with a root is half.
+  // Commands of a motor for a move: the first figure for each second; for each second of
+  // acceleration, the second figure times the square root of the acceleration in steps/s²; for the
+  // change of direction at its start, the third figure times the square root of the steps that this
+  // change makes within the move, but at most the fourth figure. The total is never more than the
+  // steps of the move. Fitted to circles and random paths of 0.02 to 3 mm a move, 5 to 300 mm/s,
+  // 1000 to 20000 mm/s², at 2 µs; at 25 µs what grows with a root is half.
   static constexpr double kPerSecond = 20, kPerRampSecond = 1.1, kPerTurn = 3, kMaxPerTurn = 1.5;
   // The same where a nonlinear actuator accelerates along a straight line at constant speed. A
   // rotary delta's lines of 24 mm need that much, a delta's of 60 mm 0.7.
   static constexpr double kPerBendSecond = 0.9;
-  // With each commit comes the way on which a motor that moves would brake: a command, and for the
-  // root of its steps/mm by the acceleration, times the speed, so many. Nine were measured with two
-  // motors at 60 mm/s, 22 with one at 250 mm/s, and 33 on a delta.
+  // Each commit contains the steps with which a moving motor would brake: one command, plus this
+  // figure times the speed times the square root of steps/mm divided by the acceleration. Nine were
+  // measured with two motors at 60 mm/s, 22 with one at 250 mm/s, and 33 on a delta.
   static constexpr double kPerBrake = 0.5;
-  // So many times the commands with motion filters, which change the acceleration more often. 1.22
-  // were measured on a print with shapers and advance, 1.27 on one of a CoreXY.
+  // The factor by which motion filters increase the number of commands, because they change the
+  // acceleration more often. 1.22 were measured on a print with shapers and advance, 1.27 on one of
+  // a CoreXY.
   static constexpr double kFiltered = 1.3;
 
   explicit MoveBudget(const Machine& machine);
@@ -48,7 +49,7 @@ class MoveBudget {
   void restart(double start2);
   // Commands ahead of the rate: the free space in the board's move queue, for any cut of the plan.
   void set_ahead(double commands) { ahead_ = commands; }
-  // The machine is at standstill for so long.
+  // The machine is at standstill for this time.
   void rest(double seconds);
 
   // Tightens vn2 and widens the tolerance of a move; its start has at most speed² `start2`.
@@ -124,7 +125,7 @@ class MoveBudget {
   Asked ask(const Move& m, const Shape& s, double saving) const;
   void list_needs(const Move& m);
 
-  // The move before ends at that speed².
+  // The move before ends at this speed².
   void settle(double end2);
 
   // The largest at which `fits`, from 0 to `most`, and a thousand-millionth of that more.

@@ -22,8 +22,8 @@ class History {
   std::vector<Move>::const_iterator at(double clock) const;
   std::vector<Move>::const_iterator end() const { return moves_.end(); }
   const Move* last() const { return moves_.empty() ? nullptr : &moves_.back(); }
-  // The position at a clock; at rest, the start of the next move. Nothing if the moves of that
-  // clock are dropped. `planned_to`: the start of what follows all moves.
+  // The position at a clock; at standstill, the start of the next move. Nothing if the moves at
+  // that clock were dropped. `planned_to` is the position after all moves.
   std::optional<std::array<double, kAxes>> position_at(double clock,
                                                        const double* planned_to) const;
 

@@ -1,5 +1,5 @@
-// The second input of the step solver: intervals in which the position of each axis is a polynomial
-// of time. Motion filters turn trapezoids of speed into such pieces.
+// The second kind of input of the step solver: intervals in which the position of each axis is a
+// polynomial of time. Motion filters turn trapezoids of speed into such pieces.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -30,7 +30,8 @@ struct Piece {
       if (c[kX][k] != 0 || c[kY][k] != 0 || c[kZ][k] != 0) return k;
     return 0;
   }
-  // Length of the path in X, Y, Z, by chords: a polynomial has too few bends to hide between them.
+  // Length of the path in X, Y, Z, by chords: a polynomial has too few bends to differ much from
+  // them.
   double length_mm() const {
     constexpr int kChords = 32;
     double sum = 0, from[3] = {c[kX][0], c[kY][0], c[kZ][0]};

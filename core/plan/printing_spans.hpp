@@ -24,7 +24,7 @@ class PrintingSpans {
     else
       spans_.emplace_back(from, to);
   }
-  // A move of a later layer has come.
+  // A move of a later layer has arrived.
   bool over() const { return over_; }
   // From and to, ticks since the start of the job; moves without a rest in between are one span.
   std::vector<std::pair<double, double>> take() { return std::exchange(spans_, {}); }

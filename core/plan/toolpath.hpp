@@ -1,4 +1,5 @@
-// The path of a planned program as columns, for a viewer: a row for each move that goes somewhere.
+// The path of a planned program as columns, for a viewer: a row for each move that changes the
+// position.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-// The simulated bed, and a probe on the head that feels it.
+// The simulated bed, and a probe on the head that measures it.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -72,7 +72,7 @@ struct BedProbe {
   bool nozzle(const double* q, double p[3]) const { return geometry->forward(q, p); }
   // Z of the gantry at a place, where the geometry's is `z`.
   double gantry(double x, double y, double z) const;
-  // Whether it is triggered now; to be asked as time passes.
+  // Whether the probe is triggered now. Call it in the order of time.
   bool triggered(const double* q, Ticks clock);
 
  private:

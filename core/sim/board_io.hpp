@@ -107,7 +107,7 @@ struct BoardAnalogIn {
   }
 };
 
-// Looks at its pin every `rest` ticks; `count` equal samples, `sample` ticks apart, trigger.
+// Samples its pin every `rest` ticks; `count` equal samples, `sample` ticks apart, trigger.
 struct BoardEndstop {
   uint32_t pin;
   bool armed = false, wanted = false;

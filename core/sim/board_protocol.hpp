@@ -1,4 +1,5 @@
-// The messages of the virtual board: the ids are its own, the declarations are those of the field.
+// The messages of the virtual board: its message ids are arbitrary, the declarations are those of
+// Klipper's protocol.
 #pragma once
 #include <cstdint>
 #include <iterator>
@@ -71,7 +72,7 @@ enum class Report : int32_t {
 struct Declaration {
   int32_t id;
   const char* text;
-  bool in_shutdown = false;  // also obeyed after a shutdown
+  bool in_shutdown = false;  // also accepted after a shutdown
 };
 
 inline constexpr Declaration kCommands[] = {

@@ -42,11 +42,12 @@ struct BoardSpi {
   Bytes transfer(Ticks now, const Bytes& data, Plant& plant) const;
 };
 
-// A converter that is asked every `rest` ticks. Words outside minimum…maximum, or with a fault,
-// more than `most_faults` times in a row are a fault of the board.
+// A converter that is read every `rest` ticks. Words outside minimum…maximum, or with a fault, more
+// than `most_faults` times in a row are a fault of the board.
 struct BoardThermocouple {
-  // How a type is asked: the registers of its word and its faults, if it has any, the bytes of the
-  // word, and the bit of that which stands for all faults, if it has no register of them.
+  // How a type is read: the registers of its reading and of its faults, if it has registers; the
+  // number of bytes of the reading; and the bit of the reading that means any fault, if there is no
+  // fault register.
   struct Type {
     std::optional<uint8_t> word_register, fault_register;
     size_t bytes;
@@ -77,7 +78,7 @@ class SerialParts {
 
   static bool knows(Command id) { return id >= Command::config_tmcuart; }
   bool has(uint32_t oid) const { return parts_.count(oid) > 0; }
-  // The part that a command makes, if it makes one.
+  // The part that a command creates, or null.
   std::optional<Part> made(Command id, const uint32_t* a);
   void add(uint32_t oid, Part part) { parts_.emplace(oid, std::move(part)); }
 

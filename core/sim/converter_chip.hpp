@@ -1,4 +1,4 @@
-// A simulated converter of a thermocouple or a platinum resistor, as its data sheet has it.
+// A simulated converter of a thermocouple or a platinum resistor, according to its data sheet.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -9,20 +9,21 @@
 namespace passo::wire {
 
 // MAX31855 and MAX6675 answer with their word. MAX31856 and MAX31865 have registers: the first byte
-// of a transfer is an address, with its highest bit set to write; they measure nothing until they
-// are told to.
+// of a transfer is an address, with its highest bit set to write; they do not measure until a
+// command starts the conversion.
 class ConverterChip {
  public:
   explicit ConverterChip(heat::Converter kind) : kind_(kind) {}
 
   bool has_registers() const;
   int spi_mode() const { return has_registers() ? 1 : 0; }
-  // What comes back, and of a chip with registers behind the first byte, when its sensor shows this
-  // share of full scale: all of it is open, nothing is short-circuited.
+  // The bytes that the chip returns (with registers: after the first byte) when its sensor reads
+  // this fraction of full scale. 1 is an open sensor, 0 a short circuit.
   Bytes word(double share) const;
   Bytes read(uint8_t address, double share);
   void take(const Bytes& in);
-  // What has been written: of a MAX31856 the settings and the type, of a MAX31865 the settings.
+  // The registers that were written: settings and thermocouple type of a MAX31856, settings of a
+  // MAX31865.
   uint8_t setting(size_t address) const { return settings_.at(address); }
 
  private:
@@ -33,7 +34,8 @@ class ConverterChip {
 
   uint32_t of(double share) const;
   static Bytes bytes(uint32_t word, int size);
-  // Continuous conversion is on, and with it what looks for open wires, or the resistor's supply.
+  // Continuous conversion is on, and the detection of open wires, or the bias voltage of the
+  // resistor.
   void measure(double share);
 };
 

@@ -8,7 +8,8 @@
 namespace passo::wire {
 
 // An AD5206 (Analog Devices, data sheet Rev. E): of a transfer the last eleven bits count, three of
-// the address and eight of the wiper's position; it begins in the middle and says nothing.
+// the address and eight of the wiper's position; the wiper starts in the middle, and the chip sends
+// no answer.
 class Digipot {
  public:
   void take(const Bytes& in) {

@@ -12,8 +12,8 @@ struct host_functions;  // firmware/hal/host/host.h
 
 namespace passo::wire {
 
-// A copy of the firmware library for one board: its state is that of the copy. Copies that are
-// given back wait for the next board, which powers them on again.
+// A copy of the firmware library for one board: its state is that of the copy. Returned copies are
+// used again by the next board, which powers them on again.
 class FirmwareLibrary {
  public:
   // Throws std::runtime_error if it cannot be loaded.

@@ -1,5 +1,5 @@
-// A heater loop and the body that it heats, without a board between them: how long heating takes,
-// for plans. Control, arrival and body are those of a simulated printer.
+// A heater loop and the body that it heats, without a board between them. Plans use it to predict
+// how long heating takes. Control, arrival and body are those of a simulated printer.
 #pragma once
 #include <cstdint>
 
@@ -14,7 +14,7 @@ class HeatRun {
   HeatRun(HeaterOptions options, HeatedBody body);
   Heater& heater() { return heater_; }
 
-  // The fan that cools the body blows so fast from now on, 0 to 1.
+  // Sets the speed of the fan that cools the body, 0 to 1.
   void set_fan(double speed);
   // Lets time pass, to the millisecond.
   void run(double seconds);

@@ -28,11 +28,11 @@ class Distant : public Device {
   Ticks now() const { return now_; }
   // While it is cut, bytes in both directions are lost.
   void cut(bool on) { cut_ = on; }
-  // So large a share of all bytes, either way, arrives as another one, not at all, twice, before
-  // the one before it, or behind one that nobody sent; and what is sent at once may arrive in two
-  // parts. So large a share of all frames arrives not at all, twice, behind the next one, or late
-  // and at once with what is sent meanwhile. No frame overtakes more than one: a number of four
-  // bits, of which twelve may be on their way, tells no older ones.
+  // Damages this fraction of all bytes in both directions: a byte is changed, lost, doubled,
+  // swapped with the one before, or preceded by a random one; bytes sent together may arrive in two
+  // parts. Damages this fraction of all frames: a frame is lost, doubled, swapped with the next
+  // one, or arrives late, together with later ones. A frame overtakes at most one other: its number
+  // has four bits and twelve frames may be on their way, so older frames could not be recognised.
   void spoil(double bytes, double frames) { spoilt_ = bytes, frames_ = frames; }
   // How many frames were lost, doubled, swapped and late so far.
   const std::array<int, 4>& spoilt_frames() const { return counts_; }
@@ -46,8 +46,9 @@ class Distant : public Device {
   static constexpr Ticks kHeldTrips = 8, kLateTrips = 40;  // in times of a trip
   struct Way {
     std::deque<std::pair<Ticks, Bytes>> flying;  // bytes by their time of arrival
-    Bytes held;                                  // a frame that lets the next one pass
-    Ticks until = 0;                             // which goes if none has come by then
+    Bytes held;                                  // a frame that is delivered after the next one
+    Ticks until = 0;                             // when the held frame is delivered if no other
+                                                 // frame has followed
   };
   Device& device_;
   Ticks start_;

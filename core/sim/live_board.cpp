@@ -29,7 +29,7 @@ void LiveBoard::serve() {
 
 void LiveBoard::serve_on() {
   while (!stopping_ && cable_.open()) {
-    double sleep = kLookSeconds;
+    double sleep = kSampleSeconds;
     {
       std::lock_guard lock(guard_);
       device_.poll(now(), cable_.outgoing());

@@ -11,9 +11,9 @@ namespace passo::wire {
 
 class LiveBoard {
  public:
-  // Begins at once, at this clock of the device. Until stop() the device is used under guard()
-  // only. Its clock runs with the computer's, but stands still while the computer does not let it
-  // run, as that of a chip would which is stopped.
+  // Starts at once, at this clock of the device. Until stop(), use the device under guard() only.
+  // Its clock runs with the computer's, but pauses while the computer does not schedule the thread,
+  // like the clock of a halted chip.
   LiveBoard(Device& device, int fd, double clock_hz, Ticks start = 0)
       : device_(device), cable_(fd), hz_(clock_hz), now_(start), seen_(monotonic_ticks(clock_hz)),
         thread_([this] { serve(); }) {}
@@ -23,7 +23,7 @@ class LiveBoard {
   void stop();
 
  private:
-  static constexpr double kLookSeconds = 0.002, kStallSeconds = 0.01;
+  static constexpr double kSampleSeconds = 0.002, kStallSeconds = 0.01;
 
   Device& device_;
   Cable cable_;

@@ -99,7 +99,7 @@ void Plant::look(Ticks clock, const Position& position) {
   next_look_ = kNever;
   for (BedProbe& probe : probes) {
     if (probe.mechanism.kind != ProbeMechanism::Kind::dock) continue;
-    next_look_ = clock + Ticks(ProbeMechanism::kLookSeconds * hz_);
+    next_look_ = clock + Ticks(ProbeMechanism::kSampleSeconds * hz_);
     std::vector<double> q;
     for (uint32_t step_pin : probe.motors) q.push_back(position(step_pin));
     double p[3];

@@ -1,5 +1,6 @@
-// The simulated printer around the virtual board: motors move actuators, actuators press switches,
-// heaters warm bodies, thermistors feel them. It sees pins and clocks, as real parts would.
+// The simulated printer around the virtual board: motors move actuators, actuators trigger
+// endstops, heaters warm bodies, thermistors measure them. Its interface is pins and clocks, as for
+// real parts.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -30,7 +31,7 @@ struct Switch {
   double position;
   bool at_maximum;
   bool pressed_level;
-  int forced = -1;  // a fault: 0 never pressed, 1 always
+  int forced = -1;  // a fault: 0 never triggered, 1 always
 };
 
 // A heated body and its sensor, each of first order: the body tends to ambient + rise * duty, and
@@ -105,10 +106,10 @@ class Plant {
   double position(uint32_t step_pin, int64_t net) const;
   // Moves the actuator, as if by hand.
   void place(uint32_t step_pin, int64_t net, double position);
-  // The board forgets its counts; the actuators stay where they are.
+  // The board was reset: step counts start at 0 again, the actuators keep their positions.
   void rebase(uint32_t step_pin, int64_t net);
 
-  // Fixed steps: the result does not depend on when it was asked for.
+  // Fixed time steps: the result does not depend on the times of the calls.
   void run_until(Ticks clock);
 
  private:

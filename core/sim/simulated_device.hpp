@@ -73,9 +73,9 @@ class Bench : public Device {
 
   // Actuator position of a motor (mm or degrees) now.
   double position(uint32_t step_pin) { return plant_.position(step_pin, net(step_pin)); }
-  // A motor on another board, whose actuator the switches of this one feel as that of `step_pin`.
-  // Both boards are at the same time whenever this one looks, to within what it does between two
-  // looks. A board that is gone is felt no more.
+  // A motor on another board, whose actuator triggers the endstops of this board like that of
+  // `step_pin`. Whenever this board samples an endstop, both boards are at the same time, to within
+  // one sampling interval. A motor of a removed board has no effect any more.
   void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin);
   // Moves a motor's actuator, as if by hand.
   void place(uint32_t step_pin, double position);

@@ -12,9 +12,9 @@ struct SpiPins {
   uint32_t select, clock, to_device, from_device;
 };
 
-// Selected while its pin is low. `answer` gives, when a transfer begins, what comes back during it;
-// `take` gets what came in. Of a device with registers `read` gives what comes back behind the
-// first byte, which is an address.
+// Selected while its pin is low. At the start of a transfer `answer` returns the bytes to send; at
+// the end `take` gets the received bytes. If the device has registers, the first byte is an
+// address, and `read` returns the bytes to send after it.
 class SpiDevice {
  public:
   SpiDevice(SpiPins pins, int mode, std::function<Bytes(Ticks)> answer,

@@ -11,7 +11,7 @@ class TrinamicChip {
  public:
   enum class Kind : uint8_t { tmc2208, tmc2209, tmc2130, tmc5160 };
 
-  // Faults: it does not answer; so many of its next answers have a wrong bit.
+  // Faults: the chip does not answer; or this number of its next answers have a wrong bit.
   bool plugged = true;
   uint32_t damaged_answers = 0;
 
@@ -19,10 +19,10 @@ class TrinamicChip {
 
   bool by_uart() const { return kind_ == Kind::tmc2208 || kind_ == Kind::tmc2209; }
   uint32_t read(uint8_t reg) const { return registers_[reg & 0x7f]; }
-  // The chip's own findings.
+  // The status flags that the chip sets itself.
   void set(uint8_t reg, uint32_t value) { registers_[reg & 0x7f] = value; }
 
-  // Forgets its settings, as at power-on.
+  // Resets its settings, as at power-on.
   void power_on();
 
   // One datagram by UART; returns its answer, if any.
@@ -31,7 +31,7 @@ class TrinamicChip {
   // Bits from the end of a question by UART until its answer (SENDDELAY).
   int answer_delay() const { return 8 * int(registers_[kSlaveconf] >> 8 & 0xe) + 8; }
 
-  // SPI: the five bytes that come back while the next five go in, and then those.
+  // SPI: takes five bytes, and returns the five that the chip sends at the same time.
   Bytes answer();
   void take(const Bytes& in);
 
@@ -43,7 +43,7 @@ class TrinamicChip {
   Kind kind_;
   uint8_t address_;
   std::array<uint32_t, 128> registers_{};
-  uint32_t last_ = 0;  // by SPI an answer comes with the datagram after
+  uint32_t last_ = 0;  // by SPI, the next datagram returns the answer
 
   uint32_t version() const;
   bool readable(uint8_t reg) const;

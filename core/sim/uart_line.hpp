@@ -26,15 +26,15 @@ class UartLine {
   // All bytes until `clock` are received.
   void run(Ticks clock);
 
-  // As if these bits (start and stop bits included, each byte's lowest bit first) had come: the
-  // answer's, and after how many bits it begins.
+  // Simulates the reception of these bits (with start and stop bits, each byte's lowest bit first).
+  // Returns the bits of the answer and the delay before it in bits.
   std::pair<Bytes, int> exchange(const Bytes& bits);
 
  private:
   static constexpr double kPause = 63;  // bits
   uint32_t rx_pin_, tx_pin_;
   bool level_ = true;
-  Ticks start_ = kNever;  // of the byte that comes, and of the last one
+  Ticks start_ = kNever;  // of the current byte, and of the last one
   Ticks last_ = 0;
   double bit_ = 0;  // ticks; 0 until the sync nibble has come
   int bit_number_ = 0, falls_ = 0;

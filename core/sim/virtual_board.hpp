@@ -1,4 +1,5 @@
-// A complete board in virtual time: it takes frames, checks, executes and answers as a real one.
+// A complete board in virtual time: it receives frames, checks and executes them, and answers like
+// a real board.
 #pragma once
 #include <cstdint>
 #include <initializer_list>
@@ -33,7 +34,7 @@ class VirtualBoard : public Bench {
   uint32_t crc() const { return crc_; }
   std::string fault() const override { return kFaults[size_t(fault_)]; }
   bool stopped() const override { return fault_ != Fault::none; }
-  // Most move slots seen in use whenever they were counted.
+  // The maximum number of used move slots, of all times when they were counted.
   size_t peak_slots() const { return peak_slots_; }
   uint64_t frames() const override { return frames_; }
   uint64_t naks() const override { return naks_; }
@@ -105,11 +106,11 @@ class VirtualBoard : public Bench {
   T& get(uint32_t oid);
   BoardOutput& output(uint32_t oid, bool pwm);
   void queue_output(const uint32_t* a, bool pwm);
-  // The bound is made exact only when it reaches the limit: counting is dear.
+  // The bound is made exact only when it reaches the limit: counting is slow.
   void take_slot();
   // A timer cannot be set in the past.
   Ticks ahead(uint32_t clock) const;
-  // A real board would do nothing else, or miss its own timers.
+  // With such a load, a real board would do nothing else, or miss its timers.
   static void check_period(uint32_t ticks);
   void trigger(uint32_t oid, uint32_t reason);
   void report_trsync(uint32_t oid, const BoardTrsync& group);

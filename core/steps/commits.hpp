@@ -62,7 +62,8 @@ class Commits {
  private:
   static constexpr double kTailTolerance = 50e-6;  // s: nothing is printed during a stop
 
-  uint32_t serial_ = 0, begin_ = 0;  // of the last commit made; of the board's last at begin()
+  uint32_t serial_ = 0, begin_ = 0;  // of the last commit made; of the last commit of the board at
+                                     // begin()
   int64_t period_;
   size_t most_;
   double widest_;
@@ -74,7 +75,7 @@ class Commits {
   MessageQueue waiting_;
   std::deque<Point> points_;
   std::vector<int64_t> last_, net_;  // of each motor, without steps that wait
-  std::vector<bool> renew_;          // its clock must be sent again before its next step
+  std::vector<bool> renew_;          // the clock must be sent again before the next step
   std::vector<Move> past_, moves_;
   std::vector<Message> within_, behind_;
   std::vector<std::vector<Message>> ahead_;  // directions and clocks belong to the steps after them
@@ -83,7 +84,7 @@ class Commits {
   bool moving() const { return next_clock() != kNoMessage; }
   int64_t last_end() const;
 
-  // `braking`: with the way of a stop from there, of past_ and moves_.
+  // `braking`: also plans the stop from there, on past_ and moves_.
   void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin, bool braking,
               const Out& out);
 
@@ -91,7 +92,7 @@ class Commits {
   void divide(int64_t clock);
 
   void tail(int64_t clock, const std::vector<int64_t>& origin, const Out& out);
-  // The steps of all motors on this way. Returns their end.
+  // Solves the steps of all motors along these moves. Returns the clock of their end.
   double solve_tail(int64_t clock);
 };
 

@@ -38,11 +38,12 @@ class Compressor {
   void keep_ideal(bool on) { keeps_ideal_ = on; }
   int64_t last() const { return last_; }
 
-  // Makes commands of all steps that can no longer change, all steps before `frontier` being known;
-  // `still`: none will follow until the machine has stood. None is done at or before `behind`.
+  // Makes commands of all steps that can no longer change. All steps before `frontier` are known.
+  // `still`: no further step follows until the machine has been at standstill. No step is scheduled
+  // at or before `behind`.
   void advance(double frontier, bool still, int64_t behind);
 
-  // No message to come has a clock before this one.
+  // No later message has a clock before this one.
   double next_clock(double frontier) const;
 
   // No command may be due before this clock: messages up to it are handed out already.
@@ -61,18 +62,18 @@ class Compressor {
   int64_t pending_net() const;
 
   // A cut: the motor's last step is executed at `last`, what is pending is forgotten and `revoked`
-  // is taken back from the statistics. Steps that follow are set apart from that step. A clock that
-  // was set anew behind it, and had to be, must be so again.
+  // is taken back from the statistics. Steps that follow keep their minimum distance from that
+  // step. If the clock was set again after that step, and had to be, it is set again.
   void restart(int64_t last, const StepStatistics& revoked);
 
  private:
-  static constexpr double kMaxSeconds =
-      0.06;  // span of a command: bounds what waits for more steps, and how long a hold waits
+  static constexpr double kMaxSeconds = 0.06;   // maximum span of a command: bounds how long steps
+                                                // wait for more steps, and how long a hold waits
   static constexpr double kLeadSeconds = 0.02;  // a command is due this long before its first step
-  // Steps that have windows at a time: so a move of millions of steps takes little more memory than
-  // their times. What is left of a block must hold the longest command.
+  // Number of steps whose windows are calculated at once: so a move of millions of steps needs
+  // little more memory than their times. The remainder of a block must hold the longest command.
   static constexpr size_t kBlock = 1 << 14;
-  static constexpr int kLook = 512;           // steps looked at first: most commands are shorter
+  static constexpr int kLook = 512;           // steps examined first: most commands are shorter
   static constexpr double kIdle = 268435456;  // ticks: after a longer gap the clock is set again
 
   double tolerance_, reversal_, least_, longest_, lead_, margin_;
@@ -80,7 +81,7 @@ class Compressor {
   Steps steps_;                             // ticks[0] is the step before the first pending one
   size_t joined_ = 0;                       // runs before this one are checked for close reversals
   size_t base_ = 0;                         // index in `ticks` of the first element of these
-  std::vector<double> lo_, hi_, executed_;  // three more than a block, as Stabbing wants it
+  std::vector<double> lo_, hi_, executed_;  // three more than a block, as Stabbing requires
   std::unique_ptr<Stabbing> stabbing_;
   MessageQueue messages_;
   StepStatistics statistics_;
@@ -89,7 +90,7 @@ class Compressor {
   int64_t floor_ = 0, behind_ = kAnyClock;
   struct Reset {
     int64_t at, before;  // clock set, last step before it
-    bool renewed;        // it was the one that renew() had asked for
+    bool renewed;        // renew() had requested it
   };
   std::deque<Reset> resets_;
   bool crowded_ = true, keeps_ideal_ = false, renew_ = false;
@@ -100,7 +101,7 @@ class Compressor {
   // Run r or the one before it may have lost all its steps; neighbours of one direction then join.
   void remove_empty(size_t r);
 
-  // The least distance of a step from one that is done, whichever way it goes.
+  // The minimum distance of a step from an executed one, in either direction.
   double apart() const { return std::max(reversal_, least_); }
   bool resets(double first) const { return renew_ || first - double(last_) > kIdle; }
 

@@ -14,7 +14,7 @@ constexpr size_t kParts = 4, kDeepest = 20;
 constexpr double kMostOdd = 0.0481126;  // of x (x - 1/2) (x - 1): sqrt(3) / 36
 
 // From units of the actuator to steps, and from its polynomial of degree four to a quadratic with
-// bends. error: at most 0 where that is near enough.
+// bends. error: at most 0 of the converter near enough.
 PASSO_SIMD void fit_quadratics(int n, double per_unit, double near_ticks,
                                const double* __restrict t, const double* __restrict middle,
                                double* __restrict q, double* __restrict v0, double* __restrict v1,

@@ -19,9 +19,9 @@
 
 namespace passo {
 
-// Of a linear motor each interval has a closed form, of an extruder with advance a cubic; a
-// nonlinear motor, or one above a bed that is not flat, follows the filtered way of the nozzle. The
-// number of steps, when all is at rest, is that of the plan.
+// Each interval has a closed form for a linear motor, and is a cubic for an extruder with advance.
+// A nonlinear motor, or a motor that corrects an uneven bed, follows the filtered path of the
+// nozzle. At standstill, the number of steps equals that of the plan.
 class FilteredSolver {
  public:
   // `nozzle` solves and restarts with the same moves, before.
@@ -64,7 +64,7 @@ class FilteredSolver {
   bool going_ = false;
   bool raised_ = false;
   double goal_[kAxes];  // end of the last move
-  int64_t owed_ = 0;    // steps of the law that are not done, or, below 0, are already
+  int64_t owed_ = 0;    // steps of the law that are not executed yet; negative: executed too early
   double owed_since_ = 0;
   TimedTolerances tolerances_;
   Steps late_;
@@ -77,7 +77,7 @@ class FilteredSolver {
   int64_t law_count() const;
   // Fits quadratics to the motor's law along a track.
   void fit(const Track& track, Fit& to) const;
-  // Passes them on, and parts of those that are too far from it.
+  // Passes them on; splits those that are too far from the law.
   void pass_on(const Track& track, const Fit& fits, size_t depth);
   void solve_raised(StepSolver& of, Steps& out);
   void pay(Steps& steps, Steps& out);

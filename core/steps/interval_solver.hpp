@@ -37,7 +37,7 @@ class IntervalSolver {
   void flush() {
     if (used_ > 0) flush_all();
   }
-  // Where the steps go.
+  // The output of the steps.
   void into(Steps& out, TimedTolerances& tolerances) { out_ = &out, tolerances_ = &tolerances; }
   // Steps from 0 to the end of the last interval.
   int64_t count() const { return int64_t(std::floor(q_[used_] + 0.5)); }
@@ -83,7 +83,8 @@ class IntervalSolver {
       s.kind_[i] = s.v0_[i] * s.v1_[i] < 0 ? 3.0 : any;
     }
   }
-  // What rounding puts beyond an end of the interval, or makes of a standstill, is at that end.
+  // A root that rounding moves beyond an end of the interval, or out of a standstill, is put at
+  // that end.
   PASSO_SIMD static void series(double* __restrict t, int n, const double* k, double y0, double low,
                                 double high) {
     const double k0 = k[0], k1 = k[kSize], k2 = k[2 * kSize], k3 = k[3 * kSize], k4 = k[4 * kSize],

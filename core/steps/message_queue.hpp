@@ -25,9 +25,9 @@ class MessageQueue {
     if (tail_ - kept_ > mask_) grow();
     ring_[tail_++ & mask_] = message;
   }
-  // Before all that wait. Only where nothing is kept.
+  // Inserts before all waiting messages. Only if no messages are kept.
   void push_front(const Message& message);
-  // After all messages whose clocks are not later.
+  // Inserts after all messages whose clocks are not later.
   void insert(const Message& message);
   // A pin's value, as insert(); another value of it at the same clock would never be seen.
   void set_pin(const Message& message);
@@ -44,15 +44,16 @@ class MessageQueue {
       --commits_;
     }
   }
-  // From here on the messages of the last so many commits are kept, for rewind().
+  // From here on keeps the messages of this number of commits, for rewind().
   void keep(size_t commits);
-  // Where what followed this commit begins, among the messages taken; nothing if it was taken too
-  // long ago, or not at all. kFirst: since keep().
+  // The index of the first message after this commit, among the messages taken. Nothing if the
+  // commit was taken too long ago, or not at all. kFirst: the first message since keep().
   static constexpr int64_t kFirst = -1;
   std::optional<size_t> behind(int64_t serial) const;
-  // All messages from there on are to be taken again; what was taken before ended at `clock`.
+  // All messages from that index on will be taken again. The messages taken before ended at
+  // `clock`.
   void rewind(size_t begin, int64_t clock);
-  // All that is kept, and all that waits, in its order.
+  // All kept and all waiting messages, in their order.
   template <typename Visit>
   void visit(Visit&& visit) const {
     for (size_t i = kept_; i != tail_; ++i) visit(at(i));
@@ -61,28 +62,28 @@ class MessageQueue {
   int64_t taken_until() const { return taken_until_; }
   // From now on a link's thread takes messages while others add and revoke them.
   void share() { guard_->shared = true; }
-  // Keeps the queue, and all that were joined, to the caller while the result lives, if it is
-  // shared.
+  // If the queue is shared, locks it and all joined queues for the caller, while the result exists.
   std::unique_lock<std::recursive_mutex> hold() {
     return guard_->shared ? std::unique_lock(guard_->mutex)
                           : std::unique_lock(guard_->mutex, std::defer_lock);
   }
-  // A thread that holds one of the two holds both. Call before either is used.
+  // From now on one lock covers both queues. Call it before either is used.
   void join(MessageQueue& other) { guard_ = other.guard_; }
   void clear() { tail_ = head_; }
 
  private:
   const Message& at(size_t i) const { return ring_[i & mask_]; }
   void grow();
-  static constexpr size_t kSmallest = 256;  // little enough for the nearest cache
+  static constexpr size_t kSmallest = 256;  // fits into the first-level cache
   std::vector<Message> ring_;               // its size is a power of two
   size_t mask_ = kSmallest - 1;             // size less one
   size_t kept_ = 0, head_ = 0, tail_ = 0;
-  size_t first_ = 0;  // of what followed keep()
+  size_t first_ = 0;  // of the messages after keep()
   int64_t taken_until_ = 0;
   size_t keeps_ = 0, commits_ = 0;  // commits from kept_ to head_
   struct Guard {
-    std::recursive_mutex mutex;  // cutting a plan hands messages on within
+    std::recursive_mutex mutex;  // recursive: cutting a plan passes messages on while it holds the
+                                 // lock
     std::atomic<bool> shared{false};
   };
   std::shared_ptr<Guard> guard_ = std::make_shared<Guard>();

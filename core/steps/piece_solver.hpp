@@ -13,22 +13,22 @@ class PieceSolver {
  public:
   PieceSolver(const Machine& machine, const StepperSpec& spec);
 
-  // The correction of the bed moves this motor.
+  // The bed correction moves this motor.
   bool raised() const {
     return machine_.height_map && !machine_.joints && spec_.drive == Drive::actuator &&
            (!straight_ || row_[kZ] != 0);
   }
 
   // A straight motor makes no step from `count` on along a line at one Z above one cell: a cheap
-  // test that most moves of a layer pass. Also false if it cannot tell.
+  // test that most moves of a layer pass. Also false if the test is inconclusive.
   bool rests(const double* from, const double* to, int64_t count) const;
 
-  // Appends each step from `count` on. At the end of a path, also for each
-  // that its rounded end, `target`, still wants. Returns the count after them.
+  // Appends each step from `count` on. At the end of a path, also appends the steps that are
+  // missing to its rounded end, `target`. Returns the count after them.
   int64_t solve(const Piece& p, int64_t count, int64_t target, bool ends_path, Steps& out);
 
-  // Throws std::invalid_argument if the motor cannot reach a position, or not so fast. Looked at
-  // each kSampleMm, and kMinSamples times at least.
+  // Throws std::invalid_argument if the motor cannot reach a position, or not so fast. The path is
+  // sampled every kSampleMm, and at least kMinSamples times.
   void check(const Piece& p) const;
 
  private:
@@ -61,7 +61,7 @@ class PieceSolver {
 };
 
 // Throws std::invalid_argument if pieces do not join from `from` on, to kPieceJoint mm, or a motor
-// cannot follow one. `filament`: where the extruder of the first one is.
+// cannot follow one. `filament`: the position of the first piece's extruder.
 inline constexpr double kPieceJoint = 1e-6;
 void check_pieces(const Machine& machine, const std::vector<Piece>& pieces, const double* from,
                   double filament);

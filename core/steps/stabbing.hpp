@@ -19,7 +19,7 @@ struct Command {
   int count;
   double interval, add;  // integers
 
-  // Ticks that its steps take, an integer. Throws if a board would not take it.
+  // Duration of its steps in ticks, an integer. Throws if a board would refuse the command.
   double span() const {
     const double n = count;
     if (interval < 1 || interval + add * (n - 1) < 1 || interval > 0x7fffffff)
@@ -50,7 +50,7 @@ struct StabbingTables {
 };
 inline constexpr StabbingTables kStabbing;
 
-// What follows the blocks is apart from them, so that each has the registers to itself.
+// The code after the blocks is a separate function, so that each can use all registers.
 namespace pairs {
 using Vector = Lanes;
 #define PASSO_SEARCH_INLINE PASSO_INLINE
@@ -74,9 +74,9 @@ using Vector = WideLanes;
 class Stabbing {
  public:
   // lo[m] ≤ time of step m ≤ hi[m], each window holding an integer; `last` is the integer time of
-  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kMaxSteps; when its steps come goes
-  // to `executed`. All three arrays must go on up to the next multiple of four behind n; there `lo`
-  // and `hi` may be any numbers, and anything may be written to `executed`.
+  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kMaxSteps; when its steps come goes to
+  // `executed`. All three arrays must extend to the next multiple of four after n; there `lo` and
+  // `hi` may be any numbers, and `executed` may be overwritten.
   Command longest(const double* lo, const double* hi, int n, double last, double* executed) {
 #if defined(PASSO_CHOOSES)
     return has_avx2_ ? longest_avx2(lo, hi, n, last, executed)

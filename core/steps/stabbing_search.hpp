@@ -42,12 +42,12 @@ class Search {
   double low_[kPairs], high_[kPairs];            // the segments
   double least_[kPairs + 1], most_[kPairs + 1];  // slopes per segment, for each count
 
-  // A command ends as late as it may: where speed changes, the step times bend upwards all along,
-  // and the next command reaches farther from a late start than from an early one.
+  // A command ends as late as possible: where the speed changes, the step times curve upwards, and
+  // the next command reaches farther from a late start than from an early one.
   static Command single(const double* hi, double last) { return {1, std::floor(hi[0] - last), 0}; }
 
-  // Looks at segments m … m + 3; all before agree with slopes from `least` to `most`. Every block
-  // has its own code up to the end, so that their number is a matter of one branch.
+  // Examines segments m … m + 3; all segments before allow slopes from `least` to `most`. The code
+  // of the blocks is unrolled, so that their number costs one branch.
   template <int m>
   PASSO_SEARCH_INLINE Command block(const double* lo, const double* hi, int n, double last,
                                     double* executed, Vector most, Vector least) {
@@ -56,13 +56,13 @@ class Search {
     Vector low = (Vector::load(lo + m) - origin) * r, high = (Vector::load(hi + m) - origin) * r;
     low.store(low_ + m);
     high.store(high_ + m);
-    // Against each other.
+    // Compares the segments with each other.
     Vector steepest = high - slide<1>(back, low), flattest = low - slide<1>(far, high);
     steepest = min(steepest, (high - slide<2>(back, low)) * half);
     flattest = max(flattest, (low - slide<2>(far, high)) * half);
     steepest = min(steepest, (high - slide<3>(back, low)) * third);
     flattest = max(flattest, (low - slide<3>(far, high)) * third);
-    // Against those before.
+    // Compares the segments with those before.
     for (int j = 0; j < m; ++j) {
       Vector per_distance = Vector::load(kStabbing.reciprocal + m - j);
       steepest = min(steepest, (high - Vector(low_[j])) * per_distance);
@@ -154,7 +154,7 @@ class Search {
     return {0, 0, 0};
   }
 
-  // Few adds are left: the longest of them.
+  // Few values of add remain: returns the longest command among them.
   PASSO_SEARCH_APART Command extend(const double* lo, const double* hi, int n, double last) const {
     const double least = least_[kPairs], most = most_[kPairs], centre = middle(least, most);
     Command best{0, 0, 0};

@@ -1,4 +1,4 @@
-// Which messages are left when motion is cut at a clock.
+// Which messages remain when motion is cut at a clock.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -32,7 +32,7 @@ class StepStream {
   MessageQueue& messages(size_t board) { return messages_[board]; }
   // Messages that wait to be taken.
   size_t waiting();
-  // Keeps what boards take, and have taken, as it is while the result lives.
+  // While the result exists, boards take no messages.
   std::unique_lock<std::recursive_mutex> hold() { return messages_[0].hold(); }
   // Latest end of all messages taken so far.
   int64_t taken_until() const;
@@ -52,7 +52,7 @@ class StepStream {
   void use_geometry() {
     for (StepSolver& solver : solvers_) solver.use_geometry();
   }
-  // While `rests`, motor i makes no step of the moves that are solved.
+  // While `rests` is true, motor i makes no steps for the moves that are solved.
   void let_rest(size_t i, bool rests) { rests_[i] = rests; }
   // The next step of motor i sends its clock and direction again. Only at rest.
   void renew(size_t i) { compressors_[i].renew(); }
@@ -64,7 +64,8 @@ class StepStream {
   void solve(const std::vector<Move>& moves, double known, bool last);
   // After a cut at `clock`: filters continue after the moves `past`.
   void restart_filters(double clock, const std::vector<Move>& past);
-  // Makes commands of steps: no further one comes before `clock`; `still`: none is under way there.
+  // Makes commands of steps. No further step is before `clock`. `still`: the machine is at
+  // standstill there.
   void compress(double clock, bool still);
   // An output's value, from `ticks` on. Returns its clock, which is not before the messages handed
   // out.
@@ -73,17 +74,17 @@ class StepStream {
   // The same within the messages handed out, at a clock that no board has taken yet.
   void set_output_among(uint16_t target, uint32_t value, double ticks);
 
-  // Hands out, each to its board, all that nothing can precede when all moves up to `clock` are
-  // known; `all`: everything.
+  // Passes to each board all messages that no later message can precede, when all moves up to
+  // `clock` are known; `all`: every message.
   void merge(double clock, bool all);
   // After all is merged: the machine is at standstill at `clock`.
   void stand(double clock) { commit(kNoMessage, int64_t(std::ceil(clock))); }
 
   // Keeps what is executed up to `at`, which no board has taken yet, and sets every motor back to
-  // its last step kept. Steps known so far become commands first, all before `clock`: those that
-  // wait for more of their kind may be due before `at`.
+  // its last step kept. First makes commands of all known steps before `clock`, because steps that
+  // wait for more steps may be due before `at`.
   void revoke(int64_t at, double clock);
-  // Nothing before `past` will be revoked or asked for any more.
+  // Nothing before `past` will be revoked or read any more.
   void forget(int64_t past);
 
   // From now on messages come in commits (commits.hpp): each of at most `period` ticks and `most`
@@ -97,12 +98,13 @@ class StepStream {
   // Goes back to the end of the commit `serial`: later messages have not been executed, and wait
   // again. Returns it; nothing, without any change, if that commit is not known any more.
   std::optional<Commits::Point> rewind(uint32_t serial);
-  // Net steps by which each motor is further where it stands behind the commit `next`, whose brake
-  // tails are done, than behind the one before that, `serial`. Nothing if they do not follow each
-  // other, or are not known any more.
+  // For each motor, the net steps from the stop after commit `serial` to the stop after the
+  // following commit `next`, each with its brake tail executed. Nothing if the commits are not
+  // consecutive, or not known any more.
   std::optional<std::vector<int64_t>> between_stops(uint32_t serial, uint32_t next);
-  // After rewind() and a plan to a stop, which the boards have come to by themselves: takes back
-  // what that has handed out, and returns the outputs among it. The machine stands at `clock`.
+  // Call it after rewind() and after planning the stop that the boards have made by themselves.
+  // Revokes the messages of that stop, and returns the outputs among them. The machine is at
+  // standstill at `clock`.
   std::vector<Message> resume_at_rest(uint32_t serial, int64_t clock);
 
  private:
@@ -112,7 +114,7 @@ class StepStream {
   std::vector<StepSolver> solvers_;
   NozzleLaw nozzle_;
   std::deque<FilteredSolver> filtered_;  // of the same motors, used while filters are on
-  std::vector<bool> rests_;              // motors that make no step of later moves
+  std::vector<bool> rests_;              // motors that make no steps for later moves
   std::vector<int64_t> set_apart_;       // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
   std::deque<MessageQueue> messages_;  // by board
@@ -128,12 +130,12 @@ class StepStream {
   std::vector<bool> renews() const;
   // The board's last commit is `serial`, and the machine is at standstill.
   void begin_commits(uint32_t serial, int64_t clock);
-  // Hands out the settled messages; `stands` is the clock of the standstill, or kNoMessage.
+  // Passes on the settled messages; `stands` is the clock of the standstill, or kNoMessage.
   void commit(int64_t known, int64_t stands);
-  // What MessageQueue::behind() calls it.
+  // The name of the point for MessageQueue::behind().
   int64_t last_of(const Commits::Point& p) const;
   static bool sooner(const Message& a, const Message& b) { return a.clock < b.clock; }
-  // Kept messages that are in no commit go to `open`.
+  // Kept messages that belong to no commit are moved to `open`.
   void revoke(MessageQueue& queue, int64_t at, Revocation& revoked, std::vector<Message>& open);
 };
 

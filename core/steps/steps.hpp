@@ -23,8 +23,8 @@ struct Steps {
   std::vector<Run> runs;
   std::vector<Widening> widenings;  // where the tolerance changes, from the board's own at first
 
-  // Where to put the ticks of n more steps of one direction. The array goes on for four more:
-  // TimeLaw writes up to three behind them, the compressor puts one there.
+  // Where to put the ticks of n more steps of one direction. The array has space for four more:
+  // TimeLaw writes up to three after them, the compressor one.
   double* extend(size_t n, int dir) {
     size_t first = ticks.size(), wanted = first + n + 4;
     if (ticks.capacity() < wanted) ticks.reserve(std::max(wanted, ticks.capacity() * 3 / 2));
@@ -38,7 +38,7 @@ struct Steps {
     if (!widenings.empty() && widenings.back().first == ticks.size()) widenings.pop_back();
     widenings.push_back({ticks.size(), tolerance});
   }
-  // The n ticks from index `from` on are taken out, or n ticks in front of all.
+  // Removes the n ticks from index `from` on, or inserts n ticks before all.
   void move_widenings(size_t from, size_t n) {
     for (Widening& w : widenings)
       if (w.first > from) w.first = std::max(w.first - std::min(n, w.first), from);

@@ -27,7 +27,7 @@ PASSO_SIMD inline void fill_line_at(double* __restrict t, const double* __restri
                                     double c0, double c1) {
   for (int j = 0; j < in_fours(n); ++j) t[j] = c0 + c1 * s[j];
 }
-// How many of them are below the limit.
+// The number of values below the limit.
 PASSO_SIMD inline int count_below(double limit, const double* s, int n) {
   int below = 0;
   for (int j = 0; j < n; ++j) below += s[j] < limit;
@@ -74,8 +74,8 @@ struct TimeLaw {
   }
 
  private:
-  // Of n ascending positions, one at least. Mostly of few, and then as good as random how many: a
-  // search would branch on that.
+  // For n ascending positions, at least one. Usually n is small and hard to predict, and a search
+  // would branch on it.
   static int number_below(double limit, const double* s, int n) {
     if (limit <= s[0]) return 0;
     if (limit > s[n - 1]) return n;

@@ -1,4 +1,4 @@
-// How far from its ideal time each step may be executed.
+// How far each step may be from its ideal time.
 #pragma once
 #include "base/simd.hpp"
 

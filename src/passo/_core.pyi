@@ -9,7 +9,7 @@ from typing import Any
 
 class HeatModel:
     """
-    A body and its sensor, each of first order; °C, s, and the share by which a fan at full speed raises the loss of heat.
+    Thermal model of a heated mass and its sensor, each of first order. Units: °C, s. fan_loss is the fraction by which a fan at full speed increases the heat loss.
     """
 
     def __init__(self, rise_c: float, time_constant_s: float, sensor_lag_s: float, fan_loss: float = 0.0, ambient_c: float = 25.0) -> None: ...
@@ -33,7 +33,7 @@ class HeatModel:
 
 class PidControl:
     """
-    Gains in 1/255 of full power by °C, by °C·s and by °C/s, as M301 has them; drive_min and drive_max, fractions of full power, bound the integral; farther than range_c from the target it is fully on or off.
+    Gains in 1/255 of full power per °C, per °C·s and per °C/s, as in M301. drive_min and drive_max, fractions of full power, bound the integral. If the temperature is more than range_c from the target, the heater is fully on or off.
     """
 
     def __init__(self, kp: float, ki: float, kd: float, filter_s: float = 1.0, drive_min: float = 0.0, drive_max: float = 1.0, range_c: float = 10.0) -> None: ...
@@ -63,7 +63,7 @@ class PidControl:
 
 class OnOffControl:
     """
-    On below the target by the hysteresis, off above it by as much, and no two switchings within the interval.
+    Switches on when the temperature is below the target by the hysteresis, and off when it is above by the same. Two switchings are at least the interval apart.
     """
 
     def __init__(self, hysteresis_c: float = 1.0, interval_s: float = 0.0) -> None: ...
@@ -77,7 +77,9 @@ class OnOffControl:
     def __eq__(self, arg: OnOffControl, /) -> bool: ...
 
 class ModelControl:
-    """The power that by the model closes the gap within the horizon."""
+    """
+    The power with which, according to the model, the temperature reaches the target within the horizon.
+    """
 
     def __init__(self, model: HeatModel, horizon_s: float = 3.0) -> None: ...
 
@@ -90,7 +92,7 @@ class ModelControl:
     def __eq__(self, arg: ModelControl, /) -> bool: ...
 
 class RelayControl:
-    """Swings around the target between two powers, for autotuning."""
+    """Switches between two powers around the target, for autotuning."""
 
     def __init__(self, half_cycle_s: float = 5.0) -> None: ...
 
@@ -122,7 +124,7 @@ class FaultKind(enum.Enum):
 
 class HeatFault:
     """
-    What failed, what the sensor said, the limit that was broken (°C; of a model deviation a share of power), the board clock.
+    The fault, the reading of the sensor, the limit that was exceeded (°C; for a model deviation a fraction of power), and the board clock.
     """
 
     @property
@@ -139,7 +141,7 @@ class HeatFault:
 
 class ProtectionLimits:
     """
-    What a heater must keep to; 0 switches a protection off, except for min_c and max_c.
+    The limits of a heater's protections. 0 switches a protection off, except min_c and max_c.
     """
 
     def __init__(self, min_c: float = 5.0, max_c: float = 280.0, jump_c: float = 10.0, watch_rise_c: float = 2.0, watch_s: float = 20.0, runaway_c: float = 4.0, runaway_s: float = 40.0, stuck_on_c: float = 10.0, stuck_on_s: float = 60.0, deviation: float = 0.25, deviation_s: float = 30.0) -> None: ...
@@ -181,7 +183,7 @@ class ProtectionLimits:
 
 class HeatTerms:
     """
-    Error (°C) and shares of full power; of a relay, p is the mean of its two powers and d how far it is above or below it.
+    Error (°C) and fractions of full power. For a relay, p is the mean of its two powers, and d the difference of the present power from p.
     """
 
     def __init__(self, error: float = 0.0, p: float = 0.0, i: float = 0.0, d: float = 0.0, output: float = 0.0) -> None: ...
@@ -268,23 +270,21 @@ class ConverterFault(enum.Enum):
 
 def read_converter(converter: Converter, word: int, faults: int = 0) -> tuple[float, ConverterFault]:
     """
-    What a converter says: °C, or of a MAX31865 a share of its reference resistor; and what is wrong.
+    The reading of a converter: °C, or for a MAX31865 the fraction of its reference resistor; and its fault.
     """
 
 def converter_full(converter: Converter) -> int:
-    """Steps of full scale."""
+    """Number of steps at full scale."""
 
 def converter_share(converter: Converter, value: float) -> float:
-    """The share of full scale of what read_converter() gives."""
+    """The fraction of full scale for a reading of read_converter()."""
 
 def converter_words(converter: Converter, low: float, high: float) -> tuple[int, int]:
-    """
-    The least and the greatest word between two shares of full scale, from 0 on.
-    """
+    """The minimum and the maximum word between two fractions of full scale."""
 
 class Arrival:
     """
-    When a target is reached: within `window_c` for `seconds`, which begin anew beyond `leaves_c`.
+    When a target is reached: after `seconds` within `window_c`. The time restarts if the temperature leaves `leaves_c`.
     """
 
     def __init__(self, window_c: float = 1.0, leaves_c: float = 3.0, seconds: float = 10.0) -> None: ...
@@ -301,12 +301,12 @@ class Arrival:
 class HeaterOptions:
     def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, longest_s: float, max_power: float, arrival: Arrival, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ...) -> None:
         """
-        longest_s: how long the board leaves the power on without being told.
+        longest_s: time after which the board switches the power off if it is not renewed.
         fan_target: index of the fan's output among the link's pins.
         """
 
 class Heater:
-    """A heater loop beside the link."""
+    """A heater loop that runs in the thread of the link."""
 
     @property
     def celsius(self) -> float: ...
@@ -336,11 +336,11 @@ class Heater:
 
     @property
     def reached(self) -> bool:
-        """It has been at its target, since that was set."""
+        """The heater has reached its target since the target was set."""
 
     @property
     def settled(self) -> bool:
-        """It has been at its target for as long as who waits for it wants."""
+        """The heater has been at its target for as long as `arrival` requires."""
 
     @property
     def arrival(self) -> Arrival: ...
@@ -352,7 +352,9 @@ class Heater:
     def control(self) -> PidControl | OnOffControl | ModelControl | RelayControl: ...
 
     def set_control(self, control: PidControl | OnOffControl | ModelControl | RelayControl) -> None:
-        """Takes over at once; a model also serves the protections."""
+        """
+        Sets the controller, which acts at once. The protections also use the model.
+        """
 
     @property
     def model(self) -> HeatModel | None: ...
@@ -373,19 +375,21 @@ class Heater:
     @property
     def fault(self) -> HeatFault | None:
         """
-        What is wrong; while it is not None the target is kept, but nothing heats.
+        The present fault, or None. During a fault the target is kept, but the heater is off.
         """
 
     def set_sensor(self, options: HeaterOptions) -> None:
         """
-        Takes over table, broken ends and query of these options, from the next report on.
+        Uses the table, the limits for a broken sensor and the query of these options, from the next report on.
         """
 
     def asked_anew(self) -> None:
-        """The board was asked for the sensor's reports anew, with its own range."""
+        """
+        The host has sent the query for the sensor's reports again, with the sensor's own range.
+        """
 
     def rearm(self) -> None:
-        """Ends the fault: the heater heats to the target that it kept."""
+        """Clears the fault: the heater heats to the target that it has kept."""
 
     def take_samples(self) -> list[HeatSample]:
         """
@@ -394,7 +398,7 @@ class Heater:
 
 class HeatRun:
     """
-    A heater loop and the body that it heats, without a board: how long heating takes, as on a simulated printer.
+    A heater loop and the heated mass, without a board. It predicts how long heating takes, as on a simulated printer.
     """
 
     def __init__(self, body: HeatModel, control: PidControl | OnOffControl | ModelControl | RelayControl, arrival: Arrival, max_power: float, limits: ProtectionLimits, model: HeatModel | None) -> None: ...
@@ -403,7 +407,7 @@ class HeatRun:
         """Lets time pass."""
 
     def set_fan(self, speed: float) -> None:
-        """The fan that cools the body blows so fast from now on, 0 to 1."""
+        """Sets the speed of the fan that cools the heated mass, 0 to 1."""
 
     @property
     def heater(self) -> Heater: ...
@@ -427,13 +431,13 @@ def board_faults() -> list[str]:
     """Texts of the virtual board's shutdown reasons, by static_string_id."""
 
 class FrameScanner:
-    """Finds frames in bytes cut anywhere."""
+    """Finds frames in a stream of bytes that may be split anywhere."""
 
     def __init__(self) -> None: ...
 
     def feed(self, data: bytes) -> list[tuple[int, bytes] | None]:
         """
-        List of (sequence, payload) for each good frame and None for each stretch that is none.
+        List with (sequence, payload) for each valid frame and None for each run of bytes that is not a frame.
         """
 
 class Formats:
@@ -483,7 +487,7 @@ class PinKind(enum.Enum):
     PWM = 1
 
 class Cause(enum.Enum):
-    """Why a frame was not at the board sooner."""
+    """Why a frame did not arrive at the board earlier."""
 
     PLAN = 0
     """Its moves were planned late."""
@@ -492,10 +496,10 @@ class Cause(enum.Enum):
     """The program did not run."""
 
     BYTES = 2
-    """The link carries no more bytes."""
+    """The link was saturated."""
 
     RETRANSMITS = 3
-    """Bytes got lost."""
+    """Bytes were lost."""
 
     SLOTS = 4
     """The board had no slot free."""
@@ -504,7 +508,7 @@ LATE_S: float = 0.06
 
 class Slack:
     """
-    Of a frame: ticks before the clock of its most urgent message at which the board had it, that clock, and what held it up for how long.
+    The slack of a frame: how many ticks before the clock of its most urgent message it arrived; that clock; and what delayed the frame, and for how many ticks.
     """
 
     @property
@@ -523,13 +527,13 @@ class Slack:
     def cause(self) -> Cause: ...
 
 class Timeline:
-    """What the links to the boards of one machine share."""
+    """The state that the links to the boards of one machine share."""
 
     def __init__(self) -> None: ...
 
     def arm(self, members: Sequence[tuple[int, int]], reason: int, expired: int, clock: float, patience: float) -> None:
         """
-        These trsyncs, (seat of the link, oid), trigger together, for one of two reasons; and by themselves when one of them was not heard of for so many ticks.
+        These trsyncs, (number of the link, oid), trigger together: with `reason` when one has triggered, or with `expired` when one has not reported for `patience` ticks.
         """
 
     def disarm(self) -> None: ...
@@ -539,7 +543,7 @@ class Timeline:
         """A board has stopped or is lost."""
 
 class Link:
-    """The host's end of a board's wire; times in ticks."""
+    """The host's end of the connection to a board; times in ticks."""
 
     def __init__(self, clock_hz: float) -> None: ...
 
@@ -555,7 +559,7 @@ class Link:
     def follow_clock(self, now: int) -> None: ...
 
     def set_byte_ticks(self, ticks: float) -> None:
-        """What a byte takes on a serial line."""
+        """Sets the ticks that a byte takes on a serial line."""
 
     @property
     def synchronous(self) -> bool: ...
@@ -565,7 +569,7 @@ class Link:
 
     @property
     def begun_anew(self) -> bool:
-        """The board was reset, or its supply has failed."""
+        """The board has restarted, after a reset or a power failure."""
 
     def clock_at(self, host_ticks: int) -> int: ...
 
@@ -578,31 +582,33 @@ class Link:
 
     def join(self, timeline: Timeline, main: bool, tolerance: float = 0.0) -> None:
         """
-        The board is one of several: the main one, or one whose steps are told in its own clock, within so many ticks.
+        The board is one of several: the main board, or a further one, which gets its steps in its own clock with `tolerance` more ticks.
         """
 
     @property
     def seat(self) -> int:
-        """Its number among the links of the machine."""
+        """The number of this link among the links of the machine."""
 
     def own_clock(self, main_clock: int) -> int:
-        """What this board's clock reads when the main one's reads so much."""
+        """
+        The clock of this board when the main board's clock reads `main_clock`.
+        """
 
     def main_clock(self, own_clock: int) -> int: ...
 
     def set_apart(self, target: int, least: float, turning: float) -> None:
         """
-        How close steps of a motor may come, in ticks, one way and where it turns.
+        The minimum distance of a motor's steps in ticks: in one direction, and at a reversal.
         """
 
     def add_pin(self, target: int, name: str, oid: int, kind: PinKind, inverted_full: int = 0, longest: int = 0) -> None:
         """
-        inverted_full: the value at full scale of a pin that is on when low; longest: ticks that the board lets it be on without a word.
+        inverted_full: the value at full scale of a pin that is on when low. longest: ticks after which the board shuts down if the pin is on and not renewed; 0: it does not.
         """
 
     def set_kick(self, target: int, ticks: int, full: int, rise: int) -> None:
         """
-        Where the value of a pin comes from 0, or rises by more than so much, it is `full` for so many ticks first.
+        Kickstart: if the value of a pin rises from 0, or by more than `rise`, the pin is `full` for `ticks` first.
         """
 
     def set_slots(self, slots: int) -> None: ...
@@ -610,37 +616,43 @@ class Link:
     def set_queue(self, queue: MessageQueue | None) -> None: ...
 
     def start_job(self, base_clock: int, main_hz: float) -> None:
-        """Both are the main board's."""
+        """
+        Starts the job at this clock of the main board, whose clock frequency is `main_hz`.
+        """
 
     @property
     def clock_jitter_s(self) -> float:
-        """What answers usually take longer than the quickest ones, seconds."""
+        """The usual delay of an answer beyond the fastest ones, in seconds."""
 
     def use_commits(self, horizon: int) -> None:
-        """The job comes in commits, and leaves so many ticks ahead."""
+        """
+        The job comes in commits, and its messages are sent `horizon` ticks ahead.
+        """
 
     def begin_commits(self, on: bool) -> None:
         """
-        The machine stands, and what moves it comes in commits from here on, for the board is armed; or it does no more.
+        Call it at standstill. With `on`, the board is armed, and motion comes in commits from here on; otherwise no longer.
         """
 
     def reconnect(self) -> None:
         """
-        The board has gone on without this host: what was on its way is forgotten, and the job stands until go_on().
+        The board has continued without this host: messages on their way are dropped, and the job is paused until go_on().
         """
 
     @property
     def told(self) -> bool:
-        """The board has all commands; answers at once have come, or are lost."""
+        """
+        The board has all commands. Their immediate answers have been received, or are lost.
+        """
 
     def unheard_s(self, clock: int) -> float:
         """
-        Seconds since the first of what the board has not acknowledged was sent, when its clock reads `clock`; 0 if it has acknowledged all.
+        Age in seconds of the oldest message that the board has not acknowledged, when its clock reads `clock`; 0 if it has acknowledged all.
         """
 
     @property
     def delivered(self) -> bool:
-        """Everything of the job so far is at the board."""
+        """The board has all messages of the job so far."""
 
     def go_on(self) -> None: ...
 
@@ -664,7 +676,7 @@ class Link:
 
     def restart(self) -> None:
         """
-        The board begins anew: what was on its way is forgotten, its numbering is learnt again.
+        Call it when the board restarts: messages on their way are dropped, and its frame numbers are read again.
         """
 
     @property
@@ -677,7 +689,7 @@ class Link:
     def retransmitted_bytes(self) -> int: ...
 
     def take_slack(self) -> Slack:
-        """The least since this was last asked."""
+        """The minimum slack since the last call."""
 
     @property
     def min_slack(self) -> Slack: ...
@@ -685,12 +697,12 @@ class Link:
     @property
     def late_frames(self) -> dict[Cause, int]:
         """
-        How many frames were at the board less than LATE_S before it needed them, by cause.
+        The number of frames that arrived less than LATE_S before the board needed them, by cause.
         """
 
     @property
     def longest_stall(self) -> int:
-        """The most that it was looked after too late, ticks."""
+        """The longest delay of a poll, in ticks."""
 
     @property
     def queue_steps(self) -> int: ...
@@ -702,11 +714,13 @@ class Link:
     def stream_hash(self) -> int: ...
 
     def keep_record(self, bytes: int, parts: int) -> None:
-        """Keeps the last bytes of both directions from now on; powers of two."""
+        """
+        Keeps the last bytes of both directions from now on. Both sizes are powers of two.
+        """
 
     def recorded(self, since: int) -> list[tuple[int, int, bool, bytes]]:
         """
-        What was sent and received since that host time, oldest first: host time, the board's clock (0 while it is not known), whether it came from the board, and its bytes.
+        The data sent and received since that host time, oldest first: host time, the board's clock (0 if not known), True if the board sent it, and the bytes.
         """
 
     def feed(self, data: bytes, now: int) -> None: ...
@@ -734,87 +748,97 @@ class Bed:
         """Raises ValueError for a size or a wave length of 0."""
 
     def height(self, x: float, y: float) -> float:
-        """Height over a place."""
+        """Height of the bed at X, Y."""
 
 class ProbeMechanism:
-    """How a simulated probe gets to the bed."""
+    """How a simulated probe is deployed."""
 
     @staticmethod
     def fixed() -> ProbeMechanism:
-        """To the head."""
+        """The probe is fixed to the head."""
 
     @staticmethod
     def servo(control_pin: int, deploy_us: float, stow_us: float, stowed_reads: bool) -> ProbeMechanism:
-        """Turned down by the pulses of a servo."""
+        """A servo turns the probe down."""
 
     @staticmethod
     def bltouch(control_pin: int) -> ProbeMechanism:
-        """A pin that a BLTouch puts out."""
+        """The pin of a BLTouch."""
 
     @staticmethod
     def dock(dock: Sequence[float], leave: Sequence[float]) -> ProbeMechanism:
-        """Coupled with the nozzle at `dock`; on the way to `leave` it stays."""
+        """
+        The head picks the probe up with the nozzle at `dock`, and returns it on the path to `leave`.
+        """
 
     @property
     def jammed(self) -> bool:
-        """A fault: it never gets into place."""
+        """A fault: the probe never deploys."""
 
     @jammed.setter
     def jammed(self, arg: bool, /) -> None: ...
 
 class Bench(Device):
-    """A simulated board with the plant around it; pins by number."""
+    """
+    A simulated board with the simulated printer around it; pins by number.
+    """
 
     def add_actuator(self, step_pin: int, start: float, per_step: float) -> None: ...
 
     def add_switch(self, pin: int, weights: Sequence[tuple[int, float]], position: float, at_maximum: bool, pressed_level: bool) -> None:
         """
-        Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).
+        Adds an endstop that is triggered at or beyond `position`, the weighted sum of the actuators: (step pin, weight).
         """
 
     def add_probe(self, pin: int, motors: Sequence[int], geometry: dict[str, Any], bed: Bed, offset: Sequence[float], trigger: float, pressed_level: bool, hysteresis: float, sigma: float, seed: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], mechanism: ProbeMechanism) -> None:
         """
-        A probe on the head, and the bed below; `motors` are the step pins of the actuators.
+        Adds a probe on the head, and the bed. `motors` are the step pins of the actuators.
         """
 
     def carry_probe(self, pin: int, lifts: Sequence[tuple[int, Sequence[float]]]) -> None:
         """
-        Several motors carry the gantry of a probe: the step pin of each, and c of its weight c · (1, x, y, x y) at X, Y of the nozzle.
+        Several motors carry the gantry with the probe: the step pin of each, and the coefficients c of its weight c · (1, x, y, x y) at X, Y of the nozzle.
         """
 
     def change_probe(self, pin: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], sigma: float, jammed: bool) -> None:
-        """Faults of a probe from now on."""
+        """Sets faults of a probe from now on."""
 
     def change_bed(self, pin: int, bed: Bed) -> None:
-        """The bed below a probe from now on."""
+        """Changes the bed below a probe from now on."""
 
     def feel(self, step_pin: int, board: Bench, its_step_pin: int) -> None:
         """
-        A motor on another board, as the switches of this one feel it while that board lives.
+        A motor on another board, which triggers the endstops of this board while that board exists.
         """
 
     def place(self, step_pin: int, position: float) -> None:
-        """Somebody moves the motor's actuator by hand."""
+        """Moves the motor's actuator, as if by hand."""
 
     def force_switch(self, pin: int, pressed: int) -> None:
-        """A fault: never pressed (0), always (1); -1 ends it."""
+        """A fault: never triggered (0), always triggered (1); -1 ends it."""
 
     def add_body(self, heater_pin: int, sensor_pin: int, ambient_c: float, rise_c: float, time_constant_s: float, sensor_time_constant_s: float, adc_ratio: Sequence[tuple[float, float]], fan_pin: int = 0, fan_loss: float = 0.0) -> None: ...
 
     def invert_output(self, pin: int) -> None:
-        """What hangs on this output pin is on when the pin is low."""
+        """The device on this output pin is on when the pin is low."""
 
     def force_adc(self, sensor_pin: int, ratio: float) -> None:
-        """A fault: the ADC sees this share of full scale; negative ends it."""
+        """A fault: the ADC reads this fraction of full scale; negative ends it."""
 
     def force_heater(self, sensor_pin: int, duty: float) -> None:
-        """A fault: the heater does this whatever its pin says; negative ends it."""
+        """
+        A fault: the heater has this power, 0 to 1, whatever the level of its pin; negative ends it.
+        """
 
     def add_noise(self, sensor_pin: int, share: float) -> None:
-        """A fault: the ADC errs by up to this share of full scale."""
+        """
+        A fault: readings of the ADC have errors of up to this fraction of full scale.
+        """
 
     def drop_sensor(self, sensor_pin: int, fallen: bool) -> None:
-        """A fault: the sensor feels the room instead of its body."""
+        """
+        A fault: the sensor measures the ambient temperature instead of the heated mass.
+        """
 
     def temperature(self, sensor_pin: int) -> float: ...
 
@@ -840,7 +864,7 @@ class Bench(Device):
 
     @property
     def fault(self) -> str:
-        """Why it is shut down, or an empty string."""
+        """Why the board is shut down, or an empty string."""
 
     @property
     def frames(self) -> int: ...
@@ -860,12 +884,14 @@ class VirtualBoard(Bench):
     def peak_slots(self) -> int: ...
 
 class FirmwareBoard(Bench):
-    """A board run by the firmware itself, in virtual time."""
+    """A board that runs Passo's firmware, in virtual time."""
 
     def __init__(self, library: str, clock_hz: int, move_count: int, adc_max: int, identify: bytes, start: int, faults: Mapping[int, str]) -> None: ...
 
     def add_motor(self, step_pin: int, dir_pin: int, step_inverted: bool) -> None:
-        """A motor driver on these pins; to be told before the board moves it."""
+        """
+        Adds a motor driver on these pins. Call it before the board moves the motor.
+        """
 
     def trace_edges(self, pin: int) -> None: ...
 
@@ -874,7 +900,7 @@ class FirmwareBoard(Bench):
 
 class Distant(Device):
     """
-    A device with a clock and a cable that are not perfect: its clock begins at `start` and is a share of `drift` faster than host time; bytes travel `latency` to `latency` + `jitter` ticks each way.
+    A device with an imperfect clock and cable. Its clock starts at `start` and is faster than host time by the fraction `drift`. Bytes need `latency` to `latency` + `jitter` ticks in each direction.
     """
 
     def __init__(self, device: Device, start: int = 0, drift: float = 0.0, latency: int = 0, jitter: int = 0, seed: int = 1) -> None: ...
@@ -884,17 +910,17 @@ class Distant(Device):
         """Host time."""
 
     def cut(self, on: bool) -> None:
-        """What is sent either way is lost."""
+        """While it is set, all bytes in both directions are lost."""
 
     def spoil(self, share: float, frames: float = 0.0) -> None:
         """
-        So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere; and so many of all frames not at all, twice, behind the next one, or late.
+        Damages this fraction of all bytes in both directions (changed, lost, doubled or swapped), and this fraction of all frames (lost, doubled, swapped with the next, or late).
         """
 
     @property
     def spoilt_frames(self) -> list[int]:
         """
-        How many frames were lost, doubled, swapped with the next, and late so far.
+        The number of frames that were lost, doubled, swapped with the next, and late so far.
         """
 
     def clock_at(self, host_ticks: int) -> int: ...
@@ -970,32 +996,36 @@ class Stop(enum.Enum):
     CLOSED = 4
 
 class Pump:
-    """Runs a link and a device in virtual time."""
+    """Runs links and devices in virtual time."""
 
     def __init__(self, link: Link, device: Device, start: int = 0) -> None: ...
 
     def attach(self, link: Link, device: Device) -> None:
-        """A further device, or another link to one that is here."""
+        """
+        Adds a further device, or another link to a device that is attached already.
+        """
 
     @property
     def now(self) -> int: ...
 
     @property
     def hz(self) -> float:
-        """Ticks of its time in a second."""
+        """Ticks per second of its clock."""
 
     def board_clock(self, link: Link) -> int:
-        """What the clock of this link's board reads, as far as it is known."""
+        """The estimated clock of this link's board."""
 
     def sleep(self, until: int) -> None:
-        """The host does nothing until then; boards live on."""
+        """The host does nothing until that time; boards continue to run."""
 
     def cut(self) -> None:
-        """Takes the cable away."""
+        """Cuts the cables: no byte arrives any more."""
 
     @property
     def device_share(self) -> float:
-        """The part of its processor time that the devices take, from a sample."""
+        """
+        The fraction of its processor time that the devices take, from a sample.
+        """
 
     def record(self, on: bool) -> None: ...
 
@@ -1005,7 +1035,7 @@ class Pump:
 
 class LiveWire:
     """
-    Drives a link over a file descriptor, which it owns, in real time and a thread of its own.
+    Runs a link over a file descriptor in real time, in a separate thread. Owns the file descriptor.
     """
 
     def __init__(self, link: Link, fd: int) -> None: ...
@@ -1015,35 +1045,41 @@ class LiveWire:
 
     @property
     def failure(self) -> str:
-        """What ended the connection, if it was not the cable."""
+        """
+        The reason why the connection ended, if it was not the cable; otherwise empty.
+        """
 
     @property
     def hz(self) -> float:
-        """Ticks of its time in a second."""
+        """Ticks per second of its clock."""
 
     def board_clock(self, link: Link) -> int:
-        """What the board's clock reads, as far as it is known."""
+        """The estimated clock of the board."""
 
     def use_board_clock(self) -> None:
-        """Once the link is synchronous: `now` is the board's clock from here on."""
+        """
+        From here on `now` is the board's clock. Call it once the link is synchronous.
+        """
 
     def join(self, timeline: Timeline) -> None:
-        """The link looks up whenever others of its machine have news for it."""
+        """
+        The thread wakes whenever another link of the machine has a message for this one.
+        """
 
     def stop(self) -> None:
-        """No byte moves any more."""
+        """Stops the thread: no more bytes are sent or received."""
 
     def run(self, until: int, until_heaters: bool = False) -> Stop: ...
 
 class LiveBoard:
     """
-    Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device in `look`, or after `stop`.
+    Connects a device to a file descriptor in real time, in a separate thread. Owns the file descriptor. Use the device only in `look`, or after `stop`.
     """
 
     def __init__(self, device: Device, fd: int, clock_hz: float, start: int = 0) -> None: ...
 
     def look(self, at: Callable) -> object:
-        """What the function returns, which may use the device."""
+        """Calls the function, which may use the device, and returns its result."""
 
     def stop(self) -> None: ...
 
@@ -1064,10 +1100,10 @@ class TrinamicChip:
     def read(self, register: int) -> int: ...
 
     def set(self, register: int, value: int) -> None:
-        """What the chip itself finds out."""
+        """Sets the status flags that the chip detects itself."""
 
     def power_on(self) -> None:
-        """Its supply was gone: it forgets its settings."""
+        """Simulates a power failure: the chip loses its settings."""
 
     @property
     def plugged(self) -> bool: ...
@@ -1077,37 +1113,39 @@ class TrinamicChip:
 
     @property
     def damaged_answers(self) -> int:
-        """So many of its next answers have a bit turned over."""
+        """This number of its next answers has a wrong bit."""
 
     @damaged_answers.setter
     def damaged_answers(self, arg: int, /) -> None: ...
 
 def add_uart_driver(bench: Bench, rx_pin: int, tx_pin: int, chip: TrinamicChip) -> None:
-    """Wires a driver to the UART on these pins, which may have others."""
+    """
+    Connects a driver to the UART on these pins. Several drivers may share them.
+    """
 
 def add_spi_driver(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, chip: TrinamicChip) -> None:
-    """Wires a driver to the SPI bus on these pins."""
+    """Connects a driver to the SPI bus on these pins."""
 
 class Digipot:
-    """A simulated setter of motors' currents."""
+    """A simulated digital potentiometer that sets motor currents."""
 
     def wiper(self, channel: int) -> int:
         """0 to 255."""
 
 def add_digipot(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int) -> Digipot:
-    """Wires a setter of currents to the SPI bus on these pins."""
+    """Connects a digital potentiometer to the SPI bus on these pins."""
 
 class ConverterChip:
-    """A simulated converter of a sensor."""
+    """A simulated thermocouple or RTD converter."""
 
     def setting(self, address: int) -> int:
         """
-        What it was told: of a MAX31856 its modes (0) and its thermocouple (1), of a MAX31865 its modes (0).
+        A configuration register: of a MAX31856 the modes (0) and the thermocouple type (1), of a MAX31865 the modes (0).
         """
 
 def add_converter(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, converter: Converter) -> ConverterChip:
     """
-    Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose sensor is on the select pin.
+    Connects a converter to the SPI bus on these pins. It measures the heated mass whose sensor is on the select pin.
     """
 
 def sincos(x: float) -> tuple[float, float]: ...
@@ -1123,14 +1161,14 @@ class Geometry:
     def actuators(self) -> int: ...
 
     def inverse(self, actuator: int, point: tuple[float, float, float]) -> float:
-        """Position of an actuator; NaN where it cannot reach."""
+        """Position of an actuator; NaN if it cannot reach the point."""
 
     def forward(self, positions: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Nozzle position. Raises ValueError where there is none."""
+        """Nozzle position. Raises ValueError if there is none."""
 
     def linear(self, actuator: int) -> tuple[float, float, float] | None:
         """
-        How far an actuator goes for each mm of X, Y and Z; None if that differs.
+        The distance that an actuator moves per mm of X, Y and Z; None if it depends on the position.
         """
 
     def slopes(self, actuator: int, start: tuple[float, float, float], end: tuple[float, float, float], s: float) -> tuple[float, float]:
@@ -1249,17 +1287,17 @@ class Motion:
 
     def push(self, target: Sequence[float], feed_mm_s: float, kind: str = 'travel', extruder: int = 0, duration_s: float = 0.0, radius_mm: float = float('inf'), inner: bool = False, line: int = 0, flow: float = 1.0) -> None:
         """
-        Adds a move to the absolute target: one number an axis, then E, which was scaled with `flow` (0: by none, and never). Raises ValueError.
+        Adds a move to the absolute target: one number for each axis, then E. `flow` is the factor that has scaled E; 0: E is never scaled. Raises ValueError.
         """
 
     def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]], fade: tuple[float, float, float] | None = None) -> None:
         """
-        What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. With a `fade` of start, end and target, mm: in full up to the start in Z, then evenly less, until the target alone is added from the end on. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
+        Sets the bed correction: heights in mm on an even grid. Rows are along X; the first row is at the Y of `first`. Between the points the height is bilinear; beyond the grid it continues level. With a `fade` of start, end and target in mm, the correction acts in full up to Z start, and changes linearly to the target at Z end. Without rows the bed is flat. No motor moves, but Z of the plan changes. Call it only while nothing is queued. Raises ValueError.
         """
 
     def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None, extruder: int = 0) -> None:
         """
-        Motion that is planned already, behind what was pushed so far: of each piece its seconds, and for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces join to 1e-6 mm; `end` says where the last one ends if not where its polynomials do. Raises ValueError.
+        Adds motion that is planned already, after the moves pushed so far. Each piece has its duration in s and, for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces must join to 1e-6 mm. `end` is the exact end of the last piece; by default, the end of its polynomials. Raises ValueError.
         """
 
     def record(self, target: int, value: int) -> None:
@@ -1267,54 +1305,56 @@ class Motion:
 
     def set_position(self, position: Sequence[float]) -> None:
         """
-        Sets where the machine is, without motion; only while nothing is queued.
+        Sets the position of the machine, without motion. Call it only while nothing is queued.
         """
 
     def flush(self) -> None:
-        """Settles all for a stop at the end."""
+        """Settles all moves, for a stop at the end."""
 
     def wait_until(self, ticks: float) -> None: ...
 
     def replan_from(self, ticks: float) -> float:
         """
-        Plans anew from this clock on with the limits of now; returns the clock of the cut.
+        Plans again from this clock on with the present limits. Returns the clock of the cut.
         """
 
     def shift_from(self, ticks: float, axis: int, mm: float) -> float:
         """
-        From this clock on all lies so much further; returns the clock of the cut.
+        Shifts all motion from this clock on by `mm` along an axis. Returns the clock of the cut.
         """
 
     def change_flow_from(self, ticks: float, flow: float, extruder: int = 0) -> float:
         """
-        From behind this clock on filament moves with this flow; returns the clock of the cut.
+        Changes the flow of an extruder after this clock. Returns the clock of the cut.
         """
 
     def skip_dwell_from(self, ticks: float) -> float | None:
         """
-        Ends the dwell that is under way at this clock; returns the clock of the cut, or None.
+        Ends the dwell at this clock. Returns the clock of the cut, or None if there is no dwell.
         """
 
     def hold_from(self, ticks: float) -> float:
         """
-        Brakes to a stop on the path from this clock on; returns the clock of the cut.
+        Brakes to a stop on the path from this clock on. Returns the clock of the cut.
         """
 
     def release(self) -> None:
-        """Goes on with what hold_from left."""
+        """Continues the moves that hold_from has stopped."""
 
     def use_commits(self, period: int, most: int) -> None:
         """
-        Messages come in commits of at most so many ticks and messages from now on; only behind flush().
+        From now on messages come in commits of at most this many ticks and messages. Call it only after flush().
         """
 
     def set_speed_factor(self, factor: float, live: bool = True) -> None:
-        """M220: of moves to come, or, `live`, of all that is replanned."""
+        """
+        M220: the speed factor of later moves; with `live`, also of moves that are planned again.
+        """
 
     def set_accel(self, accel: float, live: bool = True) -> None: ...
 
     def set_advance(self, extruder: int, seconds: float) -> None:
-        """Pressure advance of moves to come."""
+        """Sets the pressure advance of later moves."""
 
     @property
     def clock(self) -> float:
@@ -1329,7 +1369,7 @@ class Motion:
         """
 
     def counts(self) -> list[int]:
-        """Step count of every motor after all that was solved."""
+        """Step count of every motor after all solved moves."""
 
     def dropped_pairs(self, arg: int, /) -> int: ...
 
@@ -1409,21 +1449,21 @@ class CallFault(enum.IntEnum):
 
 def without_exponents(text: str) -> str:
     """
-    A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
+    The command of a line with decimal numbers instead of numbers with exponents, as a job on a machine with an E axis reads it.
     """
 
 def split_text(text: str) -> list[tuple[str, float | None, str | None]]:
     """
-    The words of a command's text, in order: the letter in upper case, or another character that begins no word; its number, not a number for `nan`, or None; the number as it is written, or what stands in quotes. Comments in parentheses are left out.
+    The words of a command's text, in order: the letter in upper case, or another character that begins no word; its number (NaN for `nan`) or None; the number as it is written, or the quoted text. Comments in parentheses are left out.
     """
 
 def find_stray(text: str, any: bool) -> tuple[str, int]:
     """
-    The first character of a command's text that is not G-code: what stands around it, and its code (0: none; below 0: a byte that is not UTF-8). Not `any`: only one that changes what the text means.
+    The first character of a command's text that is not G-code: the text around it, and its code (0: there is none; below 0: a byte that is not UTF-8). Without `any`, only a character that changes the meaning of the text.
     """
 
 class ObjectAction(enum.Enum):
-    """What a command says about the objects of a print."""
+    """The action of a command on the objects of a print."""
 
     COUNT = 0
     """There are so many."""
@@ -1453,7 +1493,7 @@ class ObjectAction(enum.Enum):
 
 def object_orders(code: str, text: str) -> list[tuple[ObjectAction, int, str]]:
     """
-    (action, number, name) of M486 or EXCLUDE_OBJECT…, by what follows the code. The number is -1 where the object is meant by its name. What cannot be read is left out.
+    (action, number, name) of M486 or EXCLUDE_OBJECT…, from the text after the code. The number is -1 if the command names the object. Parts that cannot be read are left out.
     """
 
 class Survey:
@@ -1464,12 +1504,12 @@ class Survey:
     def feed(self, data: bytes) -> None: ...
 
     def finish(self) -> None:
-        """No more input will come."""
+        """Ends the input."""
 
     @property
     def commands(self) -> list[tuple[int, str, int, int, str, str]]:
         """
-        (line, letter, number, minor, name, text) of each command that is no move, once for each code.
+        (line, letter, number, minor, name, text) of each command that is not a move, once for each code.
         """
 
     @property
@@ -1502,7 +1542,7 @@ class JobStatus(enum.Enum):
     END = 5
 
 class Within(enum.Enum):
-    """What a move outside of any program must keep to."""
+    """The limits of a move outside of any program."""
 
     LIMITS = 0
     """The machine's limits."""
@@ -1514,43 +1554,43 @@ class Within(enum.Enum):
     """Nothing: it does not know where it is."""
 
 class Job:
-    """A G-code program through one machine. Not thread-safe."""
+    """Runs a G-code program on one machine. Not thread-safe."""
 
     def __init__(self, spec: dict, with_steps: bool = True, clamp: bool = False, ignore_tools: bool = False) -> None: ...
 
     def advance(self, horizon: float = float('inf'), most: int = 1048576, to_boundary: bool = False) -> JobStatus:
         """
-        Reads on until something wants the caller, or the plan reaches a clock or a number of messages; or no further than to the end of the line that it is in.
+        Reads and plans until the caller must act, or the plan reaches a clock or a number of messages; with `to_boundary`, only the rest of the current line.
         """
 
     def adopt(self, other: Job) -> None:
         """
-        Takes the state of a program that another job has read up to the position of this machine.
+        Takes over the state of a program that another job has read up to the position of this machine.
         """
 
     @property
     def messages(self) -> MessageQueue:
-        """The main board's."""
+        """The messages of the main board."""
 
     def messages_of(self, board: int) -> MessageQueue: ...
 
     def feed(self, data: bytes) -> None: ...
 
     def finish(self) -> None:
-        """No more input will come."""
+        """Ends the input."""
 
     def select(self, console: bool) -> None:
         """
-        Reads on from the console's lines, or the program's; only at a boundary.
+        Selects the console's lines or the program's. Call it only at a boundary between lines.
         """
 
     @property
     def at_boundary(self) -> bool:
-        """No line is under way."""
+        """The job is between two lines."""
 
     def restart(self, first_line: int = 1) -> None:
         """
-        Forgets the unread text of the selected source; its lines count from this one again.
+        Drops the unread text of the selected source. Its next line has this number.
         """
 
     def abandon(self) -> None:
@@ -1560,11 +1600,11 @@ class Job:
 
     @property
     def offset(self) -> int:
-        """Bytes of the selected source that were read."""
+        """Number of bytes of the selected source that were read."""
 
     @property
     def program_position(self) -> list[float]:
-        """Where the program is, in its own coordinates: the axes, then E."""
+        """The position of the program in its own coordinates: the axes, then E."""
 
     @property
     def event(self) -> tuple[int, str, int, int, str, str]:
@@ -1579,40 +1619,40 @@ class Job:
 
     @property
     def macro_depth(self) -> int:
-        """
-        How many macros of the selected source are under way within each other.
-        """
+        """The nesting depth of the running macros of the selected source."""
 
     @property
     def modal(self) -> tuple[bool, bool, float]:
         """
-        (G90, M82, feedrate in mm/s): the modal state of what is read; the feedrate is infinite while none was given.
+        (G90, M82, feedrate in mm/s): the modal state of the selected source. The feedrate is infinite until one is given.
         """
 
     @property
     def plain(self) -> bool:
-        """No macro is called: the commands that they replace are carried out."""
+        """
+        While it is set, no macro is called: the replaced built-in commands run.
+        """
 
     @plain.setter
     def plain(self, arg: bool, /) -> None: ...
 
     def forget_macros(self) -> None:
-        """What is left of a console's macros is not carried out."""
+        """Drops the unread lines of a console's macros."""
 
     def listen(self, line: int) -> None:
         """
-        Before this line of the program is read: notes its commands, see heard.
+        Records the commands of this line of the program, see heard. Call it before the line is read.
         """
 
     @property
     def heard(self) -> tuple[str, bool, list[tuple[str, list[str], str]]]:
         """
-        (number, whether it had a checksum, [(code, words, text), …]) of the line listened to. The code is empty for a move in the way of the last one, the text is what follows the code.
+        (number, whether it had a checksum, [(code, words, text), …]) of the line given to listen. The code is empty for a move with the modal code of the last one. The text is what follows the code.
         """
 
     @property
     def ends_in_move(self) -> bool:
-        """All was read, and the last line is a move without an end of line."""
+        """All text was read, and the last line is a move without an end of line."""
 
     @property
     def error(self) -> tuple[int, Fault, str, float, float, tuple[float, float, float]]:
@@ -1623,12 +1663,12 @@ class Job:
     @property
     def clamped(self) -> list[tuple[tuple[int, Fault, str, float, float, tuple[float, float, float]], int]]:
         """
-        What `clamp` has changed: for each axis the first target that was moved to the limit, as `error`, and how many were; then the same of the moves that were left out.
+        The effects of `clamp`: for each axis, the first target that was moved to the limit, in the form of `error`, and the number of such targets; then the same for skipped moves.
         """
 
     def use_survey(self, survey: Survey) -> None:
         """
-        Of the program that it reads next: its sub-programs, its objects, and the comments that mark layers.
+        Sets the sub-programs, the objects and the comments that mark layers for the next program.
         """
 
     @property
@@ -1644,7 +1684,7 @@ class Job:
 
     @property
     def commands(self) -> int:
-        """How many were read, unknown ones too."""
+        """The number of commands read, including unknown ones."""
 
     @property
     def line(self) -> int: ...
@@ -1661,12 +1701,14 @@ class Job:
     @property
     def objects(self) -> list[tuple[str, bool, str, str]]:
         """
-        (name, cancelled, centre, outline) of each object of the program, by number; centre and outline as they are written, or empty.
+        (name, cancelled, centre, outline) of each object of the program, by number. Centre and outline are as in the file, or empty.
         """
 
     @property
     def objects_version(self) -> int:
-        """Another value after each change of `objects`, and for each program."""
+        """
+        A number that changes with each change of `objects`, and with each program.
+        """
 
     def watch_height(self, low_mm: float, high_mm: float) -> None:
         """
@@ -1675,15 +1717,15 @@ class Job:
 
     def object_of_line(self, line: int) -> int:
         """
-        The object that a line of the main program belongs to, of those read lately; -1: none.
+        The object that a recent line of the main program belongs to; -1: none.
         """
 
     def find_objects(self, name: str) -> list[int]:
-        """Numbers of the objects of this name, in any case."""
+        """Numbers of the objects of this name, in upper or lower case."""
 
     def cancel_object(self, number: int, cancelled: bool = True) -> None:
         """
-        Moves of the object that are read from now on are left out, or are not left out.
+        Skips the moves of the object that are read from now on, or no longer skips them.
         """
 
     @property
@@ -1692,7 +1734,7 @@ class Job:
 
     @property
     def queued_ticks(self) -> float:
-        """Ticks that these moves take at least."""
+        """The minimum duration of these moves in ticks."""
 
     def record(self, target: int, value: int) -> None:
         """
@@ -1701,7 +1743,7 @@ class Job:
 
     def record_at(self, ticks: float, target: int, value: int) -> None:
         """
-        A record for output `target` at this clock, whatever moves are planned; it cannot be revoked.
+        A record for output `target` at this clock, independent of planned moves. It cannot be revoked.
         """
 
     def mark(self, target: int, value: int) -> None:
@@ -1710,51 +1752,53 @@ class Job:
     @property
     def next_mark(self) -> tuple[int, int, int] | None:
         """
-        (clock, target, value) of the earliest mark whose clock is known by now; None without one. A mark after a cut of the plan gets another clock.
+        (clock, target, value) of the earliest mark with a known clock, or None. If the plan is cut before a mark, its clock changes.
         """
 
     def pop_mark(self) -> None:
-        """Removes the next mark, if there is one: the host carries it out."""
+        """Removes the next mark, if there is one. The caller carries it out."""
 
     def set_laser(self, target: int, full: int) -> None:
         """This output is a laser, fully on at `full`."""
 
     def follow_speed(self, share: float) -> None:
         """
-        The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
+        The laser's fraction of full power at the feedrate of later moves. The power decreases in proportion where they are slower, and is 0 at standstill. 0: only records set the power.
         """
 
     def flush(self) -> None:
-        """Settles all for a stop."""
+        """Settles all moves, for a stop at the end."""
 
     def wait_until(self, ticks: float) -> None:
-        """The machine is idle until then; only after flush."""
+        """The machine is idle until this clock. Call it only after flush."""
 
     def replan_from(self, ticks: float) -> float: ...
 
     def skip_dwell_from(self, ticks: float) -> float | None:
         """
-        Ends the dwell that is under way at this clock; returns the clock of the cut, None if there is no dwell.
+        Ends the dwell at this clock. Returns the clock of the cut, or None if there is no dwell.
         """
 
     def hold_from(self, ticks: float) -> float: ...
 
     def use_commits(self, period: int, most: int) -> None:
         """
-        Messages come in commits of at most so many ticks and messages from now on; only while the machine is idle.
+        From now on messages come in commits of at most this many ticks and messages. Call it only while the machine is idle.
         """
 
     def stop_commits(self) -> None:
-        """Messages come as they are; only at standstill."""
+        """
+        From now on messages do not come in commits. Call it only at standstill.
+        """
 
     def recover_from(self, serial: int) -> float | None:
         """
-        The boards have stopped behind this commit by themselves: what was to follow is held until `release`. Returns its clock; None, and nothing is changed, if it is not known.
+        The boards have stopped by themselves after this commit: the moves after it are held until `release`. Returns the clock of the commit. If the commit is not known any more, returns None and changes nothing.
         """
 
     def between_stops(self, serial: int, next: int) -> list[int] | None:
         """
-        Net steps by which each motor is further where it has stopped behind the commit `next` than where it would have behind `serial`, the one before; None if they are not known, or do not follow each other.
+        For each motor, the net steps from the stop after commit `serial` to the stop after the following commit `next`. None if the commits are not known, or not consecutive.
         """
 
     @property
@@ -1765,12 +1809,12 @@ class Job:
 
     def stop_from(self, ticks: float, program: bool = True) -> float:
         """
-        Brakes to a stop from this clock on and forgets what was to follow; returns the clock of the cut.
+        Brakes to a stop from this clock on and drops later moves. Returns the clock of the cut.
         """
 
     def suspend(self, hand_over_macro: bool = False) -> None:
         """
-        After hold_from: other moves may come before what is held. What is left of a macro of the program is read as a console's if it is handed over.
+        Call it after hold_from: other moves may come before the held moves. With `hand_over`, the rest of the program's macro is read as a macro of a console.
         """
 
     @property
@@ -1783,16 +1827,18 @@ class Job:
 
     def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
         """
-        From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
+        Shifts all motion from this clock on by `mm` along an axis. Returns the clock of the cut, or None if an end would be out of range, see error.
         """
 
     def shift(self, axis: int, mm: float) -> bool:
         """
-        The same behind all moves so far; False if that is out of range, see error.
+        Shifts all motion after the moves read so far. False if an end would be out of range, see error.
         """
 
     def passed(self, ticks: float) -> None:
-        """Time has passed to this clock, or nothing before it will be replanned."""
+        """
+        Nothing before this clock will be planned again, for example because it has passed.
+        """
 
     @property
     def held(self) -> int: ...
@@ -1803,14 +1849,16 @@ class Job:
 
     @property
     def rests(self) -> bool:
-        """The settled plan ends at rest: what is queued may begin later."""
+        """The settled plan ends at standstill, so queued moves may begin later."""
 
     @property
     def handed_out(self) -> int:
         """Clock of the last message, ticks."""
 
     def settle_position(self) -> None:
-        """After homing: stop, and be where the program says."""
+        """
+        After homing: ends the plan, and sets the position of the machine to that of the program.
+        """
 
     @property
     def stop_position(self) -> list[float]:
@@ -1820,7 +1868,7 @@ class Job:
 
     def use_tool(self, tool: int) -> None:
         """
-        This tool is in use, with its offset, as if the program had selected it; nothing moves. Tool 0 may be named without tools, too.
+        Selects this tool with its offset, as if the program had selected it. Nothing moves. Tool 0 is valid on a machine without tools, too.
         """
 
     @property
@@ -1831,22 +1879,22 @@ class Job:
 
     def move_to(self, target: Sequence[float], feed_mm_s: float, within: Within = Within.LIMITS) -> bool:
         """
-        A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if it is too long, or not within what it must keep to: see error.
+        A straight move in machine coordinates (NaN: the axis does not move). If the move takes too long, or is not within the limits of `within`, returns False and changes nothing, see error.
         """
 
     def set_axes(self, places: Sequence[tuple[int, float]], homed: bool = False) -> None:
         """
-        These axes, by number, are here now (mm), without motion; and at home there, if they are `homed`.
+        Sets the positions of these axes, by number, in mm, without motion. With `homed`, they are homed there.
         """
 
     def stand_at(self, places: Sequence[tuple[int, float]]) -> None:
         """
-        The machine is here now (slots, machine mm), without motion; the program's offsets stay.
+        Sets the position of the machine (slots, machine mm), without motion. The program's offsets stay.
         """
 
     def use_joints(self, on: bool) -> None:
         """
-        X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only at standstill, and set_axes must say where they are.
+        From now on X, Y and Z are the first three actuators of a nonlinear geometry, or the axes again. Call it only at standstill; set_axes must follow.
         """
 
     def renew_steppers(self, steppers: Sequence[int]) -> None:
@@ -1856,7 +1904,7 @@ class Job:
 
     def lock_axis(self, axis: int, locked: bool) -> None:
         """
-        A locked axis does not know where it is: moves of it are errors, until it is set.
+        The position of a locked axis is unknown: its moves are errors until the position is set.
         """
 
     @property
@@ -1864,67 +1912,73 @@ class Job:
 
     def line_at(self, ticks: float) -> int:
         """
-        Line of the program's move that is under way, or was last, at a clock (0: none). Clocks must not go back.
+        Line of the program's move at a clock, or of the last one before (0: none). The clock must not be before that of the last call.
         """
 
     def line_near(self, ticks: float) -> int:
-        """As line_at, for any clock from a second before the last one asked for."""
+        """
+        As line_at, for any clock from a second before the last call of line_at on.
+        """
 
     def layer_near(self, ticks: float) -> int:
-        """The layer of that move (0: before the first one)."""
+        """
+        The layer of the move that line_near means (0: before the first layer).
+        """
 
     def position_at(self, ticks: float) -> list[float] | None:
         """
-        Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.
+        The planned position at a clock of about the last second, as machine_position; None if the clock is too long ago.
         """
 
     def set_steps_per_unit(self, stepper: int, value: float) -> None:
-        """Another scale of a motor, at standstill."""
+        """Changes the steps per unit of a motor. Call it only at standstill."""
 
     def set_geometry(self, spec: dict[str, Any]) -> None:
         """
-        Other parameters of the machine's geometry, as in its spec, at standstill. No motor moves: set_axes must say where the axes are now.
+        Changes the parameters of the machine's geometry. Call it only at standstill. No motor moves; set_axes must follow.
         """
 
     def let_rest(self, steppers: Sequence[int]) -> None:
         """
-        These motors, by number, make no step of later moves, all others do; while the machine stands. set_axes must say where the axes are after the moves of a motor that rested.
+        These motors, by number, make no steps for later moves; all others do. Call it only at standstill. After moves without a motor, set_axes must follow.
         """
 
     def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]], fade: tuple[float, float, float] | None = None) -> None:
         """
-        What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. With a `fade` of start, end and target, mm: in full up to the start in Z, then evenly less, until the target alone is added from the end on. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
+        Sets the bed correction: heights in mm on an even grid. Rows are along X; the first row is at the Y of `first`. Between the points the height is bilinear; beyond the grid it continues level. With a `fade` of start, end and target in mm, the correction acts in full up to Z start, and changes linearly to the target at Z end. Without rows the bed is flat. No motor moves, but Z of the plan changes. Call it only while nothing is queued. Raises ValueError.
         """
 
     def set_shaper(self, axis: int, impulses: Sequence[tuple[float, float]]) -> None:
         """
-        The shaper of X, Y or Z at standstill: (weight, seconds) of each impulse; none: the axis is not shaped.
+        Sets the shaper of X, Y or Z: (weight, seconds) of each impulse; empty: the axis is not shaped. Call it only at standstill.
         """
 
     def set_smoothing(self, extruder: int, half_s: float) -> None:
         """
-        Half of the width over which an advance is smoothed, s, at standstill; 0: the extruder has no advance.
+        Sets half of the width, in s, over which the advance is smoothed; 0: the extruder has no advance. Call it only at standstill.
         """
 
     def smoothing(self, extruder: int) -> float:
-        """What set_smoothing has set, s."""
+        """The value of set_smoothing, s."""
 
     def set_advance(self, extruder: int, seconds: float) -> None:
-        """Pressure advance of the moves that follow."""
+        """Sets the pressure advance of later moves."""
 
     def pressure_advance(self, extruder: int) -> float:
-        """What set_advance has set, s."""
+        """The value of set_advance, s."""
 
     def use_filters(self, on: bool) -> None:
-        """Shapers and advance act from now on, or do not; only at standstill."""
+        """
+        Switches shapers and pressure advance on or off. Call it only at standstill.
+        """
 
     def plan_z(self, x: float, y: float, height: float) -> float:
         """
-        Z of the plan, in mm, where what the bed adds there lifts the nozzle to this height.
+        The Z of the plan, in mm, at which the corrected nozzle is at this height.
         """
 
     def nozzle_height(self, x: float, y: float, z: float) -> float:
-        """Z of the plan and what the bed adds to it there, in mm."""
+        """The Z of the plan plus the bed correction there, in mm."""
 
     def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
 
@@ -1934,7 +1988,7 @@ class Job:
     @property
     def offset_due(self) -> list[float]:
         """
-        mm by which the next move of an axis moves X, Y and Z, too: for a change of tools, or of the offset of the tool in use, that no move has carried out yet.
+        The additional distance in mm that the next move of an axis makes in X, Y and Z, because of a tool change or a changed tool offset.
         """
 
     @property
@@ -1945,23 +1999,25 @@ class Job:
 
     @property
     def filament_diameters(self) -> list[float] | None:
-        """mm, of each extruder, where E is a volume (M200); else None."""
+        """
+        The filament diameter of each extruder in mm if E is a volume (M200); otherwise None.
+        """
 
     @property
     def filament_changes(self) -> list[tuple[float, float]]:
-        """mm that M701 pushes in and M702 pulls out, of each extruder."""
+        """The lengths in mm that M701 loads and M702 unloads, of each extruder."""
 
     @property
     def modes(self) -> str:
         """
-        Tool, speed, plane, kinds of positions and units of a program that does not name its own: a command a line, the units last.
+        G-code, one command a line, that sets tool, feedrate, plane, absolute or relative positions, and last the units.
         """
 
     @property
     def auto_retract(self) -> bool: ...
 
     def limit(self, name: str) -> float:
-        """A limit as set_limit takes it."""
+        """The value of a limit, named as in set_limit."""
 
     def axis_limit(self, axis: str, what: str) -> float:
         """The `speed`, `accel` or `jerk` of an axis or extruder now."""
@@ -1974,7 +2030,7 @@ class Job:
     def cold(self, arg: bool, /) -> None: ...
 
     def set_cold_axis(self, axis: int, cold: bool) -> None:
-        """The same for an axis, by number, that pushes filament."""
+        """The same for an axis, by number, that moves filament."""
 
     @property
     def filament_scale(self) -> float:
@@ -1987,11 +2043,11 @@ class Job:
         """M221 of each extruder, as a factor."""
 
     def set_flow(self, extruder: int, flow: float) -> None:
-        """M221, a factor above 0, for what is read from now on."""
+        """M221, a factor above 0, for moves that are read from now on."""
 
     def scale_flow_from(self, ticks: float, extruder: int, flow: float) -> float:
         """
-        M221, a factor above 0, for all that is replanned from this clock on, and what is read from now on; returns the clock of the cut.
+        M221, a factor above 0, for all moves after this clock, planned or not yet read. Returns the clock of the cut.
         """
 
     @property
@@ -2000,17 +2056,17 @@ class Job:
 
     def set_speed_factor(self, factor: float, live: bool = False) -> None:
         """
-        M220 for the moves that follow; `live`: for all that is replanned from now on.
+        M220 for later moves; with `live`, also for moves that are planned again from now on.
         """
 
     def set_limit(self, name: str, value: float, live: bool = False) -> None:
         """
-        Changes a limit of the moves that follow; `live`: of all that is replanned.
+        Changes a limit for later moves; with `live`, also for moves that are planned again.
         """
 
     def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
         """
-        Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.
+        Changes the `speed`, `accel` or `jerk` of an axis like set_limit, at most to the machine's own limit.
         """
 
     def keep_moves(self, on: bool) -> None: ...
@@ -2018,15 +2074,15 @@ class Job:
     def take_moves(self) -> list[Move]: ...
 
     def keep_toolpath(self) -> None:
-        """From now on keeps the path of all moves."""
+        """From now on records the path of all moves."""
 
     def take_toolpath(self) -> tuple[int, list[float], float, float, list[tuple[int, float, float, int]], bytes] | None:
         """
-        The path that was kept, as toolpath.py describes it; None of none. It is kept no more.
+        Returns the recorded path in the format of toolpath.py, or None if there is none. Ends the recording.
         """
 
     def keep_ideal(self, on: bool) -> None:
-        """From now on keeps the ideal time of every step, see take_ideal."""
+        """From now on records the ideal time of every step, see take_ideal."""
 
     def take_ideal(self, stepper: int) -> bytes:
         """
