@@ -199,7 +199,7 @@ def _why_not_now(status: Status) -> str | None:
     if status.job is not None:
         return f"{status.job.file} is being printed"
     hot = [name for name, heater in status.heaters.items() if heater.target_c > 0]
-    return f"{', '.join(hot)} is on" if hot else None
+    return f"heaters are on ({', '.join(hot)})" if hot else None
 
 
 def _last(call: Call) -> Build:
