@@ -27,6 +27,21 @@ SURVIVES = FILTERED.model_copy(
 )
 
 
+def filtered(name):
+    """A machine with all filters on, of a board that survives the loss of its link."""
+    machine = config.load(name)
+    return machine.model_copy(
+        update={
+            "shaping": FILTERED.shaping,
+            "extruders": {
+                e: made.model_copy(update={"advance_s": 0.05})
+                for e, made in machine.extruders.items()
+            },
+            "board": machine.board.model_copy(update={"firmware": "passo"}),
+        }
+    )
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     return undisturbed(tmp_path_factory.mktemp("card"))
@@ -80,6 +95,27 @@ def test_late_host_resumes_filtered_print_where_board_stopped(whole, seed):
             stall(s, generator.choice((0.05, 0.25, 0.6, 3.0)))
             assert not s.printer.halted
         assert any("braked to a stop" in line for line in s.host.heard)
+        assert s.board.device.fault == ""
+        assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("kind", ["delta", "corexy"])
+def test_filtered_print_of_coupled_motors_survives_link_losses(tmp_path, kind):
+    """Towers follow the shaped nozzle, belts both shaped axes, also in the tails of commits."""
+    card, wanted = undisturbed(tmp_path, kind)
+    generator, breaks = random.Random(7), 0
+    with Scenario(filtered(kind), card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(14)
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            if "Done printing file" in s.host.heard:
+                break
+            break_link(s, generator.choice((0.3, 2.0, 40.0)))
+            s.host.expect("The board is back", 10)
+            breaks += 1
+            assert not s.printer.halted
+        assert breaks > 3
         assert s.board.device.fault == ""
         assert steps(s) == wanted
 
