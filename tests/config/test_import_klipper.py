@@ -189,6 +189,14 @@ def test_homing_has_side_speeds_and_a_switch_for_each_motor(load) -> None:
     assert z.stepper_pins == {"z": "PA7", "z1": "PD7"}
 
 
+def test_axis_with_too_few_switches_stops_at_the_first(load) -> None:
+    further = "[stepper_z2]\nstep_pin: PE2\ndir_pin: PE3\nenable_pin: !PE4\nmicrosteps: 16\n"
+    draft, machine = load(more=further + "rotation_distance: 8\n")
+    assert machine.homing["z"].pin == "PA7"
+    assert not machine.homing["z"].stepper_pins
+    assert any("[stepper_z] endstop_pin" in text for text in remarks(draft, "decide"))
+
+
 def test_heaters_have_sensors_gains_limits_and_protections(load) -> None:
     draft, machine = load()
     hotend, bed = machine.heaters["hotend"], machine.heaters["bed"]

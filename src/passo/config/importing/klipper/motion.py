@@ -255,12 +255,15 @@ def _put_homing(
         position = _carriage_mm(job, first, position)
     put((*path, "position"), position, first.at("position_endstop"))
     own = {n: job.pins.of(s, "endstop_pin") for n, s in zip(names[1:], sections[1:], strict=True)}
-    if any(own.values()):
+    if own and all(own.values()):
         put((*path, "stepper_pins", motor), pin, place)
         for name, section in zip(names[1:], sections[1:], strict=True):
-            put((*path, "stepper_pins", name), own[name] or pin, section.at("endstop_pin"))
+            put((*path, "stepper_pins", name), own[name], section.at("endstop_pin"))
     else:
         put((*path, "pin"), pin, place)
+        if any(own.values()):
+            text = "motors without an endstop of their own: all of the axis stop at the first one"
+            job.draft.decide(place, f"[{first.name}] endstop_pin", text)
     _put_homing_speeds(job, first, path, letter)
 
 
