@@ -139,6 +139,13 @@ void bind_job_settings(JobClass& job) {
           },
           "on"_a, "Switches shapers and pressure advance on or off. Call it only at standstill.")
       .def(
+          "follow_tool", [](JobView& self) { self.job.follow_tool(); },
+          "The correction of Z is that at the place of the tool in use, from standstill on; the "
+          "next move goes to the Z that the program means.")
+      .def_prop_ro(
+          "bed_is_apart", [](JobView& self) { return self.job.bed_is_apart(); },
+          "Whether the correction of Z is that at the place of another tool.")
+      .def(
           "plan_z",
           [](JobView& self, double x, double y, double height) {
             return self.job.motion.machine().plan_z(x, y, height);

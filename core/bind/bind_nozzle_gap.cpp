@@ -5,6 +5,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <array>
 #include <tuple>
 #include <utility>
@@ -49,7 +50,12 @@ class GapView {
   // False once there is nothing more to follow.
   bool follow(JobView& job) {
     if (!job.spans) return false;
-    for (const auto& [from, to] : job.spans->take()) gap_.add_span(base_ + from, base_ + to);
+    const std::vector<Tool>& tools = job.job.motion.machine().tools;
+    for (const auto& [from, to, tool] : job.spans->take()) {
+      std::array<double, 3> offset{};
+      if (!tools.empty()) std::copy_n(tools[tool].offset, 3, offset.begin());
+      gap_.add_span(base_ + from, base_ + to, offset);
+    }
     for (size_t i = 0; i < motors_.size(); ++i) {
       auto& [board, pin] = motors_[i];
       gap_.add_steps(i, board->take_steps(pin), board->steps(pin), board->now());

@@ -121,6 +121,11 @@ class Interpreter {
   void set_axis(int j, double position, bool homed);
   // The plan of an axis ends here now; its offsets stay. Only while no line is half read.
   void set_place(int j, double position) { position_[j] = position; }
+  // The machine is there, and the next move carries out the rest to where the program means it.
+  void put(int j, double position) {
+    owe(j, due_[j] + position_[j] - position);
+    position_[j] = position;
+  }
   // The axes in `letters` (empty: all) are at home now, and their offsets end.
   void home(const std::string& letters);
   // Machine position of each slot at home, as it was when the axis was homed last.

@@ -36,6 +36,14 @@ class HeightMap {
       : first_{x, y}, spacing_{dx, dy}, count_{nx, ny}, heights_(std::move(heights)), fade_(fade),
         steepest_(find_steepest()), twist_(find_twist()), range_(find_range()) {}
 
+  // The same heights, each so much further on.
+  HeightMap moved(double dx, double dy) const {
+    HeightMap map = *this;
+    map.first_[0] += dx;
+    map.first_[1] += dy;
+    return map;
+  }
+
   // One cell: height = at_corner + by_x u + by_y v + by_both u v, u = x - corner[0], v = y -
   // corner[1].
   struct Cell {

@@ -161,6 +161,7 @@ double Job::scale_flow_from(double ticks, size_t extruder, double flow) {
 void Job::adopt(Job& other) {
   motion.flush();
   interpreter.adopt(other.interpreter);
+  if (bed_) use_bed();
   Planner &mine = motion.planner(), &theirs = other.motion.planner();
   mine.rules().change(false, [&](Rules& rules) {
     rules.limits = theirs.rules().now().limits;
@@ -182,8 +183,30 @@ void Job::settle_position() {
 
 void Job::set_height_map(std::shared_ptr<const HeightMap> map) {
   motion.flush();
-  motion.set_height_map(std::move(map));
+  bed_ = std::move(map);
+  use_bed();
   interpreter.set_place(kZ, motion.planner().position()[kZ]);
+}
+
+void Job::follow_tool() {
+  if (!bed_is_apart()) return;
+  motion.flush();
+  use_bed();
+  interpreter.put(kZ, motion.planner().position()[kZ]);
+}
+
+std::array<double, 2> Job::tool_offset() const {
+  const std::vector<Tool>& tools = motion.machine().tools;
+  if (tools.empty()) return {};
+  const Tool& tool = tools[interpreter.tool()];
+  return {tool.offset[kX], tool.offset[kY]};
+}
+
+void Job::use_bed() {
+  map_offset_ = tool_offset();
+  const auto [x, y] = map_offset_;
+  const bool apart = bed_ && (x != 0 || y != 0);
+  motion.set_height_map(apart ? std::make_shared<HeightMap>(bed_->moved(-x, -y)) : bed_);
 }
 
 void Job::use_stopped() {

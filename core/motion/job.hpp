@@ -59,7 +59,13 @@ class Job {
   void set_tool_offset(size_t tool, int axis, double mm);
 
   // See Motion::set_height_map. The program's Z changes with that of the plan; its offsets stay.
+  // The heights are those at the place of the tool in use: of its nozzle, not of the head.
   void set_height_map(std::shared_ptr<const HeightMap> map);
+  // At standstill, after a change of the tool or of its offset: the heights are those at its place.
+  // No motor moves; the next move goes to the Z that the program means.
+  void follow_tool();
+  // Whether that changes anything.
+  bool bed_is_apart() const { return bed_ && tool_offset() != map_offset_; }
 
   // A straight move in machine coordinates, outside of any program. If it is too long, too slow or
   // not `within`, returns false, changes nothing and sets error().
@@ -92,12 +98,17 @@ class Job {
 
   double (*cpu_clock_)();
   std::optional<Interpreter> suspended_;
+  std::shared_ptr<const HeightMap> bed_;  // as it was given
+  std::array<double, 2> map_offset_{};    // of the tool for which the plan has it
   std::vector<MoveRequest> batch_;
   double at_[kAxes] = {};  // end of the moves that are read
   std::vector<double> extruders_at_;
   double slowest_mm_s_ = kInfinity;  // of axes and extruders
   bool may_be_slow_ = false;         // the last move that is read
   GcodeError error_;
+
+  std::array<double, 2> tool_offset() const;
+  void use_bed();
 
   // After a stop: the tool in use is the one of the move that stopped, not of the last line read.
   void use_stopped();

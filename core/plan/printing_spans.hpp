@@ -19,20 +19,24 @@ class PrintingSpans {
     const bool along = move.p0[kX] != move.p1[kX] || move.p0[kY] != move.p1[kY];
     if (move.layer != layer_ || move.kind != MoveKind::print || !along) return;
     const double from = move.start + delay, to = move.end() + delay;
-    if (!spans_.empty() && from <= spans_.back().second)
-      spans_.back().second = to;
+    if (!spans_.empty() && from <= spans_.back().to && move.tool == spans_.back().tool)
+      spans_.back().to = to;
     else
-      spans_.emplace_back(from, to);
+      spans_.push_back({from, to, move.tool});
   }
   // A move of a later layer has arrived.
   bool over() const { return over_; }
-  // From and to, ticks since the start of the job; moves without a rest in between are one span.
-  std::vector<std::pair<double, double>> take() { return std::exchange(spans_, {}); }
+  // Ticks since the start of the job; moves of a tool without a rest in between are one span.
+  struct Span {
+    double from, to;
+    uint16_t tool;
+  };
+  std::vector<Span> take() { return std::exchange(spans_, {}); }
 
  private:
   uint16_t layer_;
   bool over_ = false;
-  std::vector<std::pair<double, double>> spans_;
+  std::vector<Span> spans_;
 };
 
 }  // namespace passo

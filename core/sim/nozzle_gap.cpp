@@ -28,15 +28,15 @@ void NozzleGap::advance() {
 
 void NozzleGap::look_until(double clock) {
   while (!spans_.empty()) {
-    const auto [from, to] = spans_.front();
+    const auto [from, to, offset] = spans_.front();
     if (!within_) at_ = from;
     within_ = true;
     for (; at_ < to; at_ += kLookSeconds * hz_) {
       if (at_ >= clock) return run(clock);
-      look(at_);
+      look(at_, offset);
     }
     if (to >= clock) return run(clock);
-    look(to);
+    look(to, offset);
     spans_.pop_front();
     within_ = false;
   }
@@ -69,21 +69,21 @@ void NozzleGap::run(double clock) {
   for (Track& track : tracks_) run(track, clock);
 }
 
-void NozzleGap::look(double clock) {
+void NozzleGap::look(double clock, const std::array<double, 3>& offset) {
   run(clock);
   double q[3], p[3];
   for (int i = 0; i < geometry_->actuators(); ++i) q[i] = tracks_[size_t(i)].position;
   if (!geometry_->forward(q, p)) return;
-  const double x = p[0], y = p[1];
   double z = p[2];
   if (!lifts_.empty()) {
     z = 0;
     for (Lift& lift : lifts_) {
       lift.position = tracks_[lift.motor].position;
-      z += lift.share(x, y);
+      z += lift.share(p[0], p[1]);
     }
   }
-  const Place here{z - bed_.height(x, y), x, y};
+  const double x = p[0] + offset[0], y = p[1] + offset[1];
+  const Place here{z + offset[2] - bed_.height(x, y), x, y};
   if (looks_ == 0 || here.gap < lowest_.gap) lowest_ = here;
   if (looks_ == 0 || here.gap > highest_.gap) highest_ = here;
   ++looks_;

@@ -1,5 +1,6 @@
 // How far the nozzle is above the simulated bed while it extrudes, from executed steps alone.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <deque>
 #include <memory>
@@ -38,7 +39,10 @@ class NozzleGap {
   // Steps that a motor has done up to `now` of its own clock, as far as they are traced; `all`: how
   // many it has done since its board began. A run that is half done is not traced yet.
   void add_steps(size_t motor, const std::vector<StepRun>& runs, int64_t all, Ticks now);
-  void add_span(double from, double to) { spans_.emplace_back(from, to); }
+  // `offset` of the tool in use, mm: from the head to its nozzle.
+  void add_span(double from, double to, const std::array<double, 3>& offset) {
+    spans_.push_back({from, to, offset});
+  }
   // Looks at all that is before the clock up to which the steps of all motors have come.
   void advance();
   // Nothing is left to look at.
@@ -77,7 +81,11 @@ class NozzleGap {
   std::vector<Track> tracks_;
   std::vector<Lift> lifts_;
   std::deque<Set> places_;
-  std::deque<std::pair<double, double>> spans_;
+  struct Span {
+    double from, to;
+    std::array<double, 3> offset;
+  };
+  std::deque<Span> spans_;
   bool within_ = false;  // the first span
   int looks_ = 0;
   double sum_ = 0;
@@ -87,7 +95,7 @@ class NozzleGap {
   static void run(Track& track, double clock);
   void run(double clock);
   void look_until(double clock);
-  void look(double clock);
+  void look(double clock, const std::array<double, 3>& offset);
 };
 
 }  // namespace passo::wire

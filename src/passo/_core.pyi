@@ -1972,6 +1972,15 @@ class Job:
         Switches shapers and pressure advance on or off. Call it only at standstill.
         """
 
+    def follow_tool(self) -> None:
+        """
+        The correction of Z is that at the place of the tool in use, from standstill on; the next move goes to the Z that the program means.
+        """
+
+    @property
+    def bed_is_apart(self) -> bool:
+        """Whether the correction of Z is that at the place of another tool."""
+
     def plan_z(self, x: float, y: float, height: float) -> float:
         """
         The Z of the plan, in mm, at which the corrected nozzle is at this height.

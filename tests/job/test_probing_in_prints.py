@@ -77,6 +77,19 @@ def test_first_layer_follows_the_bed_if_the_probe_homes_z(printed):
     assert spread(printed(["G28", "G29", *PRINTED], HOMED_BY_PROBE)) <= 0.01
 
 
+def test_second_nozzle_follows_the_bed_below_itself(printed):
+    tools = (
+        '[steppers.e1]\nsteps_per_mm = 95.5\nsocket = "E1"\n'
+        "[extruders.e1]\nspeed_mm_s = 100.0\naccel_mm_s2 = 5000.0\n"
+        '[[tools]]\nextruder = "e"\n'
+        '[[tools]]\nextruder = "e1"\noffset_mm = [30.0, 0.0, 0.1]\n'
+    )
+    of = machine("i3-probe", NOISE, ("[limits]", f"{tools}[limits]"))
+    lines = ["G1 X60 Y40 Z5 F9000", *PRINTED[1:3], "T1", *PRINTED[3:]]
+    assert spread(printed(["G28", "G29", *lines], of)) <= 0.01
+    assert spread(printed(["G28", *lines], of)) > 0.2
+
+
 def test_gantry_is_level_after_the_file_has_levelled_it(printed):
     of = machine("i3-two-z", NOISE)
     askew = printed(["G28", *PRINTED], of).first_layer

@@ -59,3 +59,25 @@ def test_height_of_the_nozzle_and_z_of_the_plan_are_inverse(job):
     for z, height in ((0.5, 1.3), (1.0, 1.8), (2.0, 2.525), (3.0, 3.25), (9.0, 9.25)):
         assert job.nozzle_height(80.0, 30.0, z) == pytest.approx(height, abs=1e-12)
         assert job.plan_z(80.0, 30.0, height) == pytest.approx(z, abs=1e-12)
+
+
+def test_bed_is_that_below_the_nozzle_of_the_tool():
+    job = Job(config.load("dual-extruder").core_spec(), True, False, False)  # T1: 25 mm in X
+    job.set_axes([(0, 0.0), (1, 0.0), (2, 5.0)], True)
+    job.set_height_map(*PLANE)
+    run(job, "G1 X50 Y50 Z1 F6000\n")
+    assert z_of_motor(job)[0] == 1.5 * z_of_motor(job)[1]
+    for line, at in [("T1", None), ("G1 X50", 1.5), ("G1 Y20", 1.5), ("G1 X80 Z2", 2.8)]:
+        job.feed(f"{line}\n".encode())
+        before = z_of_motor(job)[0]
+        while job.advance() == JobStatus.EVENT:
+            job.flush()
+            assert job.bed_is_apart
+            job.follow_tool()
+            assert not job.bed_is_apart
+        job.flush()
+        if at is None:
+            assert z_of_motor(job)[0] == before
+        else:
+            assert z_of_motor(job)[0] == pytest.approx(at * z_of_motor(job)[1], abs=0.5)
+    assert job.program_position[2] == pytest.approx(2.0)

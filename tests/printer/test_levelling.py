@@ -45,43 +45,52 @@ def rms(heights):
     return float(np.sqrt(np.mean((heights - 0.2) ** 2)))
 
 
+WHOLE = ("[15.0, 15.0, 215.0, 205.0]", "[0.0, 5.0, 225.0, 215.0]")
+DOME = ("dome_mm = 0.15", "dome_mm = 0.4")
+WAVES = [("dome_mm = 0.15", "wave_mm = 0.05"), ("[5, 5]", "[7, 7]")]  # 120 mm in X, 160 in Y
+
+
+def mesh(interpolation, *changes):
+    method = f'method = "mesh"\ninterpolation = "{interpolation}"'
+    return [(QUADRATIC, method), WHOLE, *changes]
+
+
 @pytest.mark.parametrize(
     ("changes", "line", "limit"),
     [
         ([], "G32", 0.01),
-        ([], "G29", 0.01),
         ([(QUADRATIC, 'method = "linear"'), ("dome_mm = 0.15", "")], "G32", 0.01),
-        (
-            [
-                (QUADRATIC, 'method = "mesh"\ninterpolation = "bilinear"'),
-                ("[15.0, 15.0, 215.0, 205.0]", "[0.0, 5.0, 225.0, 215.0]"),
-                ("[5, 5]", "[7, 7]"),
-            ],
-            "G29",
-            0.02,
-        ),
-        (
-            [
-                (QUADRATIC, 'method = "mesh"'),
-                ("[15.0, 15.0, 215.0, 205.0]", "[0.0, 5.0, 225.0, 215.0]"),
-                ("[5, 5]", "[7, 7]"),
-                ("dome_mm = 0.15", "wave_mm = 0.05\nwave_length_mm = [400, 400]"),
-            ],
-            "G29",
-            0.012,
-        ),
+        (mesh("bilinear", DOME), "G29", 0.02),
+        (mesh("bicubic", DOME), "G29", 0.012),
+        (mesh("bilinear", *WAVES), "G29", 0.02),
+        (mesh("bicubic", *WAVES), "G29", 0.012),
     ],
+    ids=["quadratic", "linear", "dome_bilinear", "dome_bicubic", "waves_bilinear", "waves_bicubic"],
 )
 def test_first_layer_follows_the_bed(changes, line, limit):
-    with homed(*changes) as s:
-        assert rms(above_the_bed(s)) > 0.1
+    with homed((NOISE, "noise_mm = 0.005"), *changes) as s:
         s.host.ok(line, 900)
+        # Homing in between changes nothing.
+        s.host.ok("G28", 60)
         heights = above_the_bed(s)
         assert len(heights) > 100_000
         assert rms(heights) <= limit
-        # Homing in between changes nothing.
-        s.host.ok("G28", 60)
-        assert rms(above_the_bed(s)) <= limit
+
+
+def test_bed_without_a_correction_is_felt():
+    with homed() as s:
+        assert rms(above_the_bed(s)) > 0.1
+
+
+def test_second_mesh_is_the_first_within_the_noise():
+    sigma = 0.005
+    with homed((NOISE, f"noise_mm = {sigma}"), *mesh("bicubic", ("[5, 5]", "[4, 4]"))) as s:
+        found = []
+        for _ in range(2):
+            s.host.ok("G29", 900)
+            found.append(np.array(s.printer.correction.correction.mesh.heights))
+        apart = found[1] - found[0]
+        assert 0 < np.sqrt(np.mean(apart**2)) <= 2 * sigma
 
 
 def test_heights_are_those_that_the_correction_leaves():

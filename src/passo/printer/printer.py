@@ -496,6 +496,7 @@ class Printer:
         """Selects the tool of the suspended job again, if another one was selected in the
         meantime."""
         self.job.use_tool(self._stopped_tool)
+        self.job.follow_tool()
         self.commands.set_points.tool_changed(self._stopped_tool)
 
     def resume_job(self) -> None:

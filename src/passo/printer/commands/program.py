@@ -23,7 +23,15 @@ from passo.printer.macros import Macros, Respond
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
 from passo.printer.status import planned_status
 from passo.printer.unfit_commands import ALL
-from passo.printer.wait_requests import Handler, NullReply, Reply, Wait, WaitForHoming, WaitForUser
+from passo.printer.wait_requests import (
+    Handler,
+    NullReply,
+    Reply,
+    Wait,
+    WaitForHoming,
+    WaitForMoves,
+    WaitForUser,
+)
 
 if TYPE_CHECKING:
     from passo import _core
@@ -112,7 +120,9 @@ class Commands:
                 self.omitted.count(SkippedCommand.TOOL, f"T{command.number}", command.line)
             else:
                 self.set_points.tool_changed(command.number)
-            return None
+            # Moves of another tool may be planned again, so the correction of the bed waits for
+            # them.
+            return WaitForMoves(self._job.follow_tool) if self._job.bed_is_apart else None
         code = _key(command)
         command.check()
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)

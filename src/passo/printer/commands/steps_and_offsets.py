@@ -268,7 +268,7 @@ class MotionCommands:
                 reply.say(line)
         for letter, value in axes.items():
             self._rig.job.set_tool_offset(tool, "XYZ".index(letter), value)
-        return None
+        return WaitForMoves(self._rig.job.follow_tool) if self._rig.job.bed_is_apart else None
 
     def tool_offset(self, words: dict[str, float], active: int) -> tuple[int, dict[str, float]]:
         """The tool that M218 selects, and its offsets in X, Y, Z, mm. Raises CommandError."""
