@@ -287,3 +287,27 @@ def test_probe_offset_has_two_signs():
         assert answers(s, "G31")[0].startswith(says)
         assert "Z is -21" in answers(s, "M851 Z-21")[0]
         assert s.printer.prober.trigger_height_mm == 1.5
+
+
+def test_second_nozzle_is_above_the_bed_at_its_own_place():
+    tools = (
+        '[steppers.e1]\nsteps_per_mm = 95.5\nsocket = "E1"\n'
+        "[extruders.e1]\nspeed_mm_s = 100.0\naccel_mm_s2 = 5000.0\n"
+        '[[tools]]\nextruder = "e"\n[[tools]]\nextruder = "e1"\noffset_mm = [30.0, 0.0, 0.0]\n'
+    )
+    with homed((NOISE, ""), ("[limits]", f"{tools}[limits]")) as s:
+        s.host.ok("G29", 600)
+        bed = simulated_bed(s.machine).shape
+
+        def height(offset_mm):
+            s.host.ok("M400", 60)
+            at = s.positions()
+            return at["z"] - bed.height(at["x"] + offset_mm, at["y"])
+
+        for line in ("G1 X150 Y60 Z1 F9000", "T1", "G1 X60 Y150", "G1 X120"):
+            s.host.ok(line, 60)
+        assert height(30) == pytest.approx(1.0, abs=0.005)
+        assert s.positions()["x"] == 90.0
+        s.host.ok("T0", 60)
+        s.host.ok("G1 X120 Y150", 60)
+        assert height(0) == pytest.approx(1.0, abs=0.005)
