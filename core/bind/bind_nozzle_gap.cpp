@@ -99,24 +99,25 @@ GapPlace place_of(const NozzleGap::Place& at) { return {at.gap, at.x, at.y}; }
 
 void bind_nozzle_gap(nb::module_& m) {
   nb::class_<GapView>(m, "NozzleGap",
-                      "How far the nozzle is above the simulated bed while a job extrudes in its "
-                      "first layer, from executed steps; mm.")
-      .def(nb::init<double, const nb::dict&, const Bed&, const std::vector<GapMotor>&,
-                    const std::vector<GapLift>&>(),
-           "clock_hz"_a, "geometry"_a, "bed"_a, "motors"_a, "lifts"_a, nb::keep_alive<1, 5>(),
-           "`motors`, first one for each actuator of the geometry: the board, the step pin, the mm "
-           "or degrees of a step, the main board's ticks in one of the board's, and the main "
-           "board's clock when the board's reads 0. `lifts`: the "
-           "number of each motor that carries the gantry, and its weight as for carry_probe. Keeps "
-           "the steps of these motors until the layer is over.")
+                      "The distance of the nozzle from the simulated bed in mm while a job "
+                      "extrudes in its first layer, from executed steps.")
+      .def(
+          nb::init<double, const nb::dict&, const Bed&, const std::vector<GapMotor>&,
+                   const std::vector<GapLift>&>(),
+          "clock_hz"_a, "geometry"_a, "bed"_a, "motors"_a, "lifts"_a, nb::keep_alive<1, 5>(),
+          "`motors`, first one for each actuator of the geometry: the board, the step pin, the mm "
+          "or degrees per step, the main board's ticks per tick of the board, and the main board's "
+          "clock when the board's clock is 0. `lifts`: the number of each motor that carries the "
+          "gantry, and its weight as for carry_probe. Records the steps of these motors until the "
+          "layer is over.")
       .def("begin", &GapView::begin, "job"_a, "base"_a,
-           "The job begins at this clock of the main board.")
+           "Call this when the job begins, with the clock of the main board.")
       .def("place", &GapView::place, "ticks"_a, "positions"_a,
-           "From this clock of the job on, at which they stand, the motors are at these positions.")
+           "Sets the positions of the motors at this clock of the job, at standstill.")
       .def("follow", &GapView::follow, "job"_a,
-           "Looks at what the boards have executed; False once the layer is over.")
-      .def("end", &GapView::end, "job"_a, "Keeps no more steps.")
-      .def_prop_ro("looks", [](const GapView& v) { return v.gap().looks(); })
+           "Samples the motion that the boards have executed; False once the layer is over.")
+      .def("end", &GapView::end, "job"_a, "Stops recording steps.")
+      .def_prop_ro("samples", [](const GapView& v) { return v.gap().samples(); })
       .def_prop_ro("mean", [](const GapView& v) { return v.gap().mean(); })
       .def_prop_ro(
           "lowest", [](const GapView& v) { return place_of(v.gap().lowest()); },
@@ -129,10 +130,10 @@ void bind_nozzle_gap(nb::module_& m) {
           [](const GapView& v) {
             std::vector<std::pair<double, int>> cells;
             for (const NozzleGap::Cell& cell : v.gap().cells())
-              cells.emplace_back(cell.looks > 0 ? cell.sum / cell.looks : 0, cell.looks);
+              cells.emplace_back(cell.samples > 0 ? cell.sum / cell.samples : 0, cell.samples);
             return cells;
           },
-          "The mean distance and the number of looks in each cell of the bed, in rows from the "
+          "The mean distance and the number of samples in each cell of the bed, in rows from the "
           "front.");
   m.attr("GAP_CELLS") = NozzleGap::kCells;
 }

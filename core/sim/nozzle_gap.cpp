@@ -23,20 +23,20 @@ void NozzleGap::add_steps(size_t motor, const std::vector<StepRun>& runs, int64_
 void NozzleGap::advance() {
   double known = kInfinity;
   for (const Track& track : tracks_) known = std::min(known, track.known);
-  look_until(known);
+  sample_until(known);
 }
 
-void NozzleGap::look_until(double clock) {
+void NozzleGap::sample_until(double clock) {
   while (!spans_.empty()) {
     const auto [from, to, offset] = spans_.front();
     if (!within_) at_ = from;
     within_ = true;
-    for (; at_ < to; at_ += kLookSeconds * hz_) {
+    for (; at_ < to; at_ += kSampleSeconds * hz_) {
       if (at_ >= clock) return run(clock);
-      look(at_, offset);
+      sample(at_, offset);
     }
     if (to >= clock) return run(clock);
-    look(to, offset);
+    sample(to, offset);
     spans_.pop_front();
     within_ = false;
   }
@@ -69,7 +69,7 @@ void NozzleGap::run(double clock) {
   for (Track& track : tracks_) run(track, clock);
 }
 
-void NozzleGap::look(double clock, const std::array<double, 3>& offset) {
+void NozzleGap::sample(double clock, const std::array<double, 3>& offset) {
   run(clock);
   double q[3], p[3];
   for (int i = 0; i < geometry_->actuators(); ++i) q[i] = tracks_[size_t(i)].position;
@@ -84,9 +84,9 @@ void NozzleGap::look(double clock, const std::array<double, 3>& offset) {
   }
   const double x = p[0] + offset[0], y = p[1] + offset[1];
   const Place here{z + offset[2] - bed_.height(x, y), x, y};
-  if (looks_ == 0 || here.gap < lowest_.gap) lowest_ = here;
-  if (looks_ == 0 || here.gap > highest_.gap) highest_ = here;
-  ++looks_;
+  if (samples_ == 0 || here.gap < lowest_.gap) lowest_ = here;
+  if (samples_ == 0 || here.gap > highest_.gap) highest_ = here;
+  ++samples_;
   sum_ += here.gap;
   auto index = [](double at, double center, double size) {
     return size_t(std::clamp(std::floor(((at - center) / size + 0.5) * kCells), 0.0, kCells - 1.0));
@@ -94,7 +94,7 @@ void NozzleGap::look(double clock, const std::array<double, 3>& offset) {
   Cell& cell = cells_[index(y, bed_.center[1], bed_.size[1]) * kCells +
                       index(x, bed_.center[0], bed_.size[0])];
   cell.sum += here.gap;
-  ++cell.looks;
+  ++cell.samples;
 }
 
 }  // namespace passo::wire

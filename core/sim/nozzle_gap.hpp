@@ -1,4 +1,4 @@
-// How far the nozzle is above the simulated bed while it extrudes, from executed steps alone.
+// The distance of the nozzle from the simulated bed during extrusion, from executed steps alone.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -14,11 +14,11 @@
 
 namespace passo::wire {
 
-// Looks at the nozzle every kLookSeconds of the given spans, and at their ends. Steps, places and
-// spans come in the order of time; clocks are those of the main board.
+// Samples the distance every kSampleSeconds of the given spans, and at their ends. Add steps,
+// positions and spans in the order of time. Clocks are those of the main board.
 class NozzleGap {
  public:
-  static constexpr double kLookSeconds = 0.005;
+  static constexpr double kSampleSeconds = 0.005;
   static constexpr int kCells = 24;  // along X and along Y of the bed
 
   // The motor of an actuator, or one of several that carry the gantry.
@@ -27,25 +27,25 @@ class NozzleGap {
     double ratio;     // ticks of the main board in one of its own
     double offset;    // clock of the main board when its own reads 0
   };
-  // The first motors are those of the geometry's actuators. `lifts` as those of a probe: the number
-  // of the motor stands for its pin.
+  // The first motors are those of the geometry's actuators. `lifts` are as for a probe, with the
+  // number of the motor instead of its pin.
   NozzleGap(double clock_hz, std::shared_ptr<const Geometry> geometry, const Bed& bed,
             const std::vector<Motor>& motors, std::vector<Lift> lifts);
 
-  // Without a step the motors are at these positions, from a clock on at which they stand.
+  // Sets the positions of the motors, without steps, at a clock at which they are at standstill.
   void place(double clock, std::vector<double> positions) {
     places_.push_back({clock, std::move(positions)});
   }
-  // Steps that a motor has done up to `now` of its own clock, as far as they are traced; `all`: how
-  // many it has done since its board began. A run that is half done is not traced yet.
+  // Traced steps of a motor up to `now` of its own clock. `all` is the number of its steps since
+  // the board started. A run that is not complete is not traced yet.
   void add_steps(size_t motor, const std::vector<StepRun>& runs, int64_t all, Ticks now);
   // `offset` of the tool in use, mm: from the head to its nozzle.
   void add_span(double from, double to, const std::array<double, 3>& offset) {
     spans_.push_back({from, to, offset});
   }
-  // Looks at all that is before the clock up to which the steps of all motors have come.
+  // Takes all samples before the clock up to which the steps of all motors are known.
   void advance();
-  // Nothing is left to look at.
+  // No span is left to sample.
   bool idle() const { return spans_.empty(); }
 
   struct Place {
@@ -53,29 +53,29 @@ class NozzleGap {
   };
   struct Cell {
     double sum = 0;
-    int looks = 0;
+    int samples = 0;
   };
-  int looks() const { return looks_; }
+  int samples() const { return samples_; }
   const Place& lowest() const { return lowest_; }
   const Place& highest() const { return highest_; }
-  double mean() const { return looks_ > 0 ? sum_ / looks_ : 0; }
-  // Rows from the front, each from the left; places beside the bed belong to its edge.
+  double mean() const { return samples_ > 0 ? sum_ / samples_ : 0; }
+  // Rows from the front, each from the left; positions outside of the bed belong to its edge.
   const std::vector<Cell>& cells() const { return cells_; }
 
  private:
   struct Track {
     Motor motor;
-    double position = 0;        // of the last step that has been passed
-    std::deque<StepRun> ahead;  // the first one may be half done
-    int64_t done = 0;           // steps of it
-    int64_t traced = 0;         // steps that have come
-    double known = 0;           // up to this clock they all have
+    double position = 0;        // after the last executed step
+    std::deque<StepRun> ahead;  // the first run may be executed in part
+    int64_t done = 0;           // executed steps of the first run
+    int64_t traced = 0;         // steps added so far
+    double known = 0;           // all steps up to this clock are known
   };
   struct Set {
     double clock;
     std::vector<double> positions;
   };
-  double hz_, at_ = 0;  // at_: the next look
+  double hz_, at_ = 0;  // at_: the next sample
   std::shared_ptr<const Geometry> geometry_;
   Bed bed_;
   std::vector<Track> tracks_;
@@ -87,15 +87,15 @@ class NozzleGap {
   };
   std::deque<Span> spans_;
   bool within_ = false;  // the first span
-  int looks_ = 0;
+  int samples_ = 0;
   double sum_ = 0;
   Place lowest_{}, highest_{};
   std::vector<Cell> cells_;
 
   static void run(Track& track, double clock);
   void run(double clock);
-  void look_until(double clock);
-  void look(double clock, const std::array<double, 3>& offset);
+  void sample_until(double clock);
+  void sample(double clock, const std::array<double, 3>& offset);
 };
 
 }  // namespace passo::wire

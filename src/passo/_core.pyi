@@ -938,30 +938,32 @@ def expand_directions(rows: bytes, from_clock: int, to_clock: int, sign: int) ->
 
 class NozzleGap:
     """
-    How far the nozzle is above the simulated bed while a job extrudes in its first layer, from executed steps; mm.
+    The distance of the nozzle from the simulated bed in mm while a job extrudes in its first layer, from executed steps.
     """
 
     def __init__(self, clock_hz: float, geometry: dict, bed: Bed, motors: Sequence[tuple[Bench, int, float, float, float]], lifts: Sequence[tuple[int, Sequence[float]]]) -> None:
         """
-        `motors`, first one for each actuator of the geometry: the board, the step pin, the mm or degrees of a step, the main board's ticks in one of the board's, and the main board's clock when the board's reads 0. `lifts`: the number of each motor that carries the gantry, and its weight as for carry_probe. Keeps the steps of these motors until the layer is over.
+        `motors`, first one for each actuator of the geometry: the board, the step pin, the mm or degrees per step, the main board's ticks per tick of the board, and the main board's clock when the board's clock is 0. `lifts`: the number of each motor that carries the gantry, and its weight as for carry_probe. Records the steps of these motors until the layer is over.
         """
 
     def begin(self, job: Job, base: float) -> None:
-        """The job begins at this clock of the main board."""
+        """Call this when the job begins, with the clock of the main board."""
 
     def place(self, ticks: float, positions: Sequence[float]) -> None:
         """
-        From this clock of the job on, at which they stand, the motors are at these positions.
+        Sets the positions of the motors at this clock of the job, at standstill.
         """
 
     def follow(self, job: Job) -> bool:
-        """Looks at what the boards have executed; False once the layer is over."""
+        """
+        Samples the motion that the boards have executed; False once the layer is over.
+        """
 
     def end(self, job: Job) -> None:
-        """Keeps no more steps."""
+        """Stops recording steps."""
 
     @property
-    def looks(self) -> int: ...
+    def samples(self) -> int: ...
 
     @property
     def mean(self) -> float: ...
@@ -977,7 +979,7 @@ class NozzleGap:
     @property
     def cells(self) -> list[tuple[float, int]]:
         """
-        The mean distance and the number of looks in each cell of the bed, in rows from the front.
+        The mean distance and the number of samples in each cell of the bed, in rows from the front.
         """
 
 GAP_CELLS: int = 24

@@ -17,8 +17,8 @@ _SAME_MM = 0.0005  # heights that differ by less are shown as one
 
 @dataclass(frozen=True, slots=True)
 class FirstLayer:
-    """The smallest, the mean and the largest distance of the nozzle from the bed in mm, at looks
-    that are 5 ms apart; X and Y of the nozzle where the smallest and the largest were."""
+    """The smallest, the mean and the largest distance of the nozzle from the bed in mm, in
+    samples that are 5 ms apart; X and Y of the nozzle at the smallest and at the largest one."""
 
     lowest_mm: float
     lowest_at_mm: tuple[float, float]
@@ -60,7 +60,7 @@ class FirstLayerWatch:
         self._going = True
 
     def begin(self, base: int) -> None:
-        """The job begins at this clock of the main board, at home."""
+        """Call this when the job begins, at the home position; `base` is the main board's clock."""
         self._gap.begin(self._job, base)
         self.placed()
 
@@ -73,11 +73,11 @@ class FirstLayerWatch:
         self._gap.place(self._job.clock, at)
 
     def look(self) -> None:
-        """The boards have executed more."""
+        """Samples the motion that the boards have executed since."""
         self._going = self._going and self._gap.follow(self._job)
 
     def end(self) -> None:
-        """The print is over."""
+        """Call this at the end of the print."""
         self.look()
         if self._going:
             self._gap.end(self._job)
@@ -86,7 +86,7 @@ class FirstLayerWatch:
     @property
     def layer(self) -> FirstLayer | None:
         """What was found; None if nothing was extruded along the bed."""
-        if self._gap.looks == 0:
+        if self._gap.samples == 0:
             return None
         (lowest, *at), (highest, *there) = self._gap.lowest, self._gap.highest
         return FirstLayer(lowest, (at[0], at[1]), self._gap.mean, highest, (there[0], there[1]))
@@ -96,5 +96,5 @@ class FirstLayerWatch:
         """The mean distance in each cell of the bed, in rows from the front, mm; None where nothing
         was extruded."""
         n = _core.GAP_CELLS
-        found = [mean if looks else None for mean, looks in self._gap.cells]
+        found = [mean if samples else None for mean, samples in self._gap.cells]
         return [found[i : i + n] for i in range(0, n * n, n)]
