@@ -13,6 +13,7 @@ from tests.support.print_result import printed
 
 from passo import Machine
 from passo.cli.main import main
+from passo.config.load import shipped_text
 
 FIELDS = [
     "file", "machine", "lines", "moves", "arcs", "print_time_s", "move_time_s", "heat_time_s",
@@ -76,6 +77,15 @@ def test_aprinters_examples_print_the_demo(capsys, unpacked, machine):
     assert (result["layers"], result["errors"]) == (15, [])
     assert result["final_steps"] == result["net_steps_expected"]
     assert EXAMPLES_OF_APRINTER[machine] in result["limits"]
+
+
+def test_a_machine_with_a_real_board_prints_in_simulation(capsys, tmp_path, unpacked):
+    """Its firmware is that of Passo unless the file names another; nothing opens the port."""
+    real = tmp_path / "real.toml"
+    port = 'link = "serial"\nport = "/dev/ttyUSB0"\n'
+    real.write_text(shipped_text("i3").replace("[board]\n", f"[board]\n{port}"))
+    result = printed(capsys, unpacked("demo"), "--machine", str(real))
+    assert result["stream_hash"] == GOLDEN["demo", "i3"]
 
 
 def test_arcs_and_warnings(capsys, unpacked):

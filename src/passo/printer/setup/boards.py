@@ -277,7 +277,7 @@ def simulated_board(
         ),
         probe=_bed_probe(machine) if PROBE in own else None,
     )
-    runs = "passo" if machine.all_boards[name].firmware == "passo" else "virtual"
+    runs = "passo" if machine.all_boards[name].survives else "virtual"
     return SimulatedBoard(board, plant, firmware=runs)
 
 
