@@ -55,6 +55,7 @@ def spread(result):
     ("start", "limit"),
     [
         (["G28", "G29"], 0.01),
+        (["G28 W", "G80"], 0.01),
         (["G28", "G32"], 0.01),
         # Homing keeps the map, and suspends it only.
         (["G28", "G29", "G1 X70 Y90 Z8 F9000", "G28 X", "G28"], 0.01),

@@ -255,6 +255,20 @@ class LevellingCommands:
             return self._step(int(step), command, reply, paper=paper)
         return self._measure(reply, dry="D" in letters)
 
+    @command(
+        "G80",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Ends a canned cycle. On a printer for filament, outside of a cycle, it is G29, as in"
+        " Prusa's firmware, and measures the whole bed.",
+        kind=Kind.PROBED,
+        bare=ANY,
+        lacks=NO_PROBE,
+    )
+    def _level_as_prusa(self, _: Command, reply: Reply) -> Wait | None:
+        return self._measure(reply, dry=False)
+
     def _step(self, step: int, command: Command, reply: Reply, *, paper: bool) -> Wait | None:
         """G29 S, as in Marlin's mesh bed leveling or in RepRapFirmware."""
         corrections = self._corrections

@@ -174,19 +174,6 @@ class ProgramFlow:
         self._omitted.count(SkippedCommand.REPEAT, "M99", command.line)
         return self._end(command, reply)
 
-    @command(
-        "G80",
-        Subject.DRILLING,
-        When.PLANNED,
-        "",
-        "Ends a canned cycle. On a printer for filament, outside of a cycle, it asks for bed"
-        " levelling, as in Prusa's firmware.",
-        bare=ANY,
-    )
-    def _level(self, command: Command, _: Reply) -> None:
-        """Skips bed levelling, if that is allowed."""
-        self._omitted.count(SkippedCommand.UNKNOWN, command.code, command.line)
-
     @in_program("M486")
     def _cancel_objects(self, command: Command, _: Reply) -> None:
         """Cancels objects by number, when a part of a print is read again after a console has
