@@ -128,10 +128,10 @@ class Machine:
     ) -> PrintResult:
         """Prints a file on a simulated board of this machine, in virtual time.
 
-        The print fails where a print from the card of the served printer stops. `assume_ready`
-        treats the machine as homed and its hotends as warm, for a piece of G-code; `skip_unknown`
-        leaves out unknown commands that may move the machine, and `skip_levelling` the levelling of
-        the bed without a probe. Raises InputError, MachineError.
+        The print fails at the same errors that stop a print from the SD card of a served printer.
+        `assume_ready` treats the machine as homed and its hotends as warm, for a piece of G-code;
+        `skip_unknown` leaves out unknown commands that may move the machine, and `skip_levelling`
+        the levelling of the bed without a probe. Raises InputError, MachineError.
         """
         from passo.job.batch.policy import Policy
         from passo.job.batch.simulated_print import Print

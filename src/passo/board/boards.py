@@ -106,8 +106,8 @@ class Boards:
             connection.use_commits(horizon_s)
 
     def arm(self, on: bool) -> None:
-        """Makes the boards brake without the host when their link is lost (`on`), or not: axes can
-        be homed only then. Call it only at standstill, and only if all boards `survive`."""
+        """If `on`, the boards brake without the host when their link is lost. Axes can be homed
+        only while this is off. Call it only at standstill, and only if all boards `survive`."""
         for connection in self.connections:
             connection.command("survive_arm" if on else "survive_home")
             connection.link.begin_commits(on)

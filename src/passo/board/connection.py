@@ -106,8 +106,8 @@ class Connection(Exchange):
         )
 
     def join(self, timeline: _core.Timeline, *, main: bool, tolerance_s: float) -> None:
-        """Puts the board on the timeline of several boards. `main` marks the main board; steps of
-        any other may miss the plan's times by `tolerance_s` more, in seconds."""
+        """Puts the board on the timeline of several boards. `main` marks the main board. The step
+        times of any other board may deviate from the plan by `tolerance_s` more, in seconds."""
         hz = self.board.clock_hz
         self._timeline = timeline
         self.link.join(timeline, main, tolerance_s * hz)

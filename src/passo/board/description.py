@@ -165,13 +165,13 @@ class Driver:
 
 @dataclass(frozen=True, slots=True)
 class BoardDescription:
-    """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets.
-    On one of several boards, `stepper_targets` and `output_targets` number them instead, and
+    """A board and its wiring. In messages, a stepper or an output has its number in
+    `stepper_targets` or `output_targets`; by default, its index in `steppers` or `outputs`.
     `endstops_elsewhere` names the endstops of other boards that stop steppers of this one.
 
     `clock_hz` is the nominal frequency of the board's clock; `move_count` the number of commands
     that it can hold (a simulated board has as many, a real one reports its own). `survives`: True
-    requires Passo's firmware, False requires another one, None accepts both.
+    accepts only Passo's firmware, False only other firmware, None both.
     """
 
     clock_hz: int

@@ -149,9 +149,10 @@ def frame_lines(
     formats: _core.Formats,
     labels: Mapping[tuple[str, int], str] | None = None,
 ) -> list[str]:
-    """A line for each message of a frame, which is (sequence, payload), or None for bytes that are
-    not a frame. `labels` maps a parameter and its value to a name: ("oid", 3) to `stepper x`, for
-    example. Raises ValueError for a message that is not among the formats."""
+    """A line for each message of `frame`, which is the pair (sequence, payload). None stands for
+    bytes that are not a frame, and gives one line. `labels` maps a parameter and its value to a
+    name: ("oid", 3) to `stepper x`, for example. Raises ValueError for a message that is not among
+    the formats."""
     if frame is None:
         return ["(bytes that are not a frame)"]
     sequence, payload = frame

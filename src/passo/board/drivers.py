@@ -70,7 +70,7 @@ class Drivers:
     """All drivers of a connection that have registers, by their motors.
 
     `configure` waits for the answers, before any motor moves. The other methods only queue
-    questions; the caller that lets time pass calls `poll` every now and then.
+    questions: call `poll` repeatedly while time passes.
     """
 
     def __init__(self, connection: Connection) -> None:

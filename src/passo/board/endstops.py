@@ -62,9 +62,9 @@ class Endstops:
         *,
         opening: bool = False,
     ) -> None:
-        """Makes each of these endstops stop its steppers when it triggers, or when it opens, from a
-        clock on. The board samples every `rest_s` seconds. After this call, do not set the motors'
-        clocks: a stopped motor would continue."""
+        """From `clock` on, each of these endstops stops its steppers when it triggers or, with
+        `opening`, when it opens. The board samples every `rest_s` seconds. After this call, do not
+        set the motors' clocks: a stopped motor would continue."""
         self._rest_s = rest_s
         self._armed, self.hit, self.expired = {}, {}, set()
         self._reason = self._reason % _REASONS + 1

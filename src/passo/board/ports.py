@@ -75,9 +75,9 @@ class InProcess:
         """Does nothing: the port is always open."""
 
     def attach(self, link: _core.Link) -> _core.Pump:
-        """Returns a pump, which continues at the time of the last pump. For the same link, and
-        while no cable was unplugged, it is the same pump. A board `beside` another one joins the
-        pump of that board, which must be attached first."""
+        """Returns a pump: the earlier one if the link is the same and its cable was not unplugged,
+        otherwise a new one whose time continues that of the earlier one. A board `beside` another
+        one joins the pump of that board, which must be attached first."""
         if self.unplugged:
             raise _unreachable("the simulated board", OSError("it is unplugged"))
         if self._beside is not None and self._beside._pump is not None:
@@ -136,8 +136,9 @@ class LivePort:
 
 
 def serial_port(device: str, baud: int, *, paced: bool = False) -> LivePort:
-    """A board on a serial device. Opening the device resets many boards. `paced`: a byte takes ten
-    bits at the baud rate; it does not on the USB port of the chip itself."""
+    """A board on a serial device. Opening the device resets many boards. `paced`: a byte takes the
+    time of ten bits at the baud rate. False for the USB port of the chip itself, which ignores the
+    baud rate."""
 
     def opened() -> int:
         try:

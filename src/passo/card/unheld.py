@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 class Unheld(io.RawIOBase):
     """A file of a card that is open only during a read, so that it can be replaced or removed
-    between two reads. After that, the next read raises CardError `card.changed` or
-    `card.not-found`. After another thread has closed it, the next read raises ValueError.
+    between two reads. If it was, the next read raises CardError `card.changed` or `card.not-found`.
+    After another thread has closed it, the next read raises ValueError.
     """
 
     def __init__(self, card: Card, path: str) -> None:

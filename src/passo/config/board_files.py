@@ -42,8 +42,8 @@ _SOCKET_PINS = {
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Source: A file from which the board at `path` of the machine file comes. In that file, keys
-    of the board do not have this prefix."""
+    """A file with values of the board at `path` of the machine file. The keys in that file do not
+    begin with `path`."""
 
     file: str
     text: str

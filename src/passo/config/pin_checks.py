@@ -70,8 +70,8 @@ class Claim:
 def check_pins(data: Raw) -> Iterator[Finding]:
     """Checks that boards and sockets exist, that each part is on one board, that each pin and timer
     has one suitable owner, and that each mark has an effect. Motors may share an enable pin, and
-    drivers the wires for their registers, if they mark them alike. Pins are not checked while the
-    board is unknown."""
+    drivers the wires for their registers, if the shared pin has the same marks everywhere. Pins are
+    not checked while the board is unknown."""
     claims = list(machine_claims(data))
     boards = {MAIN: table(data, "board"), **dict(tables(data, "boards"))}
     if any("base" in board and meant_board(board["base"]) is None for board in boards.values()):

@@ -57,11 +57,11 @@ class EmergencyParser:
         self._failures: deque[int] = deque()
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
-        """Executes M108, M112, M410, M876, and commands that end the pause of a host. Lines of an
-        upload are text instead: of the open one, `upload`, or of one that a queued line will open.
-        In an upload with line numbers, a line without a number is a command. Returns False for
-        text. When a command is taken from the queue, call `reached` for M28 and M29, `answered` if
-        it `answers`, and `outdated` for one of LIFTS."""
+        """Executes M108, M112, M410, M876, and commands that end the pause of a host. Returns False
+        for a line of an upload, which is text: `upload` is open, or a queued line will open one. In
+        an upload with line numbers, a line without a number is a command. When a command is taken
+        from the queue, call `reached` for M28 and M29, `answered` if it `answers`, and `outdated`
+        for one of LIFTS."""
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
         numbered = self._numbered or (not self._in_hand and upload is not None and upload.numbered)
@@ -90,9 +90,9 @@ class EmergencyParser:
         return self._answers.popleft().done
 
     def take_answer(self) -> bool:
-        """Call this when a wait for the user begins. Returns True if a queued answer, which was
-        received too early and has not ended another wait, ends it. After M24 and M602, a paused
-        file must still be resumed."""
+        """Call this when a wait for the user begins. Returns True if an answer was received before
+        the wait and is still in the queue; then end the wait. Each answer ends at most one wait. If
+        the answer is M24 or M602, it also resumes a paused file when it is reached."""
         answer = next((answer for answer in self._answers if not answer.used), None)
         if answer is None:
             return False

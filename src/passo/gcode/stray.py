@@ -22,8 +22,8 @@ _MINUS = 0x2212  # its category is that of symbols, not of dashes
 
 
 def stray_of(text: str, *, any_character: bool) -> Problem | None:
-    """The first character of a command's text that is not G-code. Unless `any_character`, only
-    characters count that change the meaning of the text, or that word processors insert for others.
+    """The first character of a command's text that is not G-code. Without `any_character`, it
+    ignores characters that neither change the meaning of the text nor come from a word processor.
     """
     if not any_character and _ODD.search(text) is None:
         return None

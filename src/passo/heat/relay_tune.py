@@ -22,9 +22,9 @@ class TuneError(ValueError):
 class RelayTune:
     """Relay autotune of one heater. The caller gives the heater `control` and the target, and
     passes its samples to `feed`. The temperature oscillates around `target_c`; each cycle gives
-    gains by the rule of this number. When `done` is True, `result` has the gains of the last cycle,
-    or `failed` has the reason. Then switch the heater off, or set a controller with these gains.
-    `label` names it in the lines, as in `Hotend:0`, `BED`, `CHAMBER`."""
+    gains by rule number `rule`. When `done` is True, `result` has the gains of the last cycle, or
+    `failed` has the reason. Then switch the heater off, or set a controller with these gains.
+    `label` is the name of the heater in the lines of the reply: `Hotend:0`, `BED` or `CHAMBER`."""
 
     control = _core.RelayControl(half_cycle_s=5.0)
     fan = 0.0

@@ -75,9 +75,10 @@ def printed_distances(
     """The 12 distances on Klipper's calibration part, which `machine` has printed: a pillar in the
     middle and six around it. `center_mm` are the distances between the ridges of the middle pillar
     and each outer pillar; `outer_mm` those between each outer pillar and the second one after it.
-    Both are in mm and counter-clockwise, from the direction of tower A. A distance measured over
-    two ridges is longer by the width of a pillar: three widths of the middle one, one of each
-    other. `scale` is that of the part, to its nominal size. Raises Unreachable."""
+    Both are in mm and counter-clockwise, from the direction of tower A. A measured distance
+    includes one width of a pillar, which is subtracted: `center_widths_mm` are three widths of the
+    middle pillar, `outer_widths_mm` one width of each outer pillar. `scale` is the size of the part
+    divided by its nominal size. Raises Unreachable."""
     towards = [(cos(radians(a)), sin(radians(a))) for a in _DIRECTIONS]
 
     def at(x: float, y: float, direction: int, mm: float) -> Point:

@@ -118,8 +118,8 @@ class MotionQueue:
 
     @property
     def idle(self) -> bool:
-        """Whether no move or dwell is in progress or planned. A new command that has reserved the
-        time until its first step counts as a move."""
+        """Whether no move or dwell is in progress or planned. A command whose time is reserved, but
+        whose first step is not due yet, counts as a move."""
         job, now = self._job, max(self.passed, 0)  # the job starts a moment after the boards
         if self.standing:
             return True

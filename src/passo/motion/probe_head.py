@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 class ProbeHead:
-    """The head of one printer. Call it with the motion lock held and the machine idle, which it is
-    again after each call. Methods raise MachineError, and after M108 and M410 they raise Stopped
-    unless `heeds_stops` is false."""
+    """The head of one printer. Call it with the motion lock held and the machine idle. After each
+    call, the machine is idle again. Methods raise MachineError, and after M108 and M410 they raise
+    Stopped unless `heeds_stops` is false."""
 
     def __init__(self, rig: Rig, interrupts: Interrupts, triggered: TriggeredMoves) -> None:
         self._rig, self._interrupts, self._triggered = rig, interrupts, triggered

@@ -87,7 +87,8 @@ class Dispatch:
 
     def answers_halted(self, code: str) -> bool:
         """Whether a halted printer executes such a command. It must act at once, not change the
-        plan, and not rearm the fault that has halted the printer; M999 does that, cold."""
+        plan, and not rearm the fault that has halted the printer. M999 rearms it, with the heaters
+        off."""
         row = row_of(code)
         return code in self.immediate and row is not None and row.while_halted
 
@@ -240,8 +241,8 @@ class Dispatch:
 
     @contextmanager
     def file_selected(self) -> Generator[_core.Job]:
-        """Selects the file's text of the job within the block, to query or restart it. Do not read
-        on within the block, because a line of a console may be in progress."""
+        """Within the block, queries and restarts of the job concern the text of the file. Do not
+        read lines within the block, because a line of a console may be in progress."""
         self._rig.job.select(False)
         try:
             yield self._rig.job

@@ -74,7 +74,8 @@ class SimulatedMachine:
         self._distant[self.boards[board]].cut(on)
 
     def spoil_cable(self, board: str, share: float) -> None:
-        """A fault: this fraction of all bytes is corrupted; 0 ends it. Like `cut_cable`."""
+        """A fault: this fraction of all bytes is corrupted; 0 ends it. Raises KeyError for a board
+        without a simulated cable."""
         self._distant[self.boards[board]].spoil(share)
 
     def _of(self, part: str, name: str) -> SimulatedBoard:

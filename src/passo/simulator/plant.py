@@ -89,9 +89,10 @@ class Lift:
 class BedProbe:
     """The endstop `endstop` is a probe on the head. It triggers when the nozzle is `trigger_mm`
     above the bed at the place of the probe, which is `offset_mm` from the nozzle, and opens
-    `hysteresis_mm` higher. `motors` are a stepper for each actuator of the geometry, given as for
-    the core. In a dead area it never triggers, in a touchy area it always is triggered. `mechanism`
-    deploys it, controlled by the output `control`, unless it is jammed."""
+    `hysteresis_mm` higher. `motors` names one stepper for each actuator of `geometry`, which has
+    the form that the core takes. In a dead area the probe never triggers, in a touchy area it is
+    always triggered. `mechanism` deploys the probe, controlled by the output `control`, unless the
+    probe is jammed."""
 
     endstop: str
     motors: tuple[str, ...]

@@ -47,8 +47,8 @@ def target(name: str) -> Target:
     """The shipped board of that name, or the board of the machine file of that path; with `:NAME`
     after it, the further board of that name.
 
-    Raises FirmwareError if there is no such board, or if the machine's runs Klipper's firmware, and
-    ConfigError for a machine file with errors.
+    Raises FirmwareError if there is no such board, or if the board of the machine file runs
+    Klipper's firmware, and ConfigError for a machine file with errors.
     """
     path, colon, board = name.partition(".toml:")
     if colon:

@@ -37,7 +37,8 @@ class Binding:
 
     def has(self, host: str) -> bool:
         """Whether the host of a request is this printer. Another web page may point a foreign name
-        to this printer (DNS rebinding), so only own names are accepted, and any address."""
+        to this printer (DNS rebinding), so a name must be one of `names` or localhost. Any IP
+        address is accepted; on `loopback`, only loopback addresses."""
         try:
             name = urlsplit(f"//{host}").hostname or ""
         except ValueError:
@@ -53,8 +54,8 @@ class Binding:
 
 class Access:
     """Finds the caller of each request. An address gives no rights, with one exception: before
-    there is an administrator, a program of this computer has them if no other computer can reach
-    the web interface."""
+    there is an administrator, every program of this computer has all rights if no other computer
+    can reach the web interface."""
 
     def __init__(self, accounts: Accounts, binding: Binding) -> None:
         self._accounts, self._binding = accounts, binding

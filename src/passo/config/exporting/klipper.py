@@ -27,8 +27,8 @@ _RESULTS = {"median": "median", "mean": "average"}
 
 
 def exported(machine: MachineConfig) -> Cfg:
-    """The sections of a printer.cfg, with the parts of the machine that they cannot contain. Raises
-    ConfigError for a geometry that is not exported."""
+    """The sections of a printer.cfg for the machine, and remarks on its parts that have no option
+    there. Raises ConfigError for a geometry that is not exported."""
     kind = machine.geometry.kind
     if kind not in _STEPPERS:
         raise ConfigError.of("export.kinematics", value=kind, limit=", ".join(_STEPPERS))

@@ -53,11 +53,11 @@ class _Answers(NullReply):
 
 
 class BedProbing:
-    """Has a served printer of the same machine, with simulated boards and in virtual time, carry
-    out the commands that need a probe, and gives the job what comes of them: the correction of the
-    bed, the geometry, and the place of the nozzle. Each begins where the plan of the job ends. The
-    printer starts with the first such command, homed. Probing takes no print time, as homing does.
-    Not thread-safe; close it.
+    """Executes the commands of a job that need a probe on a second printer: a served printer of the
+    same machine, with simulated boards, in virtual time. The job gets the results: the bed
+    correction, the geometry, and the position of the nozzle. Each command begins at the position
+    where the plan of the job ends. The second printer starts, homed, at the first such command.
+    Like homing, probing takes no print time. Not thread-safe; close it.
 
     `cpu_s` is the processor time so far.
     """
@@ -74,11 +74,11 @@ class BedProbing:
 
     @property
     def going(self) -> bool:
-        """The bed has been measured, so that later homing is of this printer, too."""
+        """Whether the second printer has started; then it must home whenever the job homes."""
         return self._printer is not None
 
     def takes(self, command: Command) -> bool:
-        """Whether this carries out a command."""
+        """Whether this executes a command."""
         if not isinstance(self._machine.probe, SensingProbe):
             return False
         row = row_of(command.code)
@@ -86,19 +86,20 @@ class BedProbing:
         return probed and (self.going or command.code not in _AFTER)
 
     def run(self, command: Command) -> Mapping[str, float]:
-        """Carries out a command at the end of the plan, at standstill. Returns where each motor
-        really is, minus where the plan has it. Raises CommandError, MachineError."""
+        """Executes a command at the end of the plan, at standstill. Returns the real position of
+        each motor minus its position in the plan, mm or degrees. Raises CommandError,
+        MachineError."""
         self._call(lambda: self._carried_out(command))
         return self._taken_over()
 
     def home(self, letters: str, start: Sequence[float]) -> Mapping[str, float]:
-        """Homes at the simulated endstops from this machine position on, after the job has. Like
-        `run`."""
+        """Call this after the job has homed: homes at the simulated endstops, starting at this
+        machine position. Returns and raises as `run`."""
         self._call(lambda: self._homed(letters, start))
         return self._taken_over()
 
     def close(self) -> None:
-        """Ends the printer."""
+        """Ends the second printer."""
         if self._loop is not None and self._thread is not None:
             self._thread.submit(self._end).result()
             self._thread.shutdown()

@@ -65,8 +65,9 @@ class FirstLayerWatch:
         self.placed()
 
     def placed(self, errors_mm: Mapping[str, float] | None = None) -> None:
-        """The plan has a new position without motion, at its end: the machine was homed. If given,
-        the motors are so far from where the plan has them."""
+        """Call this after homing, which changes the position at the end of the plan without a move.
+        `errors_mm` is the real position of each motor minus its position in the plan, mm or
+        degrees; None: as before."""
         self._errors_mm = self._errors_mm if errors_mm is None else errors_mm
         rows = {row["name"]: row["count"] / row["steps_per_unit"] for row in self._job.steppers()}
         at = [rows[name] + self._errors_mm[name] for name in self._motors]

@@ -32,9 +32,9 @@ class _Target:
 
 
 class RehearsedCommands(Commands):
-    """The commands of a print with the checks of the served printer. The print fails where a print
-    from the card would stop: at moves of axes that are not homed, at cold extrusion, and at each
-    refused command.
+    """The commands of a print with the checks of the served printer. The print fails at the errors
+    that stop a print from the SD card: at moves of axes that are not homed, at cold extrusion, and
+    at each refused command.
 
     A hotend that is cold and has no warm target blocks filament when a line is read. A hotend that
     is still heating up when a line is read is checked later, when the board moves the filament. So

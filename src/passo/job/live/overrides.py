@@ -43,7 +43,7 @@ def override(job: _core.Job, commands: Commands, name: str, factor: float) -> No
 
 class Overrides:
     """The factors at the start of a print from the card, and those that consoles have set since,
-    each with the number of bytes of the file that were read before. Commands of the file are not
+    each with the number of bytes of the file that were read before it. Commands of the file are not
     included."""
 
     def __init__(self, printer: Printer, runner: Runner) -> None:

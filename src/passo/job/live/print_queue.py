@@ -30,10 +30,10 @@ class QueuedPrint:
 
 
 class PrintQueue:
-    """The queue of one printer. The next print starts when `start_next` is called, with which the
-    user confirms that the bed is clear, and, with `automatic`, after a successful print. The queue
-    is stored in `directory`; None keeps it only in memory. Methods that change it return when the
-    change is durable. If it cannot be stored, they raise CommandError and leave the queue
+    """The queue of one printer. The next print starts when `start_next` is called: the user has
+    confirmed that the bed is clear. With `automatic`, it also starts after a successful print. The
+    queue is stored in `directory`; None keeps it only in memory. Methods that change it return when
+    the change is durable. If it cannot be stored, they raise CommandError and leave the queue
     unchanged."""
 
     def __init__(

@@ -69,8 +69,9 @@ class Statistics:
     def begun(
         self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None
     ) -> Print:
-        """Records that a print has begun, or that an announced one continues under `instead`. If
-        the program is killed, the history shows the print as interrupted."""
+        """Records that a print has begun. If a host has announced the print earlier, `instead` is
+        that record, which is continued. If the program is killed, the history shows the print as
+        interrupted."""
         self._printer.lateness.begin()
         row = instead.row if instead is not None else None
         _log.info("Print of %s started", name, extra={"file": name})

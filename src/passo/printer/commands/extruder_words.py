@@ -26,8 +26,8 @@ def extruders(machine: MachineConfig) -> Iterator[tuple[str, str]]:
 def with_extruders(
     machine: MachineConfig, code: str, words: list[str], e: Callable[[str], float]
 ) -> list[str]:
-    """A command with the words of the axes, and one for each extruder with its value of `e`. A
-    single extruder is in the line of the axes."""
+    """A line with the words of the axes, then a line for each extruder with its value of `e`. If
+    there is only one extruder, its word is in the first line."""
     own = [(where, f"E{numeral(e(name))}") for where, name in extruders(machine)]
     if len(own) == 1 and not own[0][0]:
         return [" ".join([code, *words, own[0][1]])]

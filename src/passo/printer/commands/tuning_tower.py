@@ -66,8 +66,8 @@ class Tower:
 
 
 class TuningTower:
-    """The tower of one job. `due` is the command that sets the value for the height that the print
-    has come to; the caller executes it."""
+    """The tower of one job. `due` is the command that sets the value for the current height of the
+    print; the caller executes it."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
         self._job = job

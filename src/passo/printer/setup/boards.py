@@ -317,8 +317,9 @@ def simulated_bed(machine: MachineConfig) -> Bed:
 
 
 def home_errors_mm(machine: MachineConfig) -> dict[str, float]:
-    """Where each motor of the simulated printer really is after homing, minus where the printer
-    believes it to be: by its true geometry and endstops, and by the bed if the probe homes Z."""
+    """The real position of each motor of the simulated printer after homing, minus its position in
+    the plan, mm or degrees. It follows from the true geometry and endstops, and from the bed if the
+    probe homes Z."""
     errors = dict.fromkeys(machine.steppers, 0.0)
     for name, homing in machine.homing.items():
         for stepper in steppers_of(machine, name) if is_actuator(machine, name) else ():

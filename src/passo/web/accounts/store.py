@@ -51,7 +51,7 @@ class Store:
         return self._base is not None
 
     def rows(self, query: str) -> list[tuple[Any, ...]]:
-        """All rows of a query. Call it only at the start."""
+        """All rows of a query. Blocks; call it only while the program starts."""
         base = self._base
         if base is None:
             return []

@@ -56,8 +56,8 @@ class _Job:
 
 
 def imported(path: Path, stored: Path | None = None) -> Draft:
-    """The machine file of the selected configuration, with the options that aprinter.cfg or an
-    answer to M503 has in the file `stored`, and remarks. Raises ConfigError."""
+    """The machine file of the selected configuration, with remarks. `stored` is a file with changed
+    options: aprinter.cfg, or an answer to M503. Raises ConfigError."""
     sources = Sources(max_line=MAX_BYTES)  # a document may be one line
     root = document(sources.read(path), path)
     options = stored_options(sources.read(stored), stored.name) if stored else Stored()

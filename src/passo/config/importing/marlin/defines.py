@@ -51,9 +51,10 @@ class _Branch:
 
 @dataclass
 class Defines:
-    """All defines that count, in the order of the files, and those in parts that an #if excludes
-    that cannot be decided. Readers ask by one or more names, of which the first counts that is
-    defined: Marlin has changed names over the years."""
+    """The defines of a configuration. `found` are those in effect, in the order of the files.
+    `undecided` are those in parts that are left out because the #if around them cannot be decided.
+    A method that takes several names uses the first one that is defined, because Marlin has changed
+    names over the years."""
 
     found: dict[str, tuple[str, Place]] = field(default_factory=dict[str, tuple[str, Place]])
     undecided: dict[str, tuple[str, Place]] = field(default_factory=dict[str, tuple[str, Place]])
@@ -155,8 +156,9 @@ def split(text: str) -> list[str]:
 
 
 def read(path: Path, beside: Iterable[str]) -> Defines:
-    """The defines of a file, then of those files `beside` it that exist and that it does not
-    include itself. Raises ConfigError with file and line."""
+    """The defines of a file and of the files `beside` it, which are names in the same folder. Files
+    that do not exist or were already included are left out. Raises ConfigError with file and
+    line."""
     reader = _Preprocessor()
     reader.read(path, ())
     for name in beside:

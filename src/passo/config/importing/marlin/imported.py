@@ -25,10 +25,10 @@ _OFF = ("0", "false", "-1")
 
 
 def imported(path: Path, stored: Path | None = None) -> Draft:
-    """Converts a Configuration.h and the files in its folder, with the values that an answer to
-    M503 has in the file `stored`, to a machine file with remarks. Raises ConfigError for a file
-    that cannot be read, for a kind of machine that Passo does not support, and for values that
-    would be dangerous."""
+    """Converts a Configuration.h and the files in its folder to a machine file with remarks.
+    `stored` is a file with an answer to M503, whose values replace those of the configuration.
+    Raises ConfigError for a file that cannot be read, for a kind of machine that Passo does not
+    support, and for values that would be dangerous."""
     mk4duo = path.stem.endswith(tuple(f"Configuration_{name}" for name in _MK4DUO))
     if mk4duo:
         stem = path.stem.rpartition("Configuration_")[0]
