@@ -95,8 +95,8 @@ def check_offsets(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def check_skew(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that motors that skew can move beyond the limits of their axes have their own
-    limits, and crossed belts `reach_x_mm` and `reach_y_mm`."""
+    """Checks machines with skew, which can move motors beyond the limits of their axes. Such motors
+    must have limits of their own; crossed belts must have `reach_x_mm` and `reach_y_mm`."""
     geometry = machine.geometry
     if isinstance(geometry, CoreBelts):
         yield from _check_belts(machine, geometry)

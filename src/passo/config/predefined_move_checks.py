@@ -45,7 +45,8 @@ def _check_axes(machine: MachineConfig) -> Iterator[Finding]:
 
 
 def _check_reach(machine: MachineConfig) -> Iterator[Finding]:
-    """The places after homing follow from each other."""
+    """Checks that the nozzle reaches the places of the moves after homing. Each place may depend on
+    the one before it."""
     try:
         at = dict(machine.home_mm)
     except Unreachable:

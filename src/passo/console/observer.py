@@ -77,8 +77,8 @@ class Observer:
         return lambda: _remove(self._listeners, listener)
 
     def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
-        """Calls `call` with the messages of the start, and then with each event. Returns a function
-        that ends this."""
+        """Calls `call` with the messages from the start of the printer, and then with each event.
+        Returns a function that ends this."""
         if not (self._listeners or self._event_listeners):
             self._last = self._status.read()  # do not report earlier changes
         self._event_listeners.append(call)

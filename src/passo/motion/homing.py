@@ -173,7 +173,7 @@ class Homer:
 
     @contextmanager
     def _homing(self) -> Generator[None]:
-        """Axes home within: reports keep to where the program was."""
+        """Use it around homing: within the block, reports show the last position of the program."""
         self._triggered.active = True
         self._rig.positions.freeze()
         try:

@@ -355,15 +355,15 @@ class MotionQueue:
         self._run(self.now)
 
     async def hear_stop(self) -> None:
-        """Lets time pass on the boards only, until a board reports its shutdown; raises the
-        MachineError of it."""
+        """Lets time pass only on the boards, until one of them reports its shutdown; then raises
+        MachineError."""
         while True:
             self._run(self.now + int(TICK_S * self.hz))
             await asyncio.sleep(TICK_S)
 
     async def catch_up(self) -> None:
-        """Waits until the time of the loop reaches that of simulated boards, which questions to
-        them have advanced."""
+        """Waits until the time of the event loop reaches the time of simulated boards. Questions to
+        these boards advance their time."""
         while (ahead := self._connection.now - self.base - self.now) > 0:
             await asyncio.sleep(ahead / self.hz)
 

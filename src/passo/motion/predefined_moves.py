@@ -37,7 +37,7 @@ def named(moves: Mapping[str, PredefinedMove], name: str) -> PredefinedMove:
 
 
 def not_made(name: str, problem: Problem) -> CommandError:
-    """A move has failed by this problem."""
+    """The error of a predefined move that failed because of this problem."""
     return CommandError.of("move.not-made", axis=name, value=problem.sentence)
 
 

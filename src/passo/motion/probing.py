@@ -470,8 +470,9 @@ class Prober:
         self, target: Mapping[int, float], speed_mm_s: float, *, opening: bool
     ) -> tuple[tuple[float, float, float], bool]:
         """G38: moves in a straight line to `target` (machine mm by slot) until the probe triggers
-        or, with `opening`, opens. Returns the position of the nozzle at that moment, or at the end
-        of the move, and whether the probe did so. Raises as `measure`."""
+        or, with `opening`, opens. Returns the position of the nozzle at the trigger, and True; or
+        its position at the end of the move, and False if the probe did not trigger or open. Raises
+        as `measure`."""
         self.check([])
         rig, machine = self._rig, self._machine
         self._head.heeds_stops = True

@@ -188,8 +188,8 @@ class SimulatedMachine:
         return self._own_clock(self._of("steppers", stepper), clock)
 
     def motor(self, stepper: str) -> tuple[_core.Bench, int, float, float, float]:
-        """Like `SimulatedBoard.motor`, with the main board's ticks in one of its board's, and the
-        main board's clock when its board's reads 0."""
+        """Like `SimulatedBoard.motor`, followed by two values of the motor's board: the length of
+        its tick in ticks of the main board, and the main board's clock when its clock is 0."""
         board = self._of("steppers", stepper)
         first, last = self._main_clock(board, 0), self._main_clock(board, _LATE)
         return *board.motor(stepper), (last - first) / _LATE, first

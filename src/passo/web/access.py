@@ -29,8 +29,8 @@ _OF_PROXIES = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", 
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """The address of a web interface: on `loopback` or beyond; `names` are further host names of
-    it."""
+    """The address of a web interface. `loopback`: only this computer can reach it. `names` are
+    further host names of it."""
 
     loopback: bool
     names: frozenset[str] = frozenset()

@@ -1,4 +1,5 @@
-"""A printer.cfg that is being written, and what it cannot say."""
+"""A printer.cfg under construction, and remarks on the parts of the machine that it cannot
+contain."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class Remark(NamedTuple):
 
 
 def bad(place: Place, key: str, value: str, limit: str) -> ConfigError:
-    """The error of a value that the file cannot mean."""
+    """The error of a value in the imported file that is outside its limit."""
     value = value if len(value) <= _LONGEST else f"{value[:_LONGEST]}…"
     return ConfigError.of("config.value", place.file, place.line, key=key, value=value, limit=limit)
 

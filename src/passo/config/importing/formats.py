@@ -1,4 +1,4 @@
-"""Which firmware a configuration is of."""
+"""Selects the importer of a configuration by its file name."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ class FirstLayerWatch:
         job: _core.Job,
         follows: tuple[_core.NozzleGap, tuple[str, ...]],
     ) -> None:
-        """`follows` is `nozzle_gap` of the boards."""
+        """`follows` is the result of `nozzle_gap`."""
         self._job = job
         self.area_mm = machine.bed_area_mm
         self._gap, self._motors = follows
@@ -86,7 +86,7 @@ class FirstLayerWatch:
 
     @property
     def layer(self) -> FirstLayer | None:
-        """What was found; None if nothing was extruded along the bed."""
+        """The measured distances; None if nothing was extruded along the bed."""
         if self._gap.samples == 0:
             return None
         (lowest, *at), (highest, *there) = self._gap.lowest, self._gap.highest

@@ -256,7 +256,7 @@ class Print:
         return WaitForMoves(lambda: self._placed(self._probing.run(command)))
 
     def _homed(self, letters: str, start: Sequence[float]) -> None:
-        """The job was homed, from this machine position on."""
+        """Call this after the job has homed, starting at this machine position."""
         self._placed(self._probing.home(letters, start) if self._probing.going else None)
 
     def _placed(self, errors_mm: Mapping[str, float] | None) -> None:

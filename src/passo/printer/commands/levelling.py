@@ -169,9 +169,9 @@ class LevellingCommands:
         *,
         alone: bool = False,
     ) -> Wait:
-        """Measures these places, by the probe or by the paper test; `done` gets the heights. Before
-        and after the probe the machine file's moves are made, unless it measures one place `alone`,
-        and the nozzle stays there, or `above_mm`. Raises CommandError."""
+        """Measures these places, by the probe or by the paper test; `done` gets the heights. With
+        the probe, makes the predefined moves before and after probing, unless `alone`: then the
+        nozzle stays above the last place. `above_mm`: see `Prober.measure`. Raises CommandError."""
         found_so_far: list[Measured] = []
 
         def reported(found: Measured, reply: Reply) -> None:

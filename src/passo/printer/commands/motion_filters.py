@@ -254,7 +254,8 @@ class MotionFilters:
 
     @property
     def delay_s(self) -> float:
-        """By how much motors follow the plan, before it is rounded up to a tick of the board."""
+        """The delay of the motors relative to the plan, s. The boards use it rounded up to a
+        tick."""
         delay_s = max(
             (s / 2 for s, on in zip(self.smooth_s, self._smooths, strict=True) if on), default=0.0
         )

@@ -58,7 +58,8 @@ class _Turn:
 
     @property
     def speed_factor(self) -> float:
-        """From the speed of that motor to the speed along the path."""
+        """The factor from the speed of the motor with the longest turn to the speed along the
+        path."""
         return hypot(*self.axes.values(), *self.joints.values()) / self.longest
 
 

@@ -76,7 +76,7 @@ class PredefinedMoveCommands:
         return None
 
     def setting_lines(self) -> Iterator[str]:
-        """The commands that bring the moves back."""
+        """The commands that restore the moves."""
         for name, move in self._moves.moves.items():
             words = [f"{axis.upper()}={numeral(mm)}" for axis, mm in move.position_mm.items()]
             words += [f"ENABLED={int(move.enabled)}", f"SPEED={numeral(move.speed_mm_s)}"]

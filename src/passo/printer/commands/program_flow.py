@@ -76,7 +76,8 @@ class ProgramFlow:
         return WaitForHoming(command.text)
 
     def homed(self) -> None:
-        """All axes have homed, without consoles: makes the moves after that."""
+        """Call this after all axes have homed in a print without consoles: adds the predefined
+        moves after homing."""
         for name, move in hooked(self._machine.moves, "after_homing"):
             self._make(name, move)
 

@@ -53,8 +53,8 @@ class SetPoints:
         return found
 
     def _exists(self, kind: str, words: dict[str, float]) -> bool:
-        """Whether the command is not to be ignored: the machine has such a heater, or the command
-        has a number, which is checked later."""
+        """Whether the command must be executed: the machine has a heater of this kind, or the
+        command has a number, which is checked later. Otherwise it is ignored."""
         there = any(heater.kind == kind for heater in self._machine.heaters.values())
         return there or _number(words) is not None
 

@@ -24,7 +24,8 @@ _NUMBERED = re.compile(r"([GM])(\d+)(?:\.(\d+))?", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Tower:
-    """What is set, and how it follows the height, mm."""
+    """The command and its parameter that a tower varies, and how the value depends on the height,
+    mm."""
 
     command: str
     parameter: str
@@ -36,7 +37,7 @@ class Tower:
     skip_mm: float
 
     def value(self, z_mm: float) -> float:
-        """The value for what is printed at this height."""
+        """The value at this height of the print."""
         height = max(0.0, z_mm - self.skip_mm)
         if self.step_mm:
             return self.start + self.step * _part(height, self.step_mm)
@@ -45,7 +46,7 @@ class Tower:
         return self.start + self.factor * height
 
     def up_to(self, z_mm: float) -> float:
-        """The height up to which the value is that of this height."""
+        """The height, mm, up to which the value is the same as at `z_mm`."""
         size = self.step_mm or self.band_mm
         if not size:
             return z_mm + _FINEST_MM

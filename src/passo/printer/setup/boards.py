@@ -282,8 +282,8 @@ def simulated_board(
 
 
 def simulated_geometry(machine: MachineConfig) -> GeometryModel:
-    """The geometry of the simulated printer: that of the machine file, unless that says otherwise
-    in `simulated`."""
+    """The geometry of the simulated printer: that of the machine file, unless its table `simulated`
+    gives another one."""
     geometry, true = machine.geometry, machine.simulated.delta
     if true is None or not isinstance(geometry, Delta):
         return geometry
@@ -337,8 +337,8 @@ def home_errors_mm(machine: MachineConfig) -> dict[str, float]:
 def nozzle_gap(
     machine: MachineConfig, board: SimulatedMachine
 ) -> tuple[_core.NozzleGap, tuple[str, ...]]:
-    """The distance of the nozzle from the bed of simulated boards that nothing has moved yet, and
-    the motors whose positions it follows."""
+    """Returns the object that follows the distance of the nozzle from the simulated bed, and the
+    motors that it observes. Call it before any motor moves."""
     lifts = _lifts(machine)
     motors = motors_of_actuators(machine)
     motors += tuple(lift.stepper for lift in lifts if lift.stepper not in motors)

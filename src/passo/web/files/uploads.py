@@ -55,8 +55,8 @@ class Uploads:
         """Uploads a file to a confined path within the block, from `offset` on. At the end of the
         block, the file is put on the card if `total` bytes have arrived, or if `total` is None. An
         incomplete `resumable` upload is kept for `KEPT_S`, even if the connection was lost. `room`
-        is the free space, in bytes, that the card must have in addition. Raises CardError,
-        CommandError for a file that is being printed, InputError `upload.too-many`,
+        is the free space, in bytes, that must remain on the card after the upload. Raises
+        CardError, CommandError for a file that is being printed, InputError `upload.too-many`,
         `upload.offset`, and the errors of `Incoming`; then the card keeps its earlier content.
         """
         self._active += 1

@@ -101,7 +101,8 @@ class Engine:
             self._call_remote(event)
 
     def tell_changes(self, snapshot: Snapshot | None = None) -> None:
-        """Sends each client the changes of its subscribed objects, in this snapshot or by now."""
+        """Sends each client the changes of its subscribed objects: in this snapshot or, without
+        one, up to now."""
         lookup, event_s = self._objects.lookup(snapshot), self._now_s()
         for client in list(self.connections):
             client.tell_changes(lookup, event_s)

@@ -14,10 +14,10 @@ _FEWEST = 5  # pins that agree: two motors and a heater
 
 
 def board_of_pins(draft: Draft, board: str, clock_hz: int | None) -> str | None:
-    """The board with Klipper's firmware on which each motor of the draft on this `board` is in a
-    socket, and each heater with its sensor is on an output; None if there is none, if its clock is
-    not that of the chip that the configuration names, if there are several whose clocks differ, or
-    if so few pins may agree by chance."""
+    """The shipped board with Klipper's firmware whose sockets and outputs have the pins of all
+    motors, heaters and sensors on `board` of the draft. Its clock must be `clock_hz`, if given.
+    None if no board fits, if boards with different clocks fit, or if there are so few pins that
+    they may agree by chance."""
     motors, heaters = _pins(draft, board, "steppers"), _pins(draft, board, "heaters")
     if sum(map(len, (*motors, *heaters))) < _FEWEST:
         return None

@@ -35,8 +35,8 @@ class Read(NamedTuple):
 
 @dataclass
 class _Branch:
-    """An #if: whether its present part counts, whether one has counted, and the condition that
-    could not be decided: then no part counts after it."""
+    """An #if. `active`: the present part is read. `taken`: the present or an earlier part is read.
+    `unknown` is the condition that cannot be decided; later parts are then left out."""
 
     active: bool
     taken: bool
@@ -45,7 +45,7 @@ class _Branch:
 
     @property
     def open(self) -> bool:
-        """Whether a further part may count."""
+        """Whether a later part may be read."""
         return not self.taken and not self.unknown
 
 
@@ -62,12 +62,12 @@ class Defines:
     files: list[Path] = field(default_factory=list[Path])
 
     def text_of(self, name: str) -> str | None:
-        """The text of a define; None if it does not count."""
+        """The text of a define; None if it is not in effect."""
         entry = self.found.get(name)
         return None if entry is None else entry[0]
 
     def is_on(self, name: str) -> bool:
-        """Marlin's ENABLED(): it is defined as nothing, 1 or true."""
+        """Marlin's ENABLED(): whether the name is defined without a value, as 1, or as true."""
         return self.text_of(name) in ("", "1", "true")
 
     def derived(self, name: str, argument: str | None) -> Number | None:
@@ -85,7 +85,7 @@ class Defines:
         return any(self.is_on(name) for name in names)
 
     def place(self, name: str) -> Place:
-        """The place of a define that counts."""
+        """The place of a define that is in effect."""
         return self.found[name][1]
 
     def text(self, *names: str) -> str | None:
@@ -239,7 +239,8 @@ class _Preprocessor:
             branch.taken |= holds
 
     def _holds(self, word: str, rest: str) -> tuple[bool, str]:
-        """Whether a condition holds, and its text if that cannot be decided: then it does not."""
+        """Whether a condition is true. If that cannot be decided, returns False and the text of the
+        condition."""
         if word != "if":
             name = _NAME.match(rest)
             defined = name is not None and name[0] in self.defines.found
@@ -288,7 +289,7 @@ class _Condition:
 
 
 def _undecided(branches: list[_Branch]) -> str:
-    """The condition that cannot be decided, of which a part is read now; empty if there is none."""
+    """The undecided condition of an #if around this line; empty if there is none."""
     return next((branch.unknown for branch in branches if branch.unknown), "")
 
 

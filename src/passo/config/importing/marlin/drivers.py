@@ -75,8 +75,8 @@ def _put_silence(job: Job, tmc: KeyPath, name: str) -> None:
 
 
 def _pins(job: Job, name: str, kind: str, stepper: str) -> dict[str, str | None]:
-    """The pins that set a driver, of the configuration, or None for that of its socket; empty if
-    they are not known."""
+    """The pins through which a driver is set up. A pin comes from the configuration; None means the
+    pin of the socket. Empty if the pins are not known."""
     pins, names = job.pins, job.pins.board.pins
     socket = pins.board.sockets[str(job.draft.keys[("steppers", stepper, "socket")][0])]
     if kind in _UART:

@@ -342,7 +342,8 @@ def _put_switch(job: Job, path: KeyPath, axis: str, side: str) -> None:
 
 
 def _own_switch(job: Job, name: str) -> str | None:
-    """The endstop of a further motor: by its pin, or as _XMAX_ by an end that has none."""
+    """The endstop of a further motor: its own pin, or the input for an end of an axis, for example
+    _XMAX_."""
     used = job.defines.text(f"{name}_USE_ENDSTOP") or ""
     end = re.fullmatch(r"_([XYZ])(MIN|MAX)_", used)
     return job.pins.given(f"{name}_STOP_PIN") or (

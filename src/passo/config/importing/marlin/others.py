@@ -1,4 +1,4 @@
-"""Options of Marlin that no key of a machine file comes from, and what becomes of them."""
+"""Options of Marlin without a key in a machine file, and how Passo handles them."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class _Line:
         self._place, self._motors = place, motors
 
     def put(self) -> None:
-        """Sets what it says."""
+        """Sets the values of the command in the draft."""
         match self._code:
             case "M92":
                 self._put_steps()
