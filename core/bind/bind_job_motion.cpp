@@ -281,8 +281,10 @@ void bind_job_motion(JobClass& job) {
       .def(
           "suspend", [](JobView& self, bool hand_over_macro) { self.job.suspend(hand_over_macro); },
           "hand_over_macro"_a = false,
-          "Call it after hold_from: other moves may come before the held moves. With `hand_over`, "
-          "the rest of the program's macro is read as a macro of a console.")
+          "Call it after hold_from. Until resume, other moves are possible. With "
+          "`hand_over_macro`, "
+          "the rest of the macro that the program has called is read as if a console had called "
+          "it.")
       .def_prop_ro("suspended", [](JobView& self) { return self.job.motion.suspended(); })
       .def(
           "resume",

@@ -219,8 +219,9 @@ void bind_link(nb::module_& m) {
             l.begin_commits(on);
           },
           "on"_a,
-          "Call it at standstill. With `on`, the board is armed, and motion comes in commits from "
-          "here on; otherwise no longer.")
+          "Call it at standstill, after the command that arms the board (`on`) or disarms it. "
+          "While "
+          "the board is armed, motion comes in commits.")
       .def("reconnect", &held<&Link::reconnect>,
            "The board has continued without this host: messages on their way are dropped, and the "
            "job is paused until go_on().")

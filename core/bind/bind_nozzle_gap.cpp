@@ -105,11 +105,12 @@ void bind_nozzle_gap(nb::module_& m) {
           nb::init<double, const nb::dict&, const Bed&, const std::vector<GapMotor>&,
                    const std::vector<GapLift>&>(),
           "clock_hz"_a, "geometry"_a, "bed"_a, "motors"_a, "lifts"_a, nb::keep_alive<1, 5>(),
-          "`motors`, first one for each actuator of the geometry: the board, the step pin, the mm "
-          "or degrees per step, the main board's ticks per tick of the board, and the main board's "
-          "clock when the board's clock is 0. `lifts`: the number of each motor that carries the "
-          "gantry, and its weight as for carry_probe. Records the steps of these motors until the "
-          "layer is over.")
+          "Records the steps of `motors` until the layer is over. The first motors are those of "
+          "the "
+          "actuators of the geometry, one each. Each entry has the board, the step pin, the mm or "
+          "degrees per step, the main board's ticks per tick of the board, and the main board's "
+          "clock when the board's clock is 0. `lifts` has, for each motor that carries the gantry, "
+          "its index in `motors` and its weight as for carry_probe.")
       .def("begin", &GapView::begin, "job"_a, "base"_a,
            "Call this when the job begins, with the clock of the main board.")
       .def("place", &GapView::place, "ticks"_a, "positions"_a,

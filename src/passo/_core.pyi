@@ -631,7 +631,7 @@ class Link:
 
     def begin_commits(self, on: bool) -> None:
         """
-        Call it at standstill. With `on`, the board is armed, and motion comes in commits from here on; otherwise no longer.
+        Call it at standstill, after the command that arms the board (`on`) or disarms it. While the board is armed, motion comes in commits.
         """
 
     def reconnect(self) -> None:
@@ -943,7 +943,7 @@ class NozzleGap:
 
     def __init__(self, clock_hz: float, geometry: dict, bed: Bed, motors: Sequence[tuple[Bench, int, float, float, float]], lifts: Sequence[tuple[int, Sequence[float]]]) -> None:
         """
-        `motors`, first one for each actuator of the geometry: the board, the step pin, the mm or degrees per step, the main board's ticks per tick of the board, and the main board's clock when the board's clock is 0. `lifts`: the number of each motor that carries the gantry, and its weight as for carry_probe. Records the steps of these motors until the layer is over.
+        Records the steps of `motors` until the layer is over. The first motors are those of the actuators of the geometry, one each. Each entry has the board, the step pin, the mm or degrees per step, the main board's ticks per tick of the board, and the main board's clock when the board's clock is 0. `lifts` has, for each motor that carries the gantry, its index in `motors` and its weight as for carry_probe.
         """
 
     def begin(self, job: Job, base: float) -> None:
@@ -1816,7 +1816,7 @@ class Job:
 
     def suspend(self, hand_over_macro: bool = False) -> None:
         """
-        Call it after hold_from: other moves may come before the held moves. With `hand_over`, the rest of the program's macro is read as a macro of a console.
+        Call it after hold_from. Until resume, other moves are possible. With `hand_over_macro`, the rest of the macro that the program has called is read as if a console had called it.
         """
 
     @property
