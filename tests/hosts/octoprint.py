@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import re
 import subprocess
 import time
 import urllib.error
@@ -85,7 +86,7 @@ class OctoPrint:
             "accessControl": {"salt": "salt", "autologinLocal": False},
             "gcodeAnalysis": {"runAt": "never"},
             "plugins": {"_disabled": _UNUSED.split()},
-            "serial": {"autoconnect": False},
+            "serial": {"autoconnect": False, "log": True},
             "server": {
                 "firstRun": False,
                 "secretKey": _KEY,
@@ -147,6 +148,24 @@ class OctoPrint:
         except (OSError, http.client.HTTPException, Refused):
             return False
         return True
+
+    def received(self, command: str) -> list[str]:
+        """Sends a command from the terminal tab and waits for its `ok`. Returns the lines that the
+        printer sent from then on, by the serial log, the `ok` last."""
+        log = self._folder / "logs" / "serial.log"
+        begin = log.stat().st_size
+        self.post("printer/command", commands=[command])
+        answer = re.compile(
+            rf"Send: (?:N\d+ )?{re.escape(command)}(?:\*\d+)?\n(.*?Recv: ok)", re.DOTALL
+        )
+        found: list[re.Match[str]] = []
+
+        def ended() -> bool:
+            found[:] = answer.finditer(log.read_bytes()[begin:].decode())
+            return bool(found)
+
+        self.wait(ended)
+        return re.findall(r"Recv: (.*)", found[0][1])
 
     # -- printing ---------------------------------------------------------------------------------
 

@@ -1,8 +1,13 @@
 """OctoPrint prints on `passo serve`."""
 
+import json
+import urllib.request
+
 import pytest
 from tests.hosts.noise import Noise
 from tests.hosts.octoprint import OctoPrint
+from tests.hosts.served import Served
+from tests.support.bed_visualizer import drawn
 
 
 @pytest.fixture(scope="module")
@@ -148,3 +153,29 @@ def test_octoprint_follows_pause_of_card_print(printer, program, host, at_end):
     printer.wait_for("Done printing file")
     host.wait(lambda: host.state == "Operational")
     at_end(printer)
+
+
+@pytest.fixture
+def probing(tmp_path):
+    """A printer with a probe, on a bed that is tilted and bent, and its HTTP API."""
+    served = Served(tmp_path, "i3-probe", web=True)
+    yield served
+    served.close()
+
+
+@pytest.mark.parametrize(
+    ("kind", "commands"),
+    [("fit", ("G29 T", "M420 S1 V")), ("mesh", ("BED_MESH_CALIBRATE", "BED_MESH_OUTPUT"))],
+)
+def test_bed_visualizer_draws_the_map_of_the_bed(probing, host, kind, commands):
+    """By OctoPrint's serial log, as the HTTP API reports the bed; homing draws nothing."""
+    host.connect(port(probing, "pty"))
+    assert drawn(host.received("G28")) == []
+    replies = [host.received(command) for command in commands]
+    with urllib.request.urlopen(f"http://{probing.http}/api/v1/calibration/bed") as answer:
+        bed = json.load(answer)
+    assert bed["measured"] == kind
+    front = bed["heights_mm"][0]
+    assert front[-1] - front[0] > 0.2
+    rows = [pytest.approx(row, abs=5.1e-4) for row in bed["heights_mm"]]
+    assert [drawn(reply) for reply in replies] == [rows, rows]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from random import Random
 
 import pytest
+from tests.support.bed_visualizer import drawn
 
 from passo.errors import CommandError
 from passo.levelling import replies
@@ -23,18 +23,6 @@ from passo.levelling.mesh_files import (
 MESH = Mesh((20.0, 60.0, 100.0), (10.0, 50.0), ((0.0, -0.075, 0.1), (0.2, 0.05, -0.1)))
 
 
-def rows_of_visualizer(lines):
-    """What Bed Visualizer draws: numbers with a decimal point, of lines that hold nothing else but
-    row numbers, brackets, commas and blanks; a line with "ok" ends the table."""
-    rows = []
-    for line in lines:
-        if "ok" in line:
-            break
-        if re.fullmatch(r"(\s*\d+\s)?[\s\[\],]*([+-]?\d+\.\d+[\s\[\],]*)+", line.strip() + " "):
-            rows.append([float(n) for n in re.findall(r"[+-]?\d+\.\d+", line)])
-    return rows
-
-
 TABLES = {
     "bilinear": (replies.bilinear_grid(MESH), 2, 1),
     "topography": (replies.topography_csv(MESH), 2, 0),
@@ -46,9 +34,7 @@ TABLES = {
 @pytest.mark.parametrize("name", TABLES)
 def test_bed_visualizer_reads_each_table(name):
     lines, _, _ = TABLES[name]
-    assert rows_of_visualizer([*lines, "ok"]) == [
-        pytest.approx(row, abs=1e-3) for row in MESH.heights
-    ]
+    assert drawn([*lines, "ok"]) == [pytest.approx(row, abs=1e-3) for row in MESH.heights]
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -67,7 +53,7 @@ def test_grid_in_the_form_of_marlin():
     ]
     fine = replies.subdivided_grid(MESH)
     assert fine[0] == "Subdivided with CATMULL ROM Leveling Grid:"
-    assert len(rows_of_visualizer(fine)) == 5
+    assert len(drawn(fine)) == 5
     assert fine[2].startswith(" 0 +0.00000 ")
 
 

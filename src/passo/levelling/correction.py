@@ -18,6 +18,8 @@ MAX_CELL_MM = 5.0
 µm."""
 REFINED = 4
 """Intervals of the core's map for each interval of a bicubic mesh."""
+_TABLE_POINTS = 11
+"""Points along each axis of the table of a fit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +71,21 @@ class Correction:
         if self.fade is None:
             return c
         return self.fade.target_mm + self.fade.factor(z) * (c - self.fade.target_mm)
+
+    def table(self, area: Area) -> Mesh:
+        """The heights at the bed, without fade, as they are reported: at the points of the mesh,
+        or of a fit alone at 11 × 11 even points over `area`."""
+        if self.mesh is not None and self.fit is None:
+            return self.mesh
+        if self.mesh is not None:
+            xs, ys = self.mesh.xs, self.mesh.ys
+        else:
+            last = _TABLE_POINTS - 1
+            xs, ys = (
+                tuple(low + (high - low) * k / last for k in range(last + 1))
+                for low, high in ((area[0], area[2]), (area[1], area[3]))
+            )
+        return Mesh(xs, ys, tuple(tuple(self.plain(x, y) for x in xs) for y in ys))
 
     def raised(self, mm: float) -> Correction:
         """A copy that is higher by `mm` everywhere."""

@@ -17,7 +17,8 @@ from passo.levelling.mesh_files import summary
 
 
 def bilinear_grid(mesh: Mesh) -> list[str]:
-    """Marlin's table of the measured points."""
+    """Marlin's table of the heights. Screens know it by its heading, which is therefore the same
+    for a surface."""
     return ["Bilinear Leveling Grid:", *_numbered(mesh.heights, 3)]
 
 

@@ -68,7 +68,7 @@ export interface Babystep {
 /** The correction that is added to Z, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`; empty
  * before the bed is measured. `probe`: the machine has a probe. `method` comes from the machine
  * file; `procedures` are those that the machine allows. `measured` is the kind of correction: a
- * `mesh` has its own points, a `fit` is sampled over the axes. */
+ * `mesh` has its own points, a `fit` is sampled over the bed. */
 export interface BedMap {
   probe: boolean;
   method: string;

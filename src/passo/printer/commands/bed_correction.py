@@ -175,7 +175,8 @@ class BedCorrectionCommands:
         When.EXCLUSIVE,
         "S Z(mm) V T",
         "Switches the correction of the bed on (S1) or off (S0). Z is the height at which it has"
-        " faded out; 0: it does not fade. V prints it.",
+        " faded out; 0: it does not fade. V prints its heights: at the points of the mesh, or of a"
+        " surface at 11 × 11 points over the bed.",
         kind=Kind.PROBED,
         bare="VT",
         lacks=NO_PROBE,
@@ -213,8 +214,8 @@ class BedCorrectionCommands:
             on = words.get("S", float(now.on)) != 0
             self.put(correction, on=on, profile=self.profile)
         correction = now.correction
-        if verbose and correction is not None and correction.mesh is not None:
-            for line in bilinear_grid(correction.mesh):
+        if verbose and correction is not None:
+            for line in bilinear_grid(correction.table(self._rig.machine.bed_area_mm)):
                 reply.say(line)
         reply.say(f"echo:Bed Leveling {'ON' if now.on else 'OFF'}")
         fade = correction.fade if correction else None

@@ -234,10 +234,10 @@ class LevellingCommands:
         Subject.LEVELLING,
         When.EXCLUSIVE,
         "D J, W I J Z(mm), S(0-5)",
-        "Measures the bed by the method of the machine file; this replaces the correction before."
-        " D only measures, J alone forgets the correction. W sets one point of the mesh. S0 to S5"
-        " are those of the paper test (show, start, next, set, raise by Z, forget), or of"
-        " RepRapFirmware.",
+        "Measures the bed by the method of the machine file; this replaces the correction before,"
+        " and prints its heights as M420 V. D only measures, J alone forgets the correction. W sets"
+        " one point of the mesh. S0 to S5 are those of the paper test (show, start, next, set,"
+        " raise by Z, forget), or of RepRapFirmware.",
         kind=Kind.PROBED,
         bare=ANY,
         lacks=NO_PROBE,
@@ -307,11 +307,14 @@ class LevellingCommands:
         def done(measured: Sequence[Measured], reply: Reply) -> None:
             found = fit([(m.place.x, m.place.y, m.height_mm) for m in measured], method)
             shown = zip(TERMS, found.coefficients, strict=True)
-            reply.say("Bed: " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
+            # Not "Bed: …": Bed Visualizer takes a line that begins so as heights.
+            reply.say("Surface: " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
             reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
+            correction = Correction(fit=found, fade=self._corrections.fade)
             if not dry:
-                fade = self._corrections.fade
-                self._corrections.put(Correction(fit=found, fade=fade), on=True)
+                self._corrections.put(correction, on=True)
+            for line in bilinear_grid(correction.table(self._rig.machine.bed_area_mm)):
+                reply.say(line)
 
         return self._run(places, done, reply)
 

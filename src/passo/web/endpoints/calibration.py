@@ -35,7 +35,6 @@ Procedure = Literal["gantry", "screws", "delta"]
 _PROCEDURES: dict[str, str] = {"gantry": "G34", "screws": "G35", "delta": "G33"}
 _RULES = {"pid": "C8 R0", "model": "R5"}
 _ERRORS = ("web.not-found", "command.value", "command.halted", "command.failed")
-_MAP = range(11)  # indices of the points of a sampled fit along each axis
 
 
 class HeaterTune(Struct, forbid_unknown_fields=True):
@@ -93,7 +92,7 @@ class BedMap(Struct):
     """The correction that is added to Z, in mm: `heights_mm[j][i]` at `xs_mm[i]`, `ys_mm[j]`; empty
     before the bed is measured. `probe`: the machine has a probe. `method` comes from the machine
     file; `procedures` are those that the machine allows. `measured` is the kind of correction: a
-    `mesh` has its own points, a `fit` is sampled over the axes."""
+    `mesh` has its own points, a `fit` is sampled over the bed."""
 
     probe: bool
     method: str
@@ -215,16 +214,10 @@ async def bed(call: Call) -> BedMap:
     )
     if correction is None:
         return found
-    if correction.mesh is not None:
-        found.measured = "mesh"
-        found.xs_mm, found.ys_mm = list(correction.mesh.xs), list(correction.mesh.ys)
-    else:
-        found.measured = "fit"
-        found.xs_mm, found.ys_mm = (
-            [axis.min_mm + (axis.max_mm - axis.min_mm) * k / _MAP[-1] for k in _MAP]
-            for axis in (machine.axes["x"], machine.axes["y"])
-        )
-    found.heights_mm = [[correction.plain(x, y) for x in found.xs_mm] for y in found.ys_mm]
+    found.measured = "fit" if correction.mesh is None else "mesh"
+    table = correction.table(machine.bed_area_mm)
+    found.xs_mm, found.ys_mm = list(table.xs), list(table.ys)
+    found.heights_mm = [list(row) for row in table.heights]
     return found
 
 
