@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 _T = TypeVar("_T")
 
-# These change or use what was measured. Before that they would need what a served printer stores.
+# These change or use the correction of the bed. Without a measurement in the file, that is the
+# correction that a served printer has stored, which a print does not have.
 _AFTER = {
     *("ATTACH_PROBE", "BED_MESH_CLEAR", "DETACH_PROBE", "G42", "M376", "M401", "M402", "M420"),
     *("M421", "M561"),
@@ -37,7 +38,7 @@ _AFTER = {
 
 
 class _Answers(NullReply):
-    """The answers to one command, which no console reads."""
+    """Collects the replies to one command: texts for the log, and problems."""
 
     def __init__(self, code: str) -> None:
         self._code = code
@@ -48,7 +49,7 @@ class _Answers(NullReply):
         _log.info("%s: %s", self._code, text)
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """Keeps the reason."""
+        """Adds the reason of the failure to `problems`."""
         self.problems += problems or [Problem("command.failed", values={"value": text})]
 
 
@@ -59,7 +60,7 @@ class BedProbing:
     where the plan of the job ends. The second printer starts, homed, at the first such command.
     Like homing, probing takes no print time. Not thread-safe; close it.
 
-    `cpu_s` is the processor time so far.
+    `cpu_s` is the processor time that probing has used so far.
     """
 
     def __init__(self, machine: MachineConfig, job: _core.Job, commands: Commands) -> None:
@@ -104,7 +105,7 @@ class BedProbing:
             self._thread.submit(self._end).result()
             self._thread.shutdown()
 
-    # -- the printer, in a thread with a loop of its own: the caller's may have one that runs -----
+    # -- the printer, in its own thread: an event loop may already run in that of the caller ------
 
     def _call(self, make: Callable[[], Coroutine[Any, Any, _T]]) -> _T:
         if self._thread is None:
@@ -131,7 +132,7 @@ class BedProbing:
         self._loop.close()
 
     async def _ready(self) -> Printer:
-        """The printer; at its first use homed, if the job is."""
+        """Returns the printer. The first call starts it, and homes it if the job is homed."""
         if self._printer is None:
             self._printer = printer = Printer(self._machine, free=True)
             printer.levelling.job_area = lambda: covered(objects_of(self._job))
