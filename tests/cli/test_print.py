@@ -92,7 +92,7 @@ def test_arcs_and_warnings(capsys, unpacked):
     result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s", "--levelling", "skip")
     assert result["arcs"] == 7241
     assert [w.split(": ", 1)[1] for w in result["warnings"]] == [
-        "G80 is for a printer that is served and was skipped (1 time)",
+        "G80: levelling was skipped (1 time)",
         "M205: X Y Z E have no effect, because the machine's corners use the junction deviation (J)"
         " (1 time)",
         "M900: K30 is of Linear Advance 1.0 and has no effect (1 time)",

@@ -17,6 +17,7 @@ class SkippedCommand(Enum):
     UNKNOWN = "{} is unknown and was skipped"
     NOT_BUILT = "{} does nothing here and was skipped"
     SERVED = "{} is for a printer that is served and was skipped"
+    LEVELLING = "{}: levelling was skipped"
     USER = "{} waits for the user; without a console it took no time"
     STOP = "{} stops a print; the plan continues after it"
     REPEAT = "{} in the main program repeats it on other machines; here it ends the program"

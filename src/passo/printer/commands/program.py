@@ -22,7 +22,7 @@ from passo.printer.input_errors import problem, problem_of
 from passo.printer.macros import Macros, Respond
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
 from passo.printer.status import planned_status
-from passo.printer.unfit_commands import ALL
+from passo.printer.unfit_commands import ALL, LEVELLING
 from passo.printer.wait_requests import (
     Handler,
     NullReply,
@@ -138,6 +138,8 @@ class Commands:
             self.omitted.count(SkippedCommand.UNKNOWN, code, command.line)
         elif row.kind is Kind.NOT_BUILT:
             self.omitted.count(SkippedCommand.NOT_BUILT, code, command.line)
+        elif code in LEVELLING:
+            self.omitted.count(SkippedCommand.LEVELLING, code, command.line)
         elif row.kind in (Kind.SERVED, Kind.PROBED):
             self.omitted.count(SkippedCommand.SERVED, code, command.line)
         elif row.kind is Kind.USER:
