@@ -12,7 +12,7 @@ from passo.errors import InputError, PassoError, WebError
 from passo.web.call import Call
 from passo.web.files.body import Body
 from passo.web.files.download import download
-from passo.web.files.incoming import beside
+from passo.web.files.incoming import in_worker_thread
 from passo.web.files.metadata import Metadata, comments_of
 from passo.web.files.names import confined, program
 from passo.web.operation import operation
@@ -93,8 +93,8 @@ class KeptUpload(Struct):
 async def files(call: Call, query: FolderQuery) -> Folder:
     """The files and folders in a folder of the card."""
     card, path = await call.bridge.card(), confined(query.folder)
-    entries = await beside(lambda: card.list(path))
-    free = await beside(lambda: card.free_bytes)
+    entries = await in_worker_thread(lambda: card.list(path))
+    free = await in_worker_thread(lambda: card.free_bytes)
     inner = path.rstrip("/")
     listed = [
         FileEntry(e.name, f"{inner}/{e.name}", e.is_directory, e.size, e.modified.timestamp())
@@ -237,7 +237,7 @@ async def rename(call: Call, body: NewName) -> None:
 async def make_folder(call: Call, body: FilePath) -> None:
     """Makes a folder."""
     card, path = await call.bridge.card(), confined(body.path)
-    await beside(lambda: card.make_directory(path))
+    await in_worker_thread(lambda: card.make_directory(path))
 
 
 @operation(
@@ -250,7 +250,7 @@ async def make_folder(call: Call, body: FilePath) -> None:
 async def remove_folder(call: Call, query: FilePath) -> None:
     """Deletes an empty folder."""
     card, path = await call.bridge.card(), confined(query.path)
-    await beside(lambda: card.remove_directory(path))
+    await in_worker_thread(lambda: card.remove_directory(path))
 
 
 def _part(content_range: str | None, length: int | None) -> tuple[int, int | None]:

@@ -11,7 +11,7 @@ from starlette.responses import Response, StreamingResponse
 
 from passo.card.unheld import Unheld
 from passo.errors import CardError
-from passo.web.files.incoming import beside
+from passo.web.files.incoming import in_worker_thread
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -25,10 +25,10 @@ _RANGE = re.compile(r"bytes=(\d{0,19})-(\d{0,19})")
 async def download(request: Request, card: Card, path: str) -> Response:
     """The file at a confined path. The file is not locked while a slow client reads it; if it is
     replaced, the answer ends early. Raises CardError."""
-    entry = await beside(lambda: card.find(path))
+    entry = await in_worker_thread(lambda: card.find(path))
     if entry.is_directory:
         raise CardError.of("card.directory", path)
-    file = await beside(lambda: Unheld(card, path))
+    file = await in_worker_thread(lambda: Unheld(card, path))
     tag = f'"{entry.size:x}-{int(entry.modified.timestamp()):x}"'
     headers = {
         "Accept-Ranges": "bytes",
@@ -59,6 +59,6 @@ async def _pieces(file: Unheld, begin: int, end: int) -> AsyncGenerator[bytes]:
     file.seek(begin)
     while begin < end:
         count = min(_PIECE, end - begin)
-        data = await beside(lambda count=count: file.read(count))
+        data = await in_worker_thread(lambda count=count: file.read(count))
         begin += len(data)
         yield data

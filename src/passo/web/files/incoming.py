@@ -26,7 +26,7 @@ _BINARY, _ZIP = b"GCDE", b"PK\x03\x04"
 _threads = CapacityLimiter(4)  # a medium that hangs blocks only these threads
 
 
-async def beside(action: Callable[[], _T]) -> _T:
+async def in_worker_thread(action: Callable[[], _T]) -> _T:
     """Runs a blocking function of the card in a worker thread."""
     return await to_thread.run_sync(action, limiter=_threads)
 
@@ -51,7 +51,7 @@ class Incoming:
         """Raises CardError `card.full` if the rest does not fit, or if less than `room` bytes would
         remain."""
         left = room if self.total is None else self.total - self._written
-        free = await beside(lambda: self._card.free_bytes)
+        free = await in_worker_thread(lambda: self._card.free_bytes)
         if left + RESERVE > free:
             raise CardError.of("card.full", self.path, value=left + RESERVE, limit=free)
 
@@ -69,11 +69,11 @@ class Incoming:
         if not self.offset:
             raise InputError.of("input.empty", self.name)
         await self._flush()
-        await beside(self._writer.close)
+        await in_worker_thread(self._writer.close)
 
     async def abort(self) -> None:
         """Discards the upload."""
-        await beside(self._writer.abort)
+        await in_worker_thread(self._writer.abort)
 
     def abort_now(self) -> None:
         """Like `abort`, but blocks: call it in a worker thread."""
@@ -87,7 +87,7 @@ class Incoming:
             await self.check_space()
         data = bytes(self._waiting)
         self._waiting.clear()
-        await beside(lambda: self._writer.write(data))
+        await in_worker_thread(lambda: self._writer.write(data))
         self._written += len(data)
 
     def _check_content(self) -> None:

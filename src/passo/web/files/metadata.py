@@ -18,7 +18,7 @@ from passo.errors import CardError, PassoError, in_words
 from passo.version import __version__
 from passo.web.answers import Fault, fault
 from passo.web.files.comments import Comments, read_comments
-from passo.web.files.incoming import beside
+from passo.web.files.incoming import in_worker_thread
 from passo.web.files.metadata_cache import MetadataCache
 from passo.web.files.toolpaths import Toolpaths
 
@@ -89,7 +89,7 @@ class MetadataReader:
         """The facts that are known about the file at a confined path; starts to compute the rest.
         Raises CardError."""
         card = await self._bridge.card()
-        entry = await beside(lambda: card.find(path))
+        entry = await in_worker_thread(lambda: card.find(path))
         if entry.is_directory:
             raise CardError.of("card.directory", path)
         if (found := self._cache.get(path, entry)) is not None:
@@ -101,11 +101,11 @@ class MetadataReader:
         """The planned path of a file, see job/batch/toolpath.py; None if the file cannot be printed
         as it is. Waits until it is planned. Raises CardError."""
         card = await self._bridge.card()
-        entry = await beside(lambda: card.find(path))
+        entry = await in_worker_thread(lambda: card.find(path))
         if (found := self._toolpaths.find(path, entry)) is not None:
             return found
         await self.want(path).wait()
-        entry = await beside(lambda: card.find(path))
+        entry = await in_worker_thread(lambda: card.find(path))
         return self._toolpaths.find(path, entry)
 
     def want(self, path: str) -> asyncio.Event:
@@ -129,7 +129,7 @@ class MetadataReader:
 
     async def _learn(self, path: str) -> None:
         card = await self._bridge.card()
-        entry = await beside(lambda: card.find(path))
+        entry = await in_worker_thread(lambda: card.find(path))
         if self._complete(path, entry):
             return
         found = await _begun(card, path)
@@ -147,7 +147,7 @@ class MetadataReader:
                 _log.exception("%s: cannot be planned", path)
             found.problems = [fault(problem) for problem in in_words(error).problems]
             found.state = "refused"
-        if await beside(lambda: card.find(path)) == entry:
+        if await in_worker_thread(lambda: card.find(path)) == entry:
             self._cache.put(path, entry, msgspec.json.encode(found))
 
     def _complete(self, path: str, entry: Entry) -> bool:
@@ -166,7 +166,7 @@ async def comments_of(card: Card, path: str) -> Comments:
         with TextIOWrapper(BufferedReader(raw, 1 << 18), "utf-8", "replace") as text:
             return read_comments(text.read(min(raw.size, _HEAD)).splitlines())
 
-    return await beside(read)
+    return await in_worker_thread(read)
 
 
 async def _begun(card: Card, path: str) -> Metadata:

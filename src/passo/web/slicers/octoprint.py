@@ -15,7 +15,7 @@ from passo.web.answers import json
 from passo.web.call import Call
 from passo.web.files.body import Body
 from passo.web.files.form_upload import receive_form
-from passo.web.files.incoming import beside
+from passo.web.files.incoming import in_worker_thread
 from passo.web.files.names import confined, program
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -170,7 +170,7 @@ async def upload(call: Call) -> Response:
             raise InputError.of("upload.malformed", value="it has no file")
         path = confined(f"{form.fields.get('path', '')}/{folder}")
         card = await call.bridge.card()
-        await beside(lambda: card.make_directory(path))
+        await in_worker_thread(lambda: card.make_directory(path))
         answer = {"done": True, "folder": _named(request, path)}
         return json(answer, 201, {"Location": _resource(request, path)})
     if printed := form.fields.get("print", "") == "true":
@@ -190,7 +190,7 @@ async def upload(call: Call) -> Response:
 async def file(call: Call, path: str) -> Response:
     """One file."""
     card, path = await call.bridge.card(), confined(path)
-    entry = await beside(lambda: card.find(path))
+    entry = await in_worker_thread(lambda: card.find(path))
     return json(_entry(call.request, path, entry))
 
 
@@ -268,6 +268,6 @@ async def _listing(call: Call) -> Response:
             found.append(about)
         return found
 
-    files = await beside(lambda: read("", 8))
-    free = await beside(lambda: card.free_bytes)
+    files = await in_worker_thread(lambda: read("", 8))
+    free = await in_worker_thread(lambda: card.free_bytes)
     return json({"files": files, "free": free})

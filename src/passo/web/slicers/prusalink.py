@@ -9,7 +9,7 @@ from passo.errors import PassoError
 from passo.web.answers import json
 from passo.web.call import Call
 from passo.web.files.body import Body
-from passo.web.files.incoming import beside
+from passo.web.files.incoming import in_worker_thread
 from passo.web.files.names import program
 from passo.web.operation import operation
 from passo.web.roles import Role
@@ -20,7 +20,7 @@ from passo.web.slicers.printing import started
 async def storage(call: Call) -> Response:
     """The storages: only the card."""
     card = await call.bridge.card()
-    free = await beside(lambda: card.free_bytes)
+    free = await in_worker_thread(lambda: card.free_bytes)
     listed = {"name": "SD card", "path": "/local", "type": "LOCAL", "free_space": free}
     return json({"storage_list": [{**listed, "available": True, "read_only": False, "ro": False}]})
 

@@ -15,7 +15,7 @@ from passo.web.answers import json, refusal
 from passo.web.call import Call
 from passo.web.files.body import Body
 from passo.web.files.download import download
-from passo.web.files.incoming import beside
+from passo.web.files.incoming import in_worker_thread
 from passo.web.files.names import confined, program
 from passo.web.operation import operation
 from passo.web.requests import limited
@@ -145,7 +145,7 @@ async def filelist(call: Call) -> Response:
     folder = call.request.query_params.get("dir", "")
     try:
         card, path = await call.bridge.card(), on_card(folder)
-        entries = await beside(lambda: card.list(path))
+        entries = await in_worker_thread(lambda: card.list(path))
     except PassoError as error:
         return json({"dir": folder, "err": 2 if _is_missing(error) else 1})
     listed = [
@@ -169,7 +169,7 @@ async def names(call: Call) -> Response:
         return Response("Unprocessable Entity\n", 422, media_type="text/plain")
     flag = "*" if query.get("flagDirs") == "1" else ""
     card, path = await call.bridge.card(), on_card(folder)
-    entries = await beside(lambda: card.list(path))
+    entries = await in_worker_thread(lambda: card.list(path))
     listed = [
         f"{flag if entry.is_directory else ''}{entry.name}"
         for entry in entries
@@ -187,7 +187,7 @@ async def fileinfo(call: Call) -> Response:
     try:
         path = on_card(name) if name is not None else confined(job.path if job else "")
         card = await call.bridge.card()
-        entry = await beside(lambda: card.find(path))
+        entry = await in_worker_thread(lambda: card.find(path))
         known = await call.site.metadata.get(path)
     except PassoError:
         return json({"err": 1})
@@ -212,7 +212,7 @@ async def mkdir(call: Call) -> Response:
     """Makes a folder."""
     try:
         card, path = await call.bridge.card(), on_card(call.request.query_params.get("dir", ""))
-        await beside(lambda: card.make_directory(path))
+        await in_worker_thread(lambda: card.make_directory(path))
     except PassoError as error:
         return _failed(error)
     return json({"err": 0})
@@ -256,13 +256,13 @@ def _address(call: Call) -> str:
 async def _remove(call: Call, path: str, *, missing: bool = False) -> None:
     card = await call.bridge.card()
     try:
-        entry = await beside(lambda: card.find(path))
+        entry = await in_worker_thread(lambda: card.find(path))
     except CardError as error:
         if missing and _is_missing(error):
             return
         raise
     if entry.is_directory:
-        await beside(lambda: card.remove_directory(path))
+        await in_worker_thread(lambda: card.remove_directory(path))
     else:
         await call.bridge.remove_file(path)
 
