@@ -71,7 +71,7 @@ def test_of_several_boards_the_limiting_one_is_reported(dense):
     words = dict(found.shares())
     assert "processor of the main board, for steps" in words
     assert "link of the board tool" in words
-    told, *_ = found.told("a.g")
+    told, *_ = found.report_lines("a.g")
     assert "times what the link of the board tool takes," in told
 
 
@@ -186,7 +186,7 @@ def test_too_few_commands_for_any_speed_are_reported(tmp_path, baud, unsure):
     path.write_text("\n".join(lines) + "\n")
     found = use(path, f'{LINK}baud = {baud}\nfirmware = "klipper"\n')
     says = "Commands may come late there all the same: 440 a second are few. Use a faster link"
-    assert any(line.startswith(says) for line in found.told("f")) == unsure
+    assert any(line.startswith(says) for line in found.report_lines("f")) == unsure
     assert (found.unsure_s > 0) == unsure
 
 

@@ -151,7 +151,7 @@ def test_board_stops_after_last_commit_under_way(monkeypatch, tmp_path):
         s.printer.connection.stop_job()
         tool.command("survive_query")
         tool.command(f"survive_commit serial=9 clock={tool.board_clock & 0xFFFFFFFF} rest=1")
-        assert s.run(_Attempt(s.printer.supervisor.reconnection)._stood_behind(tool)) == 9
+        assert s.run(_Attempt(s.printer.supervisor.reconnection)._last_commit(tool)) == 9
 
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])

@@ -47,7 +47,7 @@ class Boards:
     def connect(self, *, adopt: bool = False) -> None:
         """Identifies and configures every board, and puts their clocks on one timeline. With
         `adopt`, boards keep their state if all of them have survived the loss of another host."""
-        adopt = adopt and all(connection.left_alone() for connection in self.connections)
+        adopt = adopt and all(connection.can_be_adopted() for connection in self.connections)
         for connection in self.connections:
             connection.begin(adopt=adopt)
             _check_room(connection)

@@ -17,7 +17,7 @@ from passo.board.main_loop import MainLoop
 from passo.board.ports import Port
 from passo.board.recorded_frames import KEPT_BYTES, KEPT_PARTS, KEPT_S, RecordedFrames
 from passo.board.start_up import add_parts, configure, follow_clock
-from passo.board.survive import stood_alone
+from passo.board.survive import has_survived
 from passo.errors import MachineError
 
 _SQUARES = 256  # ticks² in one unit of reported load, if the board does not specify it
@@ -50,18 +50,18 @@ class Connection(Exchange):
         that has survived the loss of its host, and has exactly this configuration, keeps the state
         of its heaters and motors; then `adopted` is true.
         """
-        self.begin(adopt=adopt and self.left_alone())
+        self.begin(adopt=adopt and self.can_be_adopted())
 
-    def left_alone(self) -> bool:
+    def can_be_adopted(self) -> bool:
         """Identifies the board. Returns whether it has survived the loss of its host and has
         exactly this configuration. If True, its motors are at standstill."""
         self._identify()
         state = self.ask("get_config", "config")
         same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
-        return bool(same) and self.survives and stood_alone(self)
+        return bool(same) and self.survives and has_survived(self)
 
     def begin(self, *, adopt: bool) -> None:
-        """Like `connect`; adopts the board if it was `left_alone`."""
+        """Like `connect`; adopts the board if it `can_be_adopted`."""
         self._identify()
         self.adopted = adopt
         try:

@@ -20,7 +20,7 @@ def stopped(exchange: Exchange) -> Values | None:
     return None if state["state"] in (states["moving"], states["braking"]) else state
 
 
-def stood_alone(exchange: Exchange) -> bool:
+def has_survived(exchange: Exchange) -> bool:
     """Whether the board has survived the loss of its host, and its motors are at standstill."""
     states = exchange.dictionary.enumerations["survive"]
     for _ in range(int(BRAKING_S / LOOK_S)):

@@ -43,7 +43,7 @@ def survey(machine: MachineConfig, pieces: Iterable[bytes]) -> _core.Survey:
     return found
 
 
-async def survey_beside(
+async def survey_in_pieces(
     machine: MachineConfig,
     reader: Reader,
     going: Callable[[], bool] = lambda: True,

@@ -434,7 +434,7 @@ class Homer:
 
     def _set(self, places: dict[str, float]) -> None:
         self._rig.job.set_axes([(self._axes.index(n), at) for n, at in places.items()], homed=True)
-        self._rig.positions.trust(places)
+        self._rig.positions.confirm(places)
         self._offsets.homed(places)
         self._rig.positions.known.update(places)
 

@@ -354,7 +354,7 @@ class MotionQueue:
         """Lets time pass on the boards, without sending or settling moves. Raises MachineError."""
         self._run(self.now)
 
-    async def hear_stop(self) -> None:
+    async def await_shutdown(self) -> None:
         """Lets time pass only on the boards, until one of them reports its shutdown; then raises
         MachineError."""
         while True:

@@ -66,7 +66,7 @@ class Positions:
             self.lost[name] = row["expected_net"] - self._connection.net_steps(name)
         self.settled = True
 
-    def loosen(self) -> None:
+    def invalidate(self) -> None:
         """Call this when motors of axes are switched off: the axes can then be moved by hand, which
         step counts do not show."""
         axes = self.machine.axes
@@ -76,7 +76,7 @@ class Positions:
         self.known.clear()
         self._loose = {name for name, axis in axes.items() if not axis.extruder}
 
-    def trust(self, axes: Iterable[str] | None = None) -> None:
+    def confirm(self, axes: Iterable[str] | None = None) -> None:
         """Marks the positions of these axes (default: all) as valid, after homing or at the start
         of a print that assumes them."""
         self._loose = set() if axes is None else self._loose.difference(axes)

@@ -21,7 +21,7 @@ _log = logging.getLogger(__name__)
 _MAX_S = 1e6
 
 
-class _Everybody:
+class _ToAllConsoles:
     """A reply that sends the answers to delayed G-code to all consoles."""
 
     def __init__(self, state: State) -> None:
@@ -57,7 +57,7 @@ class DelayedGcode:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._reply = _Everybody(printer.state)
+        self._reply = _ToAllConsoles(printer.state)
         self._due: dict[str, asyncio.TimerHandle] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         for name, delayed in printer.machine.delayed_gcode.items():

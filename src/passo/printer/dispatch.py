@@ -76,7 +76,9 @@ class Dispatch:
         if command.code in self._rig.machine.macros:
             return False
         handler, row = self.immediate.get(command.code), row_of(command.code)
-        in_order = row is not None and row.only_during_print and not self._state.beside(reply)
+        in_order = (
+            row is not None and row.only_during_print and not self._state.is_other_source(reply)
+        )
         if in_order or (handler is None and not forced(command)):
             return False
         if not alone(command):

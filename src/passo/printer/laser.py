@@ -14,11 +14,11 @@ class Laser:
 
     def __init__(self, rig: LiveRig, state: State) -> None:
         self._rig, self._state = rig, state
-        self._dark = False  # temporarily off
+        self._blanked = False  # temporarily off
 
     def begin(self) -> None:
         """Call this after the boards have been replaced, with all outputs off."""
-        self._dark = False
+        self._blanked = False
 
     def off(self) -> None:
         """Switches the laser off when the moves so far are done, until a command switches it on
@@ -29,23 +29,23 @@ class Laser:
             self._rig.queue.after_moves()
 
     @contextmanager
-    def dark(self) -> Generator[None]:
+    def blanked(self) -> Generator[None]:
         """Blanks the laser within the block, from the end of the moves so far on, and restores it
         afterwards unless it was switched off permanently in the meantime."""
-        if self._rig.commands.outputs.lit and not self._dark:
-            self._shade(dark=True)
+        if self._rig.commands.outputs.laser_stays_on and not self._blanked:
+            self._blank(blanked=True)
         try:
             yield
         finally:
-            self.light()
+            self.end_blanking()
 
-    def light(self) -> None:
+    def end_blanking(self) -> None:
         """Ends the blanking. A suspended job stays blanked."""
-        if self._dark and not (self._state.halted or self._rig.job.suspended):
-            self._shade(dark=False)
+        if self._blanked and not (self._state.halted or self._rig.job.suspended):
+            self._blank(blanked=False)
 
-    def _shade(self, *, dark: bool) -> None:
-        self._dark = dark
+    def _blank(self, *, blanked: bool) -> None:
+        self._blanked = blanked
         self._rig.queue.before_moves()
-        self._rig.commands.outputs.shade(dark=dark)
+        self._rig.commands.outputs.blank_laser(blanked=blanked)
         self._rig.queue.after_moves()

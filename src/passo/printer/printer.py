@@ -95,7 +95,7 @@ class Printer:
         self.motion_lock = MotionLock()
         self.offsets = Offsets(machine)
         self._first_faults: list[HeaterFault] = []
-        self._aside_mm = 0.0  # filament moved while jobs were suspended
+        self._suspended_mm = 0.0  # filament moved while jobs were suspended
         self._stopped_mm: float | None = None  # `filament_mm` when the job was suspended
         self.laser = Laser(rig, state)
         self.targets = Targets(rig, lambda: self.power_supply.require())
@@ -288,11 +288,11 @@ class Printer:
                 raise
             failure = failure or error
         self.state.start_failure = failure
-        rig.plan_commands(self.targets, self._mark_reached, self.state.beside)
+        rig.plan_commands(self.targets, self._mark_reached, self.state.is_other_source)
         rig.queue.on_motion = self._before_motion
         rig.queue.on_pass = self._time_passed
         self._stopped_tool = 0
-        self._aside_mm, self._stopped_mm = 0.0, None
+        self._suspended_mm, self._stopped_mm = 0.0, None
         if connection.adopted:
             # Boards do not report whether the previous host has left motors on. So they are
             # switched off when the machine is idle, and the journal decides about the position.
@@ -504,11 +504,11 @@ class Printer:
         self.queue.before_moves()
         if self.job.suspended:
             self.offsets.resume()
-        self._end_aside()
+        self._end_suspension()
         self.job.resume()
         self.commands.set_points.follow_tool()
         self.queue.after_moves()
-        self.laser.light()
+        self.laser.end_blanking()
 
     # -- amounts ----------------------------------------------------------------------------------
 
@@ -521,18 +521,18 @@ class Printer:
         """The planned filament of all extruders so far, mm, without moves during the suspension of
         a job."""
         if not self.job.suspended:
-            self._end_aside()
+            self._end_suspension()
         if self._stopped_mm is not None:
             return self._stopped_mm
-        return self._pushed_mm() - self._aside_mm
+        return self._pushed_mm() - self._suspended_mm
 
     def _pushed_mm(self) -> float:
         return sum(self.job.statistics()["filament_mm"])
 
-    def _end_aside(self) -> None:
+    def _end_suspension(self) -> None:
         """Call this when the suspended job has resumed or was discarded."""
         if self._stopped_mm is not None:
-            self._aside_mm = self._pushed_mm() - self._stopped_mm
+            self._suspended_mm = self._pushed_mm() - self._stopped_mm
             self._stopped_mm = None
 
     def planned_s(self) -> float:

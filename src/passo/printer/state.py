@@ -84,7 +84,7 @@ class State:
         for listener in list(self.listeners):
             listener(text)
 
-    def beside(self, reply: Reply) -> bool:
+    def is_other_source(self, reply: Reply) -> bool:
         """True if `reply` is not the source of the moves that are being planned: for a console
         during a print from the card, or while another console moves the machine."""
         return reply is not self.program

@@ -138,7 +138,7 @@ class WaitRunner:
                 self._raise_if_ended()
                 wait.then()
         else:
-            with self._laser.dark():
+            with self._laser.blanked():
                 if not await self._wait_for_moves(suspended):
                     return False
                 # After M108 has skipped the moves, the command after them still runs, except

@@ -63,7 +63,7 @@ class BudgetUse:
     densest: dict[str, Place] = field(default_factory=dict[str, Place])
     unsure_s: float = 0.0
 
-    def told(self, file: str) -> Iterator[str]:
+    def report_lines(self, file: str) -> Iterator[str]:
         """The report for consoles before a print: empty without a budget, and without loads that
         the board handles easily."""
         # a full move queue alone does no harm, because the link waits

@@ -11,7 +11,7 @@ from passo import _core
 from passo.errors import PassoError
 from passo.job.batch.board_load import BudgetUse, budget_use
 from passo.job.batch.program import at_rest, read_program
-from passo.job.preflight import prepare, survey_beside
+from passo.job.preflight import prepare, survey_in_pieces
 from passo.printer.commands.program import Commands
 from passo.printer.unfit_commands import ALL
 
@@ -50,7 +50,7 @@ async def forecast(machine: MachineConfig, reader: Reader, begin: int) -> Foreca
             yield data
 
     try:
-        found = await survey_beside(machine, reader, rest_s=_REST_S)
+        found = await survey_in_pieces(machine, reader, rest_s=_REST_S)
         reader.seek(0)
         prepare(job, found, "", ALL)
         for _ in read_program(job, commands, pieces(), "", at_rest(job)):

@@ -292,16 +292,16 @@ class Print:
 
     def _run(self, clock: int) -> None:
         while self.connection.now < clock:
-            before, looks = thread_cpu_s(), self._looks_at_filament()
+            before, looks = thread_cpu_s(), self._must_check_filament()
             stretch_s = min(self.every_s, _LOOK_S) if looks else self.every_s
             self.connection.run(round(min(clock, self.connection.now + stretch_s * self._hz)))
             self._wire_cpu_s += thread_cpu_s() - before
             if looks:
-                self._look_at_filament()
+                self._check_filament()
             if self._progress:
                 self._progress(self._where())
 
-    def _looks_at_filament(self) -> bool:
+    def _must_check_filament(self) -> bool:
         """Whether the next moves on the board may move filament in a hotend that is below its
         minimum temperature."""
         checks = self._checks
@@ -312,7 +312,7 @@ class Print:
             self._filament = {name: self.board.steps(name) for name, _ in checks.cold_filament()}
         return True
 
-    def _look_at_filament(self) -> None:
+    def _check_filament(self) -> None:
         """Raises InputError if filament that is too cold has moved."""
         assert self._checks is not None
         assert self._filament is not None

@@ -71,7 +71,7 @@ class HostPause:
         try:
             await self._leave_and_return(park, text, words, gone)
         except BaseException:
-            files.owe(park)
+            files.take_over(park)
             raise
 
     async def _leave_and_return(

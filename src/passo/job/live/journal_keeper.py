@@ -26,7 +26,7 @@ _log = logging.getLogger(__name__)
 
 EVERY_S = 1.0  # print time between two records
 Z_MM = 0.02  # record earlier if Z matters and has moved by a tenth of a usual layer
-_NO_WAY_MM = 1e-5
+_SAME_Z_MM = 1e-5
 # A command that was sent this long ago is executed, because a board receives it at most 125 ms
 # before it is due. It is unknown whether later ones are.
 _UNHEARD_S = 0.1
@@ -114,7 +114,7 @@ class JournalKeeper:
         followed = self._journal.open or self._interrupted is not None
         self._interrupted = None
         self._seen_z_mm = self._z()
-        self._printer.positions.trust()
+        self._printer.positions.confirm()
         self._settlings = self._printer.positions.settlings
         self._overrides.begin()
         self._settings.begin()
@@ -216,8 +216,8 @@ class JournalKeeper:
         moves independently, a resumed print uses this Z without homing it."""
         if self._printer.machine.geometry.lifts_together:
             return False
-        way_mm = abs(self._seen_z_mm - self._recorded.z_mm)
-        return way_mm >= Z_MM or (way_mm > _NO_WAY_MM and self._seen_z_mm == before_mm)
+        distance_mm = abs(self._seen_z_mm - self._recorded.z_mm)
+        return distance_mm >= Z_MM or (distance_mm > _SAME_Z_MM and self._seen_z_mm == before_mm)
 
     def _record(self, moment: Moment) -> None:
         self._recorded = moment

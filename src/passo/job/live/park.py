@@ -92,7 +92,7 @@ class Park:
             self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
         await self._wait_for_moves()
 
-    def owe(self, other: Park) -> None:
+    def take_over(self, other: Park) -> None:
         """Takes over the filament that another park has retracted during this pause without
         restoring it."""
         if other._away:

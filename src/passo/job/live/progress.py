@@ -91,7 +91,7 @@ class Progress:
                 self._from_card = self._begun()
                 self._begun_s = self._loop.time()
                 self._planned_s = self._printer.planned_s()
-                self._reckon()
+                self._start_forecast()
             self._watch.start()
             if self._has_extruded:
                 self._extrusion.start()
@@ -160,7 +160,7 @@ class Progress:
         if self._printer.halted:
             self._host_ends("failed")
 
-    def _reckon(self) -> None:
+    def _start_forecast(self) -> None:
         if self._forecast is not None:
             self._forecast.cancel()
         try:
@@ -172,12 +172,12 @@ class Progress:
         self._forecast = loop.create_task(
             forecast(self._printer.machine, reader, self._runner.offset)
         )
-        self._forecast.add_done_callback(self._foretell)
+        self._forecast.add_done_callback(self._report_load)
 
-    def _foretell(self, task: asyncio.Task[Forecast | None]) -> None:
+    def _report_load(self, task: asyncio.Task[Forecast | None]) -> None:
         """Reports the load of the file on the board, when the forecast is ready."""
         found = None if task.cancelled() else task.result()
-        for sentence in found.budget.told(self._runner.name) if found else ():
+        for sentence in found.budget.report_lines(self._runner.name) if found else ():
             self._printer.state.announce(_log, logging.INFO, sentence)
 
     @property

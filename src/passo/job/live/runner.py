@@ -18,7 +18,7 @@ from passo.job.live.job_state import TRANSITIONS, JobState
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
 from passo.job.live.reader import Reader
-from passo.job.preflight import prepare, survey_beside
+from passo.job.preflight import prepare, survey_in_pieces
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
 from passo.printer.unfit_commands import Skips
@@ -356,7 +356,7 @@ class Runner:
         if not begins and self._surveyed == (reader, job):
             return  # the print continues after a failed line
         try:
-            found = await survey_beside(self._printer.machine, reader, lambda: self.active)
+            found = await survey_in_pieces(self._printer.machine, reader, lambda: self.active)
         except CardError as error:
             raise CardError(self._placed(error, 1)) from None
         finally:

@@ -52,7 +52,7 @@ class Motors:
                 self._rig.connection.switch(self._outputs[name], on)
         if not on:
             if not set(steppers) <= set(self.named("E")):
-                self._rig.positions.loosen()
+                self._rig.positions.invalidate()
             self._rig.lock(self.axes_lost(steppers))
 
     def live(self, name: str) -> bool:

@@ -92,13 +92,13 @@ class Outputs:
         self._laser()
 
     @property
-    def lit(self) -> bool:
+    def laser_stays_on(self) -> bool:
         """Whether the laser stays on at standstill."""
         return bool(self._machine.laser) and self._spindle_mode == "M3" and self._spindle > 0
 
-    def shade(self, *, dark: bool) -> None:
+    def blank_laser(self, *, blanked: bool) -> None:
         """Blanks the laser when the moves so far are done, or restores it."""
-        if dark:
+        if blanked:
             self.set_output("laser", 0.0)
         else:
             self._laser()

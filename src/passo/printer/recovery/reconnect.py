@@ -113,7 +113,7 @@ class _Attempt:
             self.silent.discard(connection)
             if len(self._connections) > 1:
                 await self._passes(SETTLING_S)
-        serials = {c: await self._stood_behind(c) for c in self._connections}
+        serials = {c: await self._last_commit(c) for c in self._connections}
         rig.queue.wait()  # raises if a board has shut down
         serial = min(serials.values())
         ahead = [c for c in self._connections if serials[c] != serial]
@@ -131,7 +131,7 @@ class _Attempt:
             move_evenly(connection, {name: -n for name, n in further.items()}, _BACK_S, serial)
         for connection in ahead:
             await self._passes(TICK_S)
-            if await self._stood_behind(connection) != serial:
+            if await self._last_commit(connection) != serial:
                 raise BoardAloneError.of("machine.alone")
         if ahead:
             self._prove({})
@@ -158,7 +158,7 @@ class _Attempt:
             await asyncio.sleep(TICK_S)
             rig.queue.look()
 
-    async def _stood_behind(self, connection: Connection) -> int:
+    async def _last_commit(self, connection: Connection) -> int:
         """The last commit that a board has executed before its motors stopped."""
         states = connection.dictionary.enumerations["survive"]
         with self._silence_of(connection):

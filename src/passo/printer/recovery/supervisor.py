@@ -137,7 +137,7 @@ class Supervisor:
             raise
         except Exception as error:
             self._halt_printer(in_words(error))
-            await rig.queue.hear_stop()
+            await rig.queue.await_shutdown()
 
     async def _reconnect(self, error: Exception) -> Exception | None:
         """After a lost link, resumes from the position at which the boards have braked, and returns

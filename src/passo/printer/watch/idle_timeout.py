@@ -53,7 +53,7 @@ class IdleWatch:
         # While a heater is on, a host may have paused its print, which must not lose the position.
         warm = any(heater.target > 0 for heater in heaters.values())
         motors_off = 0 < self._motors.idle_s < idle_s and bool(self._motors.on) and not warm
-        if rig.commands.outputs.lit and (idle_s > LASER_OFF_S or motors_off):
+        if rig.commands.outputs.laser_stays_on and (idle_s > LASER_OFF_S or motors_off):
             self._laser.off()
             self._note("Laser off after an idle time; M3 switches it on again")
             return
