@@ -85,7 +85,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     elif argv is None:
         file = io.FileIO(2, "w", closefd=False)
-        sys.stderr = _Telling(io.BufferedWriter(file), sys.stderr.encoding, sys.stderr.errors)
+        sys.stderr = _LossyStderr(io.BufferedWriter(file), sys.stderr.encoding, sys.stderr.errors)
         sys.stderr.reconfigure(line_buffering=True)
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         # characters that its encoding lacks are escaped, as on stderr
@@ -100,7 +100,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return _flush() or status
 
 
-class _Telling(io.TextIOWrapper):
+class _LossyStderr(io.TextIOWrapper):
     """Standard error. If a text cannot be written, for example on a full disk, it is lost, and the
     command continues."""
 

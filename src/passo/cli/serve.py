@@ -304,7 +304,7 @@ async def _serve(
             if address := _web_address(printer, arguments):
                 places.append(address)
             if address and (code := printer.one_time_code):
-                _tell_of_administrator(address, code, kept=arguments.state is not None)
+                _explain_first_account(address, code, kept=arguments.state is not None)
             if arguments.klippy_socket is not None:
                 places.append(_klippy(printer, arguments.klippy_socket, arguments.log))
             if arguments.stdin:
@@ -318,7 +318,7 @@ async def _serve(
     return False
 
 
-def _tell_of_administrator(address: str, code: str, *, kept: bool) -> None:
+def _explain_first_account(address: str, code: str, *, kept: bool) -> None:
     """Explains how the web interface gets its first account."""
     if ip_address(urlsplit(address).hostname or "").is_loopback:
         text = "has no administrator yet: programs of this computer may do all"

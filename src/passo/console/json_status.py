@@ -37,15 +37,15 @@ class JsonStatus:
     def _say(self, command: Command, reply: Reply) -> Wait | None:
         kind = command.words().get("S", 0)
         status = self._reader.read()
-        told = self._told(status)
+        answer = self._common(status)
         if kind == _WITH_MACHINE:
-            told |= self._machine()
+            answer |= self._machine()
         elif kind == _WITH_PRINT:
-            told |= self._print(status)
-        reply.say(json.dumps(told, separators=(",", ":")))
+            answer |= self._print(status)
+        reply.say(json.dumps(answer, separators=(",", ":")))
         return None
 
-    def _told(self, status: Status) -> dict[str, Any]:
+    def _common(self, status: Status) -> dict[str, Any]:
         """The keys of all forms of the answer. Positions in mm, temperatures in °C, time in s;
         `pending` has the values of M926 that M930 would apply, in the units of the options."""
         printer, job = self._printer, self._printer.job

@@ -456,8 +456,8 @@ class Session:
 
     def _dropped(self, upload: Upload, code: str) -> bool:
         """Reports once that lines are discarded."""
-        if not upload.told:
-            upload.told = True
+        if not upload.reported:
+            upload.reported = True
             where = f"the file {upload.name}" if upload.name else "a file without a name"
             self.say(f"echo:{code} is not carried out: it is for {where}. End it with M29")
         return True

@@ -14,7 +14,7 @@ class Upload:
     def __init__(self, writer: Writer | None, name: str, *, log: bool = False) -> None:
         self.writer, self.name, self.log = writer, name, log
         self.numbered = False  # whether its lines are numbered
-        self.told = False  # whether the console was informed that its lines are discarded
+        self.reported = False  # whether the console was informed that its lines are discarded
         self._failure: CardError | None = None
 
     @property

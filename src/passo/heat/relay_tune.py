@@ -104,7 +104,7 @@ class RelayTune:
             extremes = f"min:{self._least_c:.2f} max:{self._most_c:.2f}"
             lines.append(f" bias:{bias} d:{swing} {extremes}")
         if self._count > _FIRST_USED:
-            lines += self._reckon(self._high_s + now_s - self._switched_s[0])
+            lines += self._compute_gains(self._high_s + now_s - self._switched_s[0])
         self._count += 1
         self._switched_s[1] = now_s
         self._swing = abs(sample.terms.d)
@@ -114,7 +114,7 @@ class RelayTune:
             lines += ["PID Autotune finished!", f" {self._gains}"]
         return lines
 
-    def _reckon(self, tu_s: float) -> list[str]:
+    def _compute_gains(self, tu_s: float) -> list[str]:
         """Ku = 4 d / (π a), for a relay of amplitude d and a temperature oscillation of amplitude
         a."""
         ku = 4 * FULL_POWER * self._swing / (pi * (self._most_c - self._least_c) / 2)

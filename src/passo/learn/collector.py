@@ -39,10 +39,10 @@ def of_axis(slot: int, steps_per_unit: float, extruder: int | None = None) -> Ra
     """The step rates of a motor that follows one coordinate of a move's positions; an extruder's
     follows E in its own moves."""
 
-    def add(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
+    def add(series: Series, move: _core.Move, length_mm: float, phases: list[Phase]) -> None:
         steps_mm = 0.0
         if extruder in (None, move.extruder):
-            steps_mm = abs(move.end_mm[slot] - move.start_mm[slot]) / way * steps_per_unit
+            steps_mm = abs(move.end_mm[slot] - move.start_mm[slot]) / length_mm * steps_per_unit
         _add_even(series, steps_mm, phases)
 
     return add
@@ -53,12 +53,12 @@ def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) 
     `_APART_MM` apart."""
     linear = geometry.linear(actuator)
 
-    def add_linear(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
+    def add_linear(series: Series, move: _core.Move, length_mm: float, phases: list[Phase]) -> None:
         ends = zip(linear or (), move.start_mm, move.end_mm, strict=False)
-        steps_mm = abs(sum(c * (b - a) for c, a, b in ends)) / way * steps_per_unit
+        steps_mm = abs(sum(c * (b - a) for c, a, b in ends)) / length_mm * steps_per_unit
         _add_even(series, steps_mm, phases)
 
-    def add(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
+    def add(series: Series, move: _core.Move, length_mm: float, phases: list[Phase]) -> None:
         (x0, y0, z0), (x1, y1, z1) = move.start_mm[:3], move.end_mm[:3]
         start, end = (x0, y0, z0), (x1, y1, z1)
         if start == end:
@@ -70,7 +70,7 @@ def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) 
             for i in range(parts + 1):
                 tau = took_s * i / parts
                 s = phase.start_mm + phase.start * tau + a * tau * tau / 2
-                slope = geometry.slopes(actuator, start, end, min(max(s, 0.0), way))[0]
+                slope = geometry.slopes(actuator, start, end, min(max(s, 0.0), length_mm))[0]
                 rate = abs(slope) * (phase.start + a * tau) * steps_per_unit
                 if i:
                     series.add(before_s, before, phase.start_s + tau, rate)
@@ -88,7 +88,7 @@ def _add_even(series: Series, steps_mm: float, phases: list[Phase]) -> None:
         series.add(phase.start_s, phase.start * steps_mm, phase.end_s, phase.end * steps_mm)
 
 
-def way_mm(move: _core.Move) -> float:
+def length_of(move: _core.Move) -> float:
     """The length of a move in mm, even if its path is measured in steps."""
     start, end = move.start_mm, move.end_mm
     return math.dist(start[:3], end[:3]) or max(abs(b - a) for a, b in zip(start, end, strict=True))
@@ -129,8 +129,8 @@ class Collector:
             if move.kind == "dwell":
                 self._rest(move.end_ticks / self._hz)
                 continue
-            way = way_mm(move)
-            phases = self._phases(move, way / move.length)
+            length_mm = length_of(move)
+            phases = self._phases(move, length_mm / move.length)
             if not phases:
                 continue
             first_s, last_s = phases[0].start_s, phases[-1].end_s
@@ -139,7 +139,7 @@ class Collector:
                 self.acceleration.add(start_s, acceleration, end_s, acceleration)
             self.line.add(first_s, move.line, last_s, move.line)
             for name, add in self._motors.items():
-                add(self.rates[name], move, way, phases)
+                add(self.rates[name], move, length_mm, phases)
             if move.kind != "extrude":
                 a, b = move.start_mm, move.end_mm
                 speed, prints = max(p.end for p in phases), move.kind == "print"

@@ -65,7 +65,7 @@ def problems(title: str, texts: Iterable[str]) -> str:
     return _section("problems", title, f"<ul>\n{rows}</ul>\n")
 
 
-def beside(wide: str, narrow: Iterable[str]) -> str:
+def side_by_side(wide: str, narrow: Iterable[str]) -> str:
     """A wide section with narrow ones next to it if the window is wide enough."""
     others = "".join(narrow)
     return wide + (f'<div class="side">\n{others}</div>\n' if others else "")

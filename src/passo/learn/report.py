@@ -16,7 +16,7 @@ from passo.learn.bed_picture import bed_picture
 from passo.learn.chart import Chart, Curve
 from passo.learn.collector import Collector, HeaterSeries, Rates, of_actuator, of_axis
 from passo.learn.labels import duration
-from passo.learn.page import bars, beside, page, problems, table, zoom_bar
+from passo.learn.page import bars, page, problems, side_by_side, table, zoom_bar
 from passo.learn.toolpath import Toolpath
 from passo.motion.axis_slots import slot_of_axis
 
@@ -111,7 +111,7 @@ def _page(
         side.append(drawn_layer)
     if limits := _shares(plan["limit_s"]):
         side.append(bars("What limits the speed: seconds by limit", limits))
-    sections.append(beside(path.html() if drawn else "", side))
+    sections.append(side_by_side(path.html() if drawn else "", side))
     if charts:
         sections.append(zoom_bar())
         sections += [chart.html(end_s) for chart in charts]

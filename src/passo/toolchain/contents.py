@@ -106,7 +106,7 @@ def hole(parts: Parts) -> int | None:
     return None
 
 
-def tells_its_end(parts: Parts, chip: Chip) -> bool:
+def declares_end(parts: Parts, chip: Chip) -> bool:
     """Whether the image of a Cortex-M declares its end, as Passo's images do."""
     return struct.unpack("<9I", _head(parts, chip, 36))[8] == _OWN_MARK
 

@@ -12,7 +12,7 @@ from passo.config.board import Board
 from passo.config.chips import Chip
 from passo.errors import FirmwareError, Problem
 from passo.toolchain.carried import Carried, carried_by, unlike
-from passo.toolchain.contents import Parts, hole, missing, outside, parts_of, starts, tells_its_end
+from passo.toolchain.contents import Parts, declares_end, hole, missing, outside, parts_of, starts
 from passo.toolchain.targets import KLIPPERS, no_firmware
 
 
@@ -100,7 +100,7 @@ def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...])
     if about is None and carried is None:
         unknown.append("is for this board")
     # A plain copy of a flash may be truncated.
-    if about is None and image.suffix == ".bin" and not tells_its_end(parts, board.chip):
+    if about is None and image.suffix == ".bin" and not declares_end(parts, board.chip):
         unknown.append("is whole")
     return Checked(carried, tuple(unknown))
 

@@ -55,7 +55,7 @@ def exported(machine: MachineConfig) -> Cfg:
             },
         )
     _put_macros(cfg)
-    _put_what_is_left(cfg)
+    _remark_on_the_rest(cfg)
     return cfg
 
 
@@ -257,7 +257,7 @@ def _put_macros(cfg: Cfg) -> None:
         )
 
 
-def _put_what_is_left(cfg: Cfg) -> None:
+def _remark_on_the_rest(cfg: Cfg) -> None:
     machine = cfg.machine
     for part in ("laser", "mains", "beeper"):
         if getattr(machine, part) is not None:
