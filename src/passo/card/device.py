@@ -76,7 +76,7 @@ class Device:
 
     def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
         """Writes all of `data`; after `flush` it survives a power cut. Raises CardError:
-        `card.read-only` if the device refuses only to write."""
+        `card.read-only` if the device can be read but not written."""
         left = memoryview(data)
         try:
             while left:

@@ -100,8 +100,9 @@ class BudgetUse:
             yield _BOUNDS[name].format(place.of_board), place
 
     def shares(self) -> list[tuple[str, str]]:
-        """Each limit, and the load with its line; nothing without a budget. A load above 1 is a
-        burst of less than about 0.15 s, of which the plan sends a part ahead."""
+        """Pairs of a limit and a text with its load and line; empty without a budget. A load above
+        1 is a burst of less than about 0.15 s; the board receives a part of its commands before the
+        burst begins."""
         return [
             (
                 _NAMES[name].format(place.of_board),

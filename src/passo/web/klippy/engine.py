@@ -36,8 +36,8 @@ _FAILED = ("shutdown", "error")
 
 class Engine:
     """Klipper's methods, objects and messages for all clients of one printer. `on_restart` is
-    called when the connections must end because the printer restarts, with True if the caller must
-    restart it."""
+    called when the connections must end because the printer restarts. Its argument is True if the
+    caller must restart the printer."""
 
     def __init__(
         self,
