@@ -34,7 +34,7 @@ class Positions:
         self._letters = [name.upper() for name in axis_order(machine.axes)]
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last question
-        self.loosenings = 0  # how often motors of axes were switched off
+        self.invalidations = 0  # how often motors of axes were switched off
         self.settlings = 0  # how often the origins may have changed
         # True if the motors have been on since another host ran, so that their counts are valid.
         self.held = connection.adopted
@@ -71,7 +71,7 @@ class Positions:
         step counts do not show."""
         axes = self.machine.axes
         self.held = False
-        self.loosenings += 1
+        self.invalidations += 1
         self.settlings += 1
         self.known.clear()
         self._loose = {name for name, axis in axes.items() if not axis.extruder}

@@ -84,7 +84,7 @@ class ZMotorCommands:
     def level(self) -> bool:
         """Whether the gantry was levelled, and its motors have been on since then."""
         positions = self._rig.positions
-        return self._levelled == (positions, positions.loosenings)
+        return self._levelled == (positions, positions.invalidations)
 
     @command(
         "G34",
@@ -194,7 +194,7 @@ class ZMotorCommands:
         """Ends the levelling: sets Z 0 to the bed, and the endstop offsets to the new trigger
         positions."""
         rig, correction = self._rig, self._correction
-        self._levelled = rig.positions, rig.positions.loosenings
+        self._levelled = rig.positions, rig.positions.invalidations
         if correction.on:
             correction.use(correction.correction, on=False)
             reply.say("The correction of the bed is off: measure it again (G29 or G32)")
