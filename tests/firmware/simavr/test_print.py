@@ -112,6 +112,8 @@ def test_a_minute_of_a_print_is_exact(tmp_path, monkeypatch):
         return Boards([connection]), Traced(bench, connection)
 
     monkeypatch.setattr("passo.job.batch.simulated_print.connect_simulated", on_bench)
+    # This bench keeps no steps for the first layer.
+    monkeypatch.setattr(Print, "_watch_first_layer", lambda _: None)
     printing = Print(machine)
     result = printing.run(path)
     traced = printing.board
