@@ -9,7 +9,6 @@ from tests.support.bed_visualizer import drawn
 
 from passo.errors import CommandError
 from passo.levelling import replies
-from passo.levelling.fits import Fit
 from passo.levelling.mesh import Mesh
 from passo.levelling.mesh_files import (
     StoredMesh,
@@ -25,8 +24,6 @@ MESH = Mesh((20.0, 60.0, 100.0), (10.0, 50.0), ((0.0, -0.075, 0.1), (0.2, 0.05, 
 
 TABLES = {
     "bilinear": (replies.bilinear_grid(MESH), 2, 1),
-    "topography": (replies.topography_csv(MESH), 2, 0),
-    "mesh": (replies.mesh_data(MESH), 4, 1),
     "klipper": (replies.probed_rows(MESH), 1, 0),
 }
 
@@ -51,33 +48,6 @@ def test_grid_in_the_form_of_marlin():
         " 0 +0.000 -0.075 +0.100",
         " 1 +0.200 +0.050 -0.100",
     ]
-    fine = replies.subdivided_grid(MESH)
-    assert fine[0] == "Subdivided with CATMULL ROM Leveling Grid:"
-    assert len(drawn(fine)) == 5
-    assert fine[2].startswith(" 0 +0.00000 ")
-
-
-def test_matrix_of_a_plane_turns_the_bed_level():
-    lines = replies.correction_matrix(Fit(0.1, 0.002, -0.001))
-    x, y, z = (list(map(float, line.split())) for line in lines[1:])
-    assert x == pytest.approx([1, 0, 0.002], abs=1e-5)
-    assert y == pytest.approx([0, 1, -0.001], abs=1e-5)
-    assert z == pytest.approx([-0.002, 0.001, 1], abs=1e-5)
-
-
-def test_lines_of_aprinter_and_of_reprapfirmware():
-    assert replies.probe_height(6, -4.315012) == "ProbeHeight@P6 -4.31501"
-    fit = Fit(0.12, 0.002, -0.0015, 1e-5, -8e-6, 1.5e-5)
-    assert (
-        replies.corrections(fit, relative=True)
-        == "RelativeCorrections Z:0.12 X:0.002 Y:-0.0015 XX:1e-05 XY:-8e-06 YY:1.5e-05"
-    )
-    assert replies.corrections(Fit(), relative=False).startswith("EffectiveCorrections Z:0 X:0")
-    assert (
-        replies.height_map_line(MESH)
-        == "6 points probed, min error -0.100, max error 0.200, mean 0.029, deviation 0.102"
-    )
-    assert replies.set_points(MESH)[1:4:2] == ["G29 W I1 J0 Z-0.07500", "G29 W I0 J1 Z0.20000"]
 
 
 def test_a_mesh_is_the_same_bit_for_bit_after_a_file():
