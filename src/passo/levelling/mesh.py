@@ -84,14 +84,6 @@ class Mesh:
         """A copy with all heights lowered by `mm`."""
         return Mesh(self.xs, self.ys, tuple(tuple(z - mm for z in row) for row in self.heights))
 
-    def with_zero_at(
-        self, x: float, y: float, interpolation: Interpolation = "bilinear"
-    ) -> tuple[Mesh, float]:
-        """A copy that is shifted so that its height at a reference point is 0, and the amount by
-        which it was lowered, mm."""
-        shift = self.height(x, y, interpolation)
-        return self.lowered(shift), shift
-
 
 def _check_even(axis: str, places: Sequence[float]) -> None:
     if len(places) < 2:
