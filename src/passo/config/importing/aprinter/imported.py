@@ -74,7 +74,7 @@ def imported(path: Path, stored: Path | None = None) -> Draft:
     _put(job, ("idle", "motors_off_s"), config, "InactiveTime", "InactiveTime")
     draft.put(("board", "base"), job.pins.base, config.within("board").place)
     text = "the board is simulated until [board] has link and port. It needs Passo's firmware"
-    draft.decide(config.within("board").place, "board", f"{text}: passo flash")
+    draft.decide(config.within("board").place, "board", f"{text}: passo firmware flash")
     for name in sorted(options.options.keys() - options.used):
         value, place = options.options[name]
         draft.dropped(place, name, f"Passo has no such setting, {value} here")

@@ -23,6 +23,7 @@ _THREADS = ("M3", "M4", "M5")
 def put_bed(job: Job) -> None:
     """Sets the printable area."""
     put, defines = job.draft.put, job.defines
+    centred = defines.on("BED_CENTER_AT_0_0")  # as a delta always is
     if job.kind == "delta":
         reach = job.needed("PRINTABLE_RADIUS", "DELTA_PRINTABLE_RADIUS")
         put(("bed", "round"), True, None)
@@ -34,7 +35,7 @@ def put_bed(job: Job) -> None:
     if len(sides) < 2 or min(sides) <= 0:
         return
     place = job.place("X_BED_SIZE")
-    centre = [0.0, 0.0] if defines.on("BED_CENTER_AT_0_0") else [side / 2 for side in sides]
+    centre = [0.0, 0.0] if centred else [side / 2 for side in sides]
     put(("bed", "size_mm"), [float(side) for side in sides], place)
     put(("bed", "center_mm"), [*centre], place)
 

@@ -133,5 +133,5 @@ def put_board(job: Job, base: str, variant: str | None) -> None:
     if job.pins.board.is_klippers:
         text += ". It needs the firmware of Klipper"
     else:
-        text += ". It needs Passo's firmware: passo flash"
+        text += ". It needs Passo's firmware: passo firmware flash"
     job.draft.decide(place, "MOTHERBOARD", text)
