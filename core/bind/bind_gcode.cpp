@@ -88,7 +88,7 @@ void bind_gcode(nb::module_& m) {
       },
       "text"_a, "any"_a,
       "The first character of a command's text that is not G-code: the text around it, and its "
-      "code (0: there is none; below 0: a byte that is not UTF-8). Without `any`, only a character "
+      "code (0 without one; below 0: a byte that is not UTF-8). Without `any`, only a character "
       "that changes the meaning of the text.");
   nb::enum_<ObjectAction>(m, "ObjectAction", "The action of a command on the objects of a print.")
       .value("COUNT", ObjectAction::count, "There are so many.")

@@ -75,7 +75,7 @@ void bind_geometry(nb::module_& m) {
               throw nb::value_error("no nozzle position belongs to these");
             return Point(p[0], p[1], p[2]);
           },
-          "positions"_a, "Nozzle position. Raises ValueError if there is none.")
+          "positions"_a, "Nozzle position. Raises ValueError if no position fits.")
       .def(
           "linear",
           [](const GeometryView& self, int i) -> std::optional<Point> {

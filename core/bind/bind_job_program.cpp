@@ -52,7 +52,7 @@ void bind_objects(JobClass& job) {
           "low_mm"_a, "high_mm"_a,
           "Before a move that prints below or above these heights, `advance` stops once at an "
           "event "
-          "TUNING_TOWER with the height as its word Z. Infinite: there is none.")
+          "TUNING_TOWER with the height as its word Z. Infinite without a tower.")
       .def(
           "object_of_line",
           [](const JobView& self, uint32_t line) {

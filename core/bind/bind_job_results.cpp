@@ -139,7 +139,7 @@ void bind_job_results(JobClass& job) {
           },
           "From now on records the path of all moves.")
       .def("take_toolpath", &take_toolpath,
-           "Returns the recorded path in the format of toolpath.py, or None if there is none. Ends "
+           "Returns the recorded path in the format of toolpath.py, or None without one. Ends "
            "the recording.")
       .def(
           "keep_ideal",

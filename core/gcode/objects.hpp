@@ -136,7 +136,7 @@ class ObjectText {
                                            // begins
     return orders;
   }
-  // The end of a quoted text at the beginning; npos: there is none.
+  // The end of a quoted text at the beginning; npos without one.
   static size_t quoted(std::string_view text) {
     const size_t open = text.find_first_not_of(" \t");
     if (open == std::string_view::npos || (text[open] != '"' && text[open] != '\''))

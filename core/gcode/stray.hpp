@@ -13,7 +13,7 @@ namespace passo {
 
 struct Stray {
   std::string token;  // the text between the blanks around it, in UTF-8; U+FFFD for invalid bytes
-  int64_t code = 0;   // of the character; a byte that is not UTF-8: below 0; 0: there is none
+  int64_t code = 0;   // of the character; a byte that is not UTF-8: below 0; 0 without one
 };
 
 // Text of two bytes a character, as some editors save it: with its mark, or with every second byte

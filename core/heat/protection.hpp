@@ -69,8 +69,7 @@ class Protection {
     time_ += s.dt;
     Fault fault = range(s);
     if (outside_ > 0)
-      return told(fault, s);  // the next report tells; this reading is not a
-                              // temperature
+      return told(fault, s);  // this reading is not a temperature: the next report decides
     if (fault.kind == FaultKind::none) fault = jumps(s);
     if (fault.kind == FaultKind::none) fault = way_up(s);
     if (fault.kind == FaultKind::none) fault = switched_off(s);

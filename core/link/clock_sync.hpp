@@ -62,9 +62,8 @@ class ClockSync {
   static constexpr double kMemorySeconds = 40, kSpanSeconds = 0.15;
   static constexpr double kRateRange = 0.01;  // of the worst resonators, either way
   // A rate must widen the corridor by this many seconds for each unit of difference from the
-  // earlier estimate, because a short time says little about the rate. Least of all one span, in
-  // which nothing bounds the rate, since what was read and what was heard may be as far apart as it
-  // is long.
+  // earlier estimate, because a short time does not define the rate well. Within one span nothing
+  // bounds the rate, because sending and receiving may be as far apart as the span is long.
   static constexpr double kPriorSeconds = 0.2;
   static_assert(kSpanSeconds < kPriorSeconds);
   static constexpr double kJumpSeconds = 0.5e-3;  // a narrower corridor means that a clock has

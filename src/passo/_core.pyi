@@ -1166,7 +1166,7 @@ class Geometry:
         """Position of an actuator; NaN if it cannot reach the point."""
 
     def forward(self, positions: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Nozzle position. Raises ValueError if there is none."""
+        """Nozzle position. Raises ValueError if no position fits."""
 
     def linear(self, actuator: int) -> tuple[float, float, float] | None:
         """
@@ -1461,7 +1461,7 @@ def split_text(text: str) -> list[tuple[str, float | None, str | None]]:
 
 def find_stray(text: str, any: bool) -> tuple[str, int]:
     """
-    The first character of a command's text that is not G-code: the text around it, and its code (0: there is none; below 0: a byte that is not UTF-8). Without `any`, only a character that changes the meaning of the text.
+    The first character of a command's text that is not G-code: the text around it, and its code (0 without one; below 0: a byte that is not UTF-8). Without `any`, only a character that changes the meaning of the text.
     """
 
 class ObjectAction(enum.Enum):
@@ -1714,7 +1714,7 @@ class Job:
 
     def watch_height(self, low_mm: float, high_mm: float) -> None:
         """
-        Before a move that prints below or above these heights, `advance` stops once at an event TUNING_TOWER with the height as its word Z. Infinite: there is none.
+        Before a move that prints below or above these heights, `advance` stops once at an event TUNING_TOWER with the height as its word Z. Infinite without a tower.
         """
 
     def object_of_line(self, line: int) -> int:
@@ -2089,7 +2089,7 @@ class Job:
 
     def take_toolpath(self) -> tuple[int, list[float], float, float, list[tuple[int, float, float, int]], bytes] | None:
         """
-        Returns the recorded path in the format of toolpath.py, or None if there is none. Ends the recording.
+        Returns the recorded path in the format of toolpath.py, or None without one. Ends the recording.
         """
 
     def keep_ideal(self, on: bool) -> None:

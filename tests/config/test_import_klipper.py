@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from tests.support.import_remarks import remarks
 
 from passo import config
 from passo.cli.main import main
@@ -133,10 +134,6 @@ def load(tmp_path: Path):
         return draft, config.load_text(draft.text("From a test."), "printer.toml")
 
     return convert
-
-
-def remarks(draft, fate):
-    return [f"{r.place}: {r.what}: {r.text}" for r in draft.remarks if r.fate == fate]
 
 
 def test_axes_and_motors_have_the_values_of_the_file(load) -> None:

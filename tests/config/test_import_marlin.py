@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.support.import_remarks import remarks
 
 from passo import config
 from passo.cli.main import main
@@ -118,10 +119,6 @@ def load(tmp_path: Path):
         return draft, config.load_text(draft.text("From a test."), "printer.toml")
 
     return convert
-
-
-def remarks(draft, fate):
-    return [f"{r.place}: {r.what}: {r.text}" for r in draft.remarks if r.fate == fate]
 
 
 def test_axes_and_motors_have_the_values_of_the_file(load) -> None:
@@ -510,7 +507,7 @@ def test_comments_name_line_and_file(load, tmp_path: Path) -> None:
     [
         ("#define HEATER_0_MAXTEMP 280\n", "", "HEATER_0_MAXTEMP"),
         ("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 999", "nothing would stop the heater"),
-        ("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 666", "a sensor that Passo knows"),
+        ("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 666", "a sensor that Passo has"),
         ("TEMP_SENSOR_BED 1", "TEMP_SENSOR_BED EPCOS", "EPCOS is not defined"),
         ("BOARD_RAMPS_14_EFB", "BOARD_RAMPS_14_EBB", "Passo has no file of this board"),
         ("#define EXTRUDERS 1", "#define MORGAN_SCARA", "MORGAN_SCARA"),

@@ -30,7 +30,7 @@ IMPORT: Mapping[str, Entry] = {
     ),
     "import.define": _import(
         "{value} is not defined",
-        "Give Configuration.h of one printer; Configuration_adv.h is read if it is beside it",
+        "Give Configuration.h of one printer; Configuration_adv.h is read from the same folder",
     ),
     "import.board": _import(
         "the board is {value!r}: Passo has no file of this board; it has {limit}",

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="~/printer_data",
         help="the folder that Moonraker has: ~/printer_data",
     )
-    parser.add_argument("--user", metavar="NAME", help="the user of the service: who asks for it")
+    parser.add_argument("--user", metavar="NAME", help="the user of the service: you")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -73,7 +73,7 @@ class Declaration:
     bare: str | None = ""
     nan: bool = False  # `S nan` is not a number, and switches the heater off
     repeats: str = ""  # letters that may be repeated
-    # on a machine without the part, this text says why the command has no effect; else `text`
+    # on a machine without the part, this text explains why the command has no effect; else `text`
     lacks: str = ""
     forced: bool = False  # with F, a line from a console acts at once
     in_turn: bool = False  # immediate on a console, but in a file it acts after the moves before it

@@ -17,7 +17,7 @@ class SkewableModel(GeometryModel):
 
     skew: Annotated[list[_Factor], Field(min_length=3, max_length=3)] = [0.0, 0.0, 0.0]
     """How far the axes are from right angles to each other: the factors of the planes XY, XZ and
-    YZ, as M852 has them. Then the machine file has to say what the carriages reach."""
+    YZ, as M852 has them. With skew, the machine file must give the range of the carriages."""
 
     @property
     def square(self) -> Self:

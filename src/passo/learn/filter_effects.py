@@ -21,7 +21,7 @@ def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple
     moves = [move for move in moves if move.kind != "dwell"]
     if delay_s == 0 or not moves:
         return ()
-    told: list[str] = []
+    lines: list[str] = []
     for slot, (axis, shaper) in enumerate(filters.shapers.items()):
         hardest = max(_part(move, slot) * _hardest(move) for move in moves)
         if shaper.frequency_hz == 0 or hardest == 0:
@@ -30,7 +30,7 @@ def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple
         mean = sum(weight * at for weight, at in pulses)
         # In constant acceleration a the sum of copies is a/2 times their variance off the plan.
         off_mm = 0.5 * hardest * sum(weight * (at - mean) ** 2 for weight, at in pulses)
-        told.append(
+        lines.append(
             f"{axis}: {shaper.kind} at {shaper.frequency_hz:g} Hz spreads each change of speed over"
             f" {pulses[-1][1] * 1e3:.1f} ms; while {axis} speeds up by {hardest:.0f} mm/s² it is"
             f" {off_mm * 1e3:.0f} µm off the plan"
@@ -39,14 +39,14 @@ def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple
     if advanced:
         move = max(advanced, key=lambda m: m.advance_s * _part(m, _E) * m.cruise_speed)
         speed, accel = _part(move, _E) * move.cruise_speed, _part(move, _E) * _hardest(move)
-        told.append(
+        lines.append(
             f"E: an advance of {move.advance_s:g} s pushes {move.advance_s * speed:.4f} mm of"
             f" filament ahead at {speed:.2f} mm/s, smoothed over"
             f" {filters.smooth_s[move.extruder] * 1e3:g} ms; while the move speeds up the extruder"
             f" does up to {speed + move.advance_s * accel:.2f} mm/s"
         )
-    told.append(f"all motors follow the plan {delay_s * 1e3:.2f} ms later")
-    return tuple(told)
+    lines.append(f"all motors follow the plan {delay_s * 1e3:.2f} ms later")
+    return tuple(lines)
 
 
 def _part(move: _core.Move, slot: int) -> float:

@@ -124,7 +124,7 @@ export interface BedSurface {
   rows_mm: number[][];
 }
 
-/** A board: its description, the program that flashes it (`flash`, null if there is none), and the
+/** A board: its description, the program that flashes it (`flash`, null without one), and the
  * manual steps before and after. `state` is `ready`, or names what is missing. */
 export interface BoardOfList {
   name: string;

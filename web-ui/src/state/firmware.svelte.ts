@@ -1,4 +1,4 @@
-/** The boards that Passo knows, the build of an image, and the board that is flashed. */
+/** The boards that Passo has, the build of an image, and the board that is flashed. */
 
 import { call } from "../api/client";
 import type { Boards, Build, Flash, Port } from "../api/schema";

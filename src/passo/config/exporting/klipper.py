@@ -10,6 +10,7 @@ from passo.config.exporting.heat import put_heat
 from passo.config.exporting.motors import put_stepper
 from passo.errors import ConfigError
 from passo.geometry.delta import Delta
+from passo.geometry.skewable import SkewableModel
 from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
@@ -268,5 +269,5 @@ def _remark_on_the_rest(cfg: Cfg) -> None:
         cfg.left_out.append("moves: write them as macros")
     if len(machine.tools) > 1:
         cfg.left_out.append("tools: write macros T0, T1 with ACTIVATE_EXTRUDER and the offsets")
-    if machine.geometry.kind == "cartesian" and any(getattr(machine.geometry, "skew", ())):
+    if isinstance(machine.geometry, SkewableModel) and any(machine.geometry.skew):
         cfg.left_out.append("geometry.skew: send SET_SKEW, and save it")

@@ -27,7 +27,7 @@ _CONFIG_ERRORS = codes_of("config")
 
 
 class BoardOfList(Struct):
-    """A board: its description, the program that flashes it (`flash`, null if there is none), and
+    """A board: its description, the program that flashes it (`flash`, null without one), and
     the manual steps before and after. `state` is `ready`, or names what is missing."""
 
     name: str

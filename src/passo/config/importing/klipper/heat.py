@@ -150,7 +150,7 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
         keys = {"kind": written} | ({"pullup_ohm": pullup} if pullup != 4700.0 else {})
     else:
         key = f"sensor_type in [{section.name}]"
-        limit = "a sensor that Passo knows; docs/reference/sensors.md lists them"
+        limit = "a sensor that Passo has; docs/reference/sensors.md lists them"
         raise bad(place, key, written, limit)
     if keys.keys() == {"kind"} and values_of(written) is not None:
         job.draft.put((*path, "sensor"), written, place)

@@ -155,13 +155,13 @@ def split(text: str) -> list[str]:
     return [part for part in (*parts, body[start:].strip()) if part]
 
 
-def read(path: Path, beside: Iterable[str]) -> Defines:
-    """The defines of a file and of the files `beside` it, which are names in the same folder. Files
+def read(path: Path, companions: Iterable[str]) -> Defines:
+    """The defines of a file and of its `companions`, which are names in the same folder. Files
     that do not exist or were already included are left out. Raises ConfigError with file and
     line."""
     reader = _Preprocessor()
     reader.read(path, ())
-    for name in beside:
+    for name in companions:
         further = path.with_name(name)
         if further.is_file() and further.resolve() not in reader.defines.files:
             reader.read(further, ())

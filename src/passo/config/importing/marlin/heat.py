@@ -207,7 +207,7 @@ def _put_sensor(job: Job, path: KeyPath, sensor: Read, mark: str) -> None:
             return
         keys = None
     if keys is None:
-        limit = "a sensor that Passo knows; docs/reference/sensors.md lists them"
+        limit = "a sensor that Passo has; docs/reference/sensors.md lists them"
         raise bad(sensor.place, sensor.name, str(number), limit)
     for key, value in keys.items():
         put((*path, "sensor", key), value, sensor.place)

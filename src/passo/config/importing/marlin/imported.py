@@ -32,10 +32,10 @@ def imported(path: Path, stored: Path | None = None) -> Draft:
     mk4duo = path.stem.endswith(tuple(f"Configuration_{name}" for name in _MK4DUO))
     if mk4duo:
         stem = path.stem.rpartition("Configuration_")[0]
-        beside = [f"{stem}Configuration_{name}{path.suffix}" for name in _MK4DUO_FILES]
+        companions = [f"{stem}Configuration_{name}{path.suffix}" for name in _MK4DUO_FILES]
     else:
-        beside = [f"{path.stem}_adv{path.suffix}"]
-    defines, draft = read(path, beside), Draft()
+        companions = [f"{path.stem}_adv{path.suffix}"]
+    defines, draft = read(path, companions), Draft()
     known = known_board(defines)
     job = Job(defines, draft, Pins(defines, known), mk4duo or "MECHANISM" in defines.found)
     draft.put_head(path, defines.text("CUSTOM_MACHINE_NAME") or path.stem)

@@ -9,7 +9,7 @@ _HEAD = """# What becomes of Marlin's Configuration.h
 
 Made from `src/passo/config/importing/marlin/`.
 [How to import a file](../how-to/move-from-marlin.md).
-`*` stands for an axis (X, Y, Z) or a number. Older names, and those of MK4duo and StuFW, are read,
+`*` is an axis (X, Y, Z) or a number. Older names, and those of MK4duo and StuFW, are read,
 too. Other defines are named together in the report, or concern menus, texts and buffers.
 
 ## Defines that become keys of the machine file

@@ -18,7 +18,7 @@ _WORD = re.compile(r"([A-Z])(-?[\d.]*)")
 _AXES = {"X": "x", "Y": "y", "Z": "z"}
 _LIMITS = {"P": "print_accel_mm_s2", "R": "retract_accel_mm_s2", "T": "travel_accel_mm_s2"}
 _GAINS = {"P": "kp", "I": "ki", "D": "kd"}
-# What these commands say is no setting of a machine, or has its default.
+# These commands set nothing in a machine, or a value that Passo has by default.
 _OTHERS = (
     "M21",
     "M82",
@@ -93,7 +93,7 @@ class _Line:
                 if code in _OTHERS:
                     return
                 written = " ".join(f"{word}{value:g}" for word, value in self._words.items())
-                text = "not taken over: send it to Passo, and M500, if Passo knows it"
+                text = "not taken over: send it to Passo, and M500, if Passo has the command"
                 self._draft.dropped(self._place, f"{code} {written}".rstrip(), text)
 
     def _has(self, path: KeyPath) -> Value | None:
