@@ -209,7 +209,8 @@ void FilteredSolver::fit(const Track& track, Fit& to) const {
 void FilteredSolver::pass_on(const Track& track, const Fit& fits, size_t depth) {
   const Followed& law = fits.law;
   for (size_t i = 0; i < track.n; ++i) {
-    if (law.error[i] <= 0 || depth == kDeepest) [[likely]] {
+    // Not a number at a singular point: smaller parts would be as bad.
+    if (!(law.error[i] > 0) || depth == kDeepest) [[likely]] {
       intervals_->add(track.t[i + 1], law.q[i + 1], law.v0[i], law.v1[i], fits.accel[i],
                       fits.odd[i], fits.even[i]);
       continue;
