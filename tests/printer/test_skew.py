@@ -176,12 +176,12 @@ def test_profiles_of_skew_are_saved_loaded_and_removed(tmp_path):
         answers(s, f"M852 I{XY}")
         (said,) = answers(s, "SKEW_PROFILE SAVE=pla")
         assert said == "// The skew is saved as profile [pla]; M500 stores it"
-        assert objects(s.machine, s.assembly.status.read(), {})["skew_correction"]() == {
-            "current_profile_name": "pla"
-        }
         answers(s, "M500")
     with homed(state=str(tmp_path)) as s:
+        shown = {"current_profile_name": "pla"}
+        assert objects(s.machine, s.assembly.status.read(), {})["skew_correction"]() == shown
         answers(s, "SET_SKEW CLEAR=1")
+        assert s.assembly.status.read().skew_profile == ""
         assert answers(s, "SKEW_PROFILE") == ["// pla: XY=-0.016951 XZ=0.000000 YZ=0.000000"]
         answers(s, "SKEW_PROFILE LOAD=pla")
         assert s.printer.rig.machine.geometry.skew == [XY, 0.0, 0.0]

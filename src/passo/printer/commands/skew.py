@@ -25,12 +25,11 @@ _DIGITS = 9  # so that stored and active values are equal
 
 class SkewCommands:
     """The skew of one machine. The active skew is that of the rig; homing works without it.
-    `profiles` are saved factors by name; `profile` is the name of the active ones, or empty."""
+    `profiles` are saved factors by name."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
         self.profiles: dict[str, tuple[float, ...]] = {}
-        self.profile = ""
 
     @property
     def _geometry(self) -> SkewableModel:
@@ -48,7 +47,7 @@ class SkewCommands:
             if not abs(factor) <= MAX_SKEW:
                 limit = f"-{MAX_SKEW:g} to {MAX_SKEW:g}"
                 raise CommandError.bad_value(_PLANES[plane], factor, limit)
-            skew[plane] = round(factor, _DIGITS) + 0.0
+            skew[plane] = _rounded(factor)
         geometry = self._geometry.model_copy(update={"skew": skew})
         skewed = machine.model_copy(update={"geometry": geometry})
         for found in check_skew(skewed):
@@ -57,7 +56,6 @@ class SkewCommands:
                 "levelling.skew-limits", axis=found.key, value=value, limit=found.limit
             )
         self._rig.use_geometry(skewed)
-        self.profile = ""
 
     @command(
         "M852",
@@ -153,23 +151,21 @@ class SkewCommands:
                 shown = " ".join(f"{plane}={factor:.6f}" for plane, factor in planes)
                 reply.say(f"// {name}: {shown}")
         if number(pairs, "CLEAR", 0.0):
-            self.profiles, self.profile = {}, ""
+            self.profiles = {}
         if "SET" in pairs:
-            factors = tuple(number(pairs, plane) for plane in _PLANES)
+            factors = tuple(_rounded(number(pairs, plane)) for plane in _PLANES)
             self.profiles[check_name(pairs["SET"])] = factors
         if "SAVE" in pairs:
-            name = self.profile = check_name(pairs["SAVE"])
-            self.profiles[name] = tuple(self._geometry.skew)
+            name = check_name(pairs["SAVE"])
+            self.profiles[name] = self._in_force
             reply.say(f"// The skew is saved as profile [{name}]; M500 stores it")
         if "REMOVE" in pairs:
             self.profiles.pop(self._named("REMOVE", pairs["REMOVE"]))
-            if self.profile == pairs["REMOVE"]:
-                self.profile = ""
             reply.say(f"// Profile [{pairs['REMOVE']}] is removed; M500 stores that")
         if "LOAD" not in pairs:
             return None
         name = self._named("LOAD", pairs["LOAD"])
-        return WaitForMoves(lambda: self._load(name))
+        return WaitForMoves(lambda: self._use(dict(enumerate(self.profiles[name]))))
 
     def _named(self, word: str, name: str) -> str:
         if name not in self.profiles:
@@ -177,14 +173,18 @@ class SkewCommands:
             raise CommandError.of("command.value", axis=word, value=name, limit=limit)
         return name
 
-    def _load(self, name: str) -> None:
-        self._use(dict(enumerate(self.profiles[name])))
-        self.profile = name
-
     @property
     def profile_status(self) -> str | None:
-        """The name of the profile in force; None without skew and profiles."""
-        return self.profile if self.profiles or any(self._geometry.skew) else None
+        """The name of the profile that the skew in force is equal to, or empty; None without skew
+        and profiles."""
+        skew = self._in_force
+        if not self.profiles and not any(skew):
+            return None
+        return next((name for name, factors in self.profiles.items() if factors == skew), "")
+
+    @property
+    def _in_force(self) -> tuple[float, ...]:
+        return tuple(_rounded(factor) for factor in self._geometry.skew)
 
     def setting_lines(self) -> Iterator[str]:
         """The commands that restore the exact skew and its profiles."""
@@ -199,6 +199,11 @@ class SkewCommands:
         """M852 with the skew in force."""
         words = zip("IJK", self._geometry.skew, strict=True)
         return "M852 " + " ".join(f"{k}{factor:.{_DIGITS}f}" for k, factor in words)
+
+
+def _rounded(factor: float) -> float:
+    """A factor as it is stored, so that a profile is equal to the skew that it has set."""
+    return round(factor, _DIGITS) + 0.0
 
 
 def _lengths(plane: str, text: str) -> tuple[float, float, float]:
