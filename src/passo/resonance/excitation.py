@@ -1,0 +1,113 @@
+"""The motion that excites an axis for a measurement: a vibration whose frequency rises, on top of a
+slow sweep. Its constants and its form are those of Klipper's resonance tester, so that results of
+both compare.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import sqrt
+
+_FIRST_SWEEP = sqrt(2) / 8  # of its period, from rest; the second swing is 1/4 longer
+_SAME_HZ = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A part of the motion with constant acceleration, mm/s², for `seconds`, at `hz`."""
+
+    seconds: float
+    accel_mm_s2: float
+    hz: float
+
+
+@dataclass(frozen=True, slots=True)
+class Excitation:
+    """A vibration from `start_hz` to `end_hz`, which rises by `hz_per_s`. Its acceleration is
+    `accel_per_hz` times the frequency. The sweep accelerates by ± `sweep_accel_mm_s2`, with a
+    period of `sweep_s`; 0 turns it off."""
+
+    start_hz: float = 5.0
+    end_hz: float = 135.0
+    hz_per_s: float = 1.0
+    accel_per_hz: float = 60.0
+    sweep_accel_mm_s2: float = 400.0
+    sweep_s: float = 1.2
+
+    def segments(self) -> Iterator[Segment]:
+        """The segments of the motion, in their order; the head starts at rest."""
+        if not self.sweep_s:
+            yield from self._vibration()
+            return
+        left = self.sweep_s * _FIRST_SWEEP  # s of the present swing of the sweep
+        share, sweep = _FIRST_SWEEP + 0.25, self.sweep_accel_mm_s2
+        for part in self._vibration():
+            seconds = part.seconds
+            while left <= seconds:
+                yield Segment(left, part.accel_mm_s2 + sweep, part.hz)
+                seconds -= left
+                left = self.sweep_s * share
+                share, sweep = 0.5, -sweep
+            left -= seconds
+            yield Segment(seconds, part.accel_mm_s2 + sweep, part.hz)
+
+    def _vibration(self) -> Iterator[Segment]:
+        hz, sign = self.start_hz, 1
+        while hz <= self.end_hz + _SAME_HZ:
+            quarter = 0.25 / hz
+            accel = sign * self.accel_per_hz * hz
+            yield Segment(quarter, accel, hz)
+            yield Segment(quarter, -accel, hz)
+            hz += 2 * quarter * self.hz_per_s
+            sign = -sign
+
+    @property
+    def seconds(self) -> float:
+        """The duration without the stop at its end."""
+        return sum(part.seconds for part in self.segments())
+
+    @property
+    def reach_mm(self) -> float:
+        """The greatest distance from the start, either way, the stop at the end included."""
+        far = position = speed = 0.0
+        for part in self.segments():
+            position, speed, turn = _moved(position, speed, part)
+            far = max(far, abs(position), abs(turn))
+        return max(far, abs(position + speed * abs(speed) / (2 * self.stop_accel_mm_s2)))
+
+    @property
+    def top_speed_mm_s(self) -> float:
+        """The highest speed."""
+        speeds = [0.0]
+        for part in self.segments():
+            speeds.append(speeds[-1] + part.seconds * part.accel_mm_s2)
+        return max(abs(speed) for speed in speeds)
+
+    @property
+    def stop_accel_mm_s2(self) -> float:
+        """The acceleration with which the head stops at the end: half of that of the vibration
+        there."""
+        return 0.5 * self.accel_per_hz * self.end_hz
+
+
+def swings(excitation: Excitation) -> Iterator[tuple[float, float, float, float]]:
+    """The whole motion as (seconds, start in mm from the rest position, start speed, acceleration),
+    with the stop at its end: a list of quadratics of time that join each other."""
+    position = speed = 0.0
+    for part in excitation.segments():
+        yield part.seconds, position, speed, part.accel_mm_s2
+        position += part.seconds * (speed + 0.5 * part.seconds * part.accel_mm_s2)
+        speed += part.seconds * part.accel_mm_s2
+    if speed:
+        brake = excitation.stop_accel_mm_s2
+        yield abs(speed) / brake, position, speed, -brake if speed > 0 else brake
+
+
+def _moved(position: float, speed: float, part: Segment) -> tuple[float, float, float]:
+    """Position and speed after a segment, and the place where the direction changes in it, or its
+    end."""
+    end = speed + part.seconds * part.accel_mm_s2
+    after = position + 0.5 * (speed + end) * part.seconds
+    turns = speed * end < 0
+    return after, end, position - speed * speed / (2 * part.accel_mm_s2) if turns else after
