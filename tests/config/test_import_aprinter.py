@@ -351,6 +351,7 @@ def test_delta(load) -> None:
         ('"ThermistorInput": "T0"', '"ThermistorInput": "T9"', "analog_inputs is 'T9'"),
         ("MegaPinA13", "MegaPinA99", "Pin is 'MegaPinA99'"),
         ('"StepsPerUnit": 400', '"StepsPerUnit": "many"', "StepsPerUnit is 'many'"),
+        ('"StepsPerUnit": 400', '"StepsPerUnit": 1e999', "a number from -1e+12"),
         ('"version": 1,', '"version": 1', "the document is '"),
         ('"version": 1,', '"version": .,', "the document is '.,"),
         ('"version": 1,', '"version": ' + "[" * 50, "the document is '["),

@@ -511,7 +511,10 @@ def test_comments_name_line_and_file(load, tmp_path: Path) -> None:
         ("TEMP_SENSOR_BED 1", "TEMP_SENSOR_BED EPCOS", "EPCOS is not defined"),
         ("BOARD_RAMPS_14_EFB", "BOARD_RAMPS_14_EBB", "Passo has no file of this board"),
         ("#define EXTRUDERS 1", "#define MORGAN_SCARA", "MORGAN_SCARA"),
-        ("EXTRUDERS 1", "EXTRUDERS 1e9", "0 to 8"),
+        ("EXTRUDERS 1", "EXTRUDERS 1e9", "a whole number from 0 to 8"),
+        ("EXTRUDERS 1", "EXTRUDERS 1.5", "a whole number from 0 to 8"),
+        ("200\n", "1e999\n", "a number from -1e+12"),
+        ("200\n", "(1e999 - 1e999)\n", "a number from -1e+12"),
         ("#define DEFAULT_MAX_FEEDRATE { 300, 250, 5, 25 }", "", "DEFAULT_MAX_FEEDRATE"),
         ("200\n", "(1 / 0)\n", "a number"),
         ("#pragma once", "#if 1", "#if has no"),
@@ -540,6 +543,7 @@ def test_errors_name_the_line(load, old: str, new: str, sentence: str) -> None:
             "a number",
         ),
         ("#define MOTHERBOARD BOARD_RADDS\n#define EXTRUDERS " + "(" * 900, "a number"),
+        ("#define MOTHERBOARD BOARD_RADDS\n#define EXTRUDERS " + "1" * 5000, "a number"),
         ("#define MOTHERBOARD BOARD_RADDS\n#define EXTRUDERS 9999999<<31<<31<<31", "a number"),
     ],
 )
@@ -639,9 +643,14 @@ def test_stored_values_count_more(load, tmp_path: Path) -> None:
     assert len(dropped) == 1
     assert "M206 X0 Y1 Z0" in dropped[0]
     assert "steps_per_mm = 80.5  # m503.txt:2" in draft.text("")
-    dump.write_text("M92 X8.0.5\n", encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"m503.txt:1: M92 X is '8.0.5'"):
-        imported(tmp_path / "Configuration.h", dump)
+    for line, match in (
+        ("M92 X8.0.5", "M92 X is '8.0.5'"),
+        ("M92 X" + "9" * 400, "a number from -1e"),
+        ("M301 E1.5 P20", "M301 E is '1.5'"),
+    ):
+        dump.write_text(f"{line}\n", encoding="utf-8")
+        with pytest.raises(ConfigError, match=f"m503.txt:1: .*{match}"):
+            imported(tmp_path / "Configuration.h", dump)
 
 
 def test_command_imports_by_the_ending(tmp_path: Path, capsys) -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, bad
+from passo.config.importing.numbers import NUMBER, Read, in_range, number_of
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -66,13 +67,6 @@ class Node:
         return found.items if found else []
 
 
-class Value(NamedTuple):
-    """A number and its place."""
-
-    value: float
-    place: Place
-
-
 def missing(place: Place, key: str) -> ConfigError:
     """The error of a key that a configuration needs."""
     limit = "the key that APrinter needs"
@@ -87,24 +81,24 @@ class Stored:
     options: dict[str, tuple[str, Place]] = field(default_factory=dict[str, tuple[str, Place]])
     used: set[str] = field(default_factory=set[str])
 
-    def number(self, node: Node, key: str, option: str = "") -> Value | None:
+    def number(self, node: Node, key: str, option: str = "") -> Read | None:
         """A number of the document, or its stored `option`; None if neither is there. Raises
         ConfigError."""
         self.used.add(option)
         if option in self.options:
             text, place = self.options[option]
             try:
-                return Value(float(text), place)
+                return Read(number_of(text), option, place)
             except ValueError:
-                raise bad(place, option, text[:40], "a number") from None
+                raise bad(place, option, text[:40], NUMBER) from None
         found = node.get(key)
         if found is None:
             return None
-        if not isinstance(found.scalar, int | float):
-            raise bad(found.place, key, str(found.scalar)[:40], "a number")
-        return Value(float(found.scalar), found.place)
+        if not isinstance(found.scalar, int | float) or not in_range(found.scalar):
+            raise bad(found.place, key, str(found.scalar)[:40], NUMBER)
+        return Read(float(found.scalar), key, found.place)
 
-    def needed(self, node: Node, key: str, option: str = "") -> Value:
+    def needed(self, node: Node, key: str, option: str = "") -> Read:
         """Like `number`. Raises ConfigError if neither is there, too."""
         found = self.number(node, key, option)
         if found is None:

@@ -8,8 +8,9 @@ from passo.config.importing.draft import bad
 
 if TYPE_CHECKING:
     from passo.config.importing.aprinter.boards import Pins
-    from passo.config.importing.aprinter.document import Node, Stored, Value
+    from passo.config.importing.aprinter.document import Node, Stored
     from passo.config.importing.draft import Draft, KeyPath
+    from passo.config.importing.numbers import Read
 
 _KINDS = {"Extruder": "hotend", "Bed": "bed", "Chamber": "chamber"}
 _FULL = 255.0  # of the gains of Passo; APrinter's are of full power
@@ -21,7 +22,7 @@ def put_heat(config: Node, pins: Pins, stored: Stored, draft: Draft) -> None:
     for heater in config.each("heaters"):
         _put_heater(heater, pins, stored, draft)
     for fan in config.each("fans"):
-        number = int(stored.needed(fan, "Number").value)
+        number = stored.needed(fan, "Number").whole(0, 99)
         path, output = ("fans", f"fan{number or ''}"), fan.within("pwm_output")
         draft.put((*path, "pin"), pins.output(output), output.place)
         draft.put((*path, "number"), number or None, fan.within("Number").place)
@@ -30,7 +31,7 @@ def put_heat(config: Node, pins: Pins, stored: Stored, draft: Draft) -> None:
 def heater_name(heater: Node) -> str:
     """The name of a heater in the machine file. Raises ConfigError for an unknown kind."""
     kind, number = heater.within("Type"), heater.within("Type", "Number").scalar
-    if kind.kind not in _KINDS or not isinstance(number, int):
+    if kind.kind not in _KINDS or not isinstance(number, int) or not 0 <= number <= 99:
         raise bad(kind.place, "Type", kind.kind[:40], f"{', '.join(_KINDS)}, with a number")
     return f"{_KINDS[kind.kind]}{number or ''}"
 
@@ -41,7 +42,7 @@ def _put_heater(heater: Node, pins: Pins, stored: Stored, draft: Draft) -> None:
     prefix = f"{kind.kind}Heater{heater.within('Type', 'Number').scalar}"
     output, sensor = heater.within("pwm_output"), heater.within("ThermistorInput")
 
-    def put(key: KeyPath, found: Value | None, scale: float = 1.0) -> None:
+    def put(key: KeyPath, found: Read | None, scale: float = 1.0) -> None:
         if found is not None:
             draft.put((*path, *key), float(f"{found.value * scale:.10g}"), found.place)
 

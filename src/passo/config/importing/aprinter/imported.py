@@ -22,8 +22,8 @@ from passo.errors import ConfigError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from passo.config.importing.aprinter.document import Value
     from passo.config.importing.draft import KeyPath
+    from passo.config.importing.numbers import Read
 
 _PLAIN = ("NoTransform", "Null")
 _HOOKS = {"After homing": "after_homing", "After bed probing": "after_probing"}
@@ -41,7 +41,7 @@ class _Job:
     draft: Draft
     motors: dict[str, str] = field(default_factory=dict[str, str])
 
-    def put(self, path: KeyPath, found: Value | None, scale: float = 1.0) -> None:
+    def put(self, path: KeyPath, found: Read | None, scale: float = 1.0) -> None:
         """Sets a key to a number that was read."""
         if found is not None:
             self.draft.put(path, float(f"{found.value * scale:.10g}"), found.place)
@@ -231,7 +231,7 @@ def _put_motors(job: _Job, stepper: Node) -> None:
             job.put((*path, "peak_current_a"), current, 1e-3)
         micro = job.stored.number(slave, "MicroSteps")
         if micro is not None and micro.value > 0:
-            job.draft.put((*path, "microsteps"), int(micro.value), micro.place)
+            job.draft.put((*path, "microsteps"), micro.whole(1, 256), micro.place)
         delay = stepper.get("delay")
         if delay is not None and delay.kind == "Delay":
             _put(job, (*path, "pulse_us"), delay, "StepHighTime")
@@ -336,6 +336,6 @@ def _put_moves(job: _Job) -> None:
         job.draft.put((*path, "hook"), hook, move.place)
         priority = job.stored.number(move, "HookPriority")
         if priority is not None:
-            job.draft.put((*path, "priority"), int(priority.value), priority.place)
+            job.draft.put((*path, "priority"), priority.whole(0, 1000), priority.place)
         if not job.stored.flag(move, "Enabled", f"Move{number}Enabled"):
             job.draft.put((*path, "enabled"), False, move.place)

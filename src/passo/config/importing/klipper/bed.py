@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
 from passo.config.importing.klipper.cfg import Section
+from passo.config.importing.numbers import Read, number_of
 
 if TYPE_CHECKING:
     from passo.config.importing.klipper.conversion import Import
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 _START_MM, _LOW_MM = 10.0, -2.0  # default heights of a descent: start and lowest
 _ABOVE_MM, _BELOW_MM = 5.0, 2.0  # minimum distances of these heights from the trigger height
 _DESCENT_S = 19.0  # a descent that would take longer is refused
+_MOST_RETRIES = 20  # of a probe
 _SAMPLES = {"average": "mean", "median": "median"}
 
 
@@ -56,8 +58,7 @@ def _put_probe(job: Import, section: Section) -> None:
         section.number("sample_retract_dist", 2.0),
         section.at("sample_retract_dist"),
     )
-    samples = section.number("samples", 1)
-    put((*path, "samples"), int(samples or 1), section.at("samples"))
+    put((*path, "samples"), section.whole("samples", 1, 50) or 1, section.at("samples"))
     result = section.text("samples_result", "average").lower()
     if result not in _SAMPLES:
         key = "samples_result in [probe]"
@@ -65,8 +66,9 @@ def _put_probe(job: Import, section: Section) -> None:
     put((*path, "result"), _SAMPLES[result], section.at("samples_result"))
     tolerance = section.number("samples_tolerance", 0.1)
     put((*path, "tolerance_mm"), tolerance, section.at("samples_tolerance"))
-    retries = section.number("samples_tolerance_retries", 0)
-    put((*path, "retries"), int(retries or 0), section.at("samples_tolerance_retries"))
+    retries = section.read("samples_tolerance_retries")
+    number = retries.at_most(_MOST_RETRIES, job.draft) if retries else 0
+    put((*path, "retries"), number, section.at("samples_tolerance_retries"))
     for name in ("activate_gcode", "deactivate_gcode"):
         if name in section.options:
             section.used.add(name)
@@ -114,7 +116,9 @@ def put_mesh(job: Import) -> None:
         text = "the probe does not get so far: the area is smaller"
         job.draft.changed(section.at("mesh_max"), "[bed_mesh] mesh_min, mesh_max", text)
     count = pair(section, "probe_count") or (3.0, 3.0)
-    put((*path, "count"), [int(value) for value in count], section.at("probe_count"))
+    place = section.at("probe_count")
+    counts = [Read(value, "probe_count in [bed_mesh]", place).whole(3, 41) for value in count]
+    put((*path, "count"), [*counts], place)
     algorithm = section.text("algorithm", "lagrange").lower()
     smooth = "bicubic" if algorithm == "bicubic" else "bilinear"
     put((*path, "interpolation"), smooth, section.at("algorithm"))
@@ -140,7 +144,7 @@ def pair(section: Section, name: str) -> tuple[float, float] | None:
         return None
     parts = [part.strip() for part in found.text.split(",")]
     try:
-        values = [float(part) for part in parts]
+        values = [number_of(part) for part in parts]
     except ValueError:
         raise bad(found.place, f"{name} in [{section.name}]", found.text, "two numbers") from None
     return (values[0], values[-1])

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from passo.config.importing.draft import Place, bad
+from passo.config.importing.numbers import NUMBER, Read, number_of
 from passo.config.importing.sources import Sources
 from passo.errors import ConfigError
 
@@ -62,9 +63,20 @@ class Section:
         if found is None or not found.text:
             return default
         try:
-            return float(found.text)
+            return number_of(found.text)
         except ValueError:
-            raise bad(found.place, f"{name} in [{self.name}]", found.text, "a number") from None
+            raise bad(found.place, f"{name} in [{self.name}]", found.text, NUMBER) from None
+
+    def whole(self, name: str, minimum: int, maximum: int) -> int | None:
+        """The whole number of an option; None if there is none. Raises ConfigError for a fraction,
+        and for a number that is not within the limits, which are included."""
+        found = self.read(name)
+        return None if found is None else found.whole(minimum, maximum)
+
+    def read(self, name: str) -> Read | None:
+        """The number of an option with its place; None if there is none. Raises ConfigError."""
+        value = self.number(name)
+        return None if value is None else Read(value, f"{name} in [{self.name}]", self.at(name))
 
     def flag(self, name: str, default: bool) -> bool:
         """Whether an option is true."""

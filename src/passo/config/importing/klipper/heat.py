@@ -166,7 +166,11 @@ def _own_thermistor(section: Section) -> Ntc:
         celsius, ohm = section.number("temperature1", 25.0), section.number("resistance1")
         if celsius is None or ohm is None:
             raise _needed(section, "resistance1")
-        return Ntc(ohm * exp(beta * (1 / (25.0 + ZERO_C) - 1 / (celsius + ZERO_C))), beta)
+        try:
+            return _with_beta(celsius, ohm, beta)
+        except (ZeroDivisionError, OverflowError):
+            key = f"beta in [{section.name}]"
+            raise bad(section.at("beta"), key, f"{beta:g}", "a value in kelvin") from None
     points: list[tuple[float, float]] = []
     for index in "123":
         celsius, ohm = (section.number(f"{what}{index}") for what in ("temperature", "resistance"))
@@ -181,12 +185,16 @@ def _own_thermistor(section: Section) -> Ntc:
         # used.
         (low_c, low_ohm), _, (high_c, high_ohm) = sorted(points)
         inverse = 1 / (low_c + ZERO_C) - 1 / (high_c + ZERO_C)
-        beta = log(low_ohm / high_ohm) / inverse
-        r25 = low_ohm * exp(beta * (1 / (25.0 + ZERO_C) - 1 / (low_c + ZERO_C)))
-        return Ntc(r25, beta)
+        return _with_beta(low_c, low_ohm, log(low_ohm / high_ohm) / inverse)
     except (ValueError, ZeroDivisionError, OverflowError):
         key = f"[{section.name}]"
         raise bad(section.place, key, str(points), "points of one falling curve") from None
+
+
+def _with_beta(celsius: float, ohm: float, beta: float) -> Ntc:
+    """A thermistor by one point and β. Raises ZeroDivisionError or OverflowError for values that no
+    thermistor has."""
+    return Ntc(ohm * exp(beta * (1 / (25.0 + ZERO_C) - 1 / (celsius + ZERO_C))), beta)
 
 
 def _put_fans(job: Import) -> None:

@@ -62,8 +62,8 @@ def _put_boards(job: Import) -> None:
         if port is not None:
             draft.put((*path, "link"), "serial", port.place)
             draft.put((*path, "port"), port.text, port.place)
-            baud = section.number("baud", _BAUD)
-            draft.put((*path, "baud"), int(baud or _BAUD), section.at("baud"))
+            baud = section.whole("baud", 1200, 4_000_000) or _BAUD
+            draft.put((*path, "baud"), baud, section.at("baud"))
         else:
             text = "Passo reaches a board over a serial port or TCP: set link and port by hand"
             draft.decide(section.place, f"[{section.name}]", text)

@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.draft import bad
 from passo.config.importing.klipper.bed import pair, reached
+from passo.config.importing.numbers import number_of
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
+_MOST_RETRIES = 30  # that G34 makes
 _MOST_SCREWS = 99  # that Klipper counts
 _THREADS = ("M3", "M4", "M5", "M6")
 _FAR = "the probe does not get to X{:g} Y{:g}: give the places of [levelling.{}] by hand"
@@ -93,8 +95,9 @@ def _put_motors(job: Import) -> None:
         put((*path, "max_adjust_mm"), section.number("max_adjust", 4.0), section.at("max_adjust"))
     tolerance = section.number("retry_tolerance")
     put((*path, "tolerance_mm"), tolerance or None, section.at("retry_tolerance"))
-    retries = section.number("retries")
-    put((*path, "retries"), None if retries is None else int(retries), section.at("retries"))
+    retries = section.read("retries")
+    if retries is not None:
+        put((*path, "retries"), retries.at_most(_MOST_RETRIES, job.draft), retries.place)
 
 
 def _in_reach(job: Import, section: Section, at: list[float], table: str) -> bool:
@@ -125,7 +128,7 @@ def _places(section: Section, name: str) -> list[tuple[float, float]]:
     text = section.text(name)
     for line in text.splitlines():
         try:
-            x, y = (float(part) for part in line.split(","))
+            x, y = (number_of(part) for part in line.split(","))
         except ValueError:
             key = f"{name} in [{section.name}]"
             raise bad(section.at(name), key, line[:40], "two numbers with a comma") from None

@@ -10,6 +10,7 @@ from passo.config.importing.draft import bad
 from passo.config.importing.klipper.bed import pair
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.filters import put_advance
+from passo.config.importing.numbers import NUMBER, in_range, number_of
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -26,10 +27,7 @@ _ANGLES = (210.0, 330.0, 90.0)
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
 _LONGEST_MM = 1e6
-_DIRECT = {  # options of a stepper that are numbers with the same meaning
-    "full_steps_per_rotation": "full_steps_per_rotation",
-    "microsteps": "microsteps",
-}
+_WHOLE = {"full_steps_per_rotation": 10_000, "microsteps": 256}  # of a stepper, with the maximum
 
 
 def put_motion(job: Import) -> None:
@@ -146,12 +144,10 @@ def put_stepper(job: Import, section: Section, name: str, first: Section) -> Non
     if distance is None:
         raise _missing(section, "rotation_distance")
     put((*path, "rotation_distance_mm"), distance, section.at("rotation_distance"))
-    for option, key in _DIRECT.items():
+    for option, maximum in _WHOLE.items():
         source = section if option in section.options else first
-        value = source.number(option)
-        if value is not None:
-            section.used.add(option)
-            put((*path, key), int(value), source.at(option))
+        section.used.add(option)
+        put((*path, option), source.whole(option, 1, maximum), source.at(option))
     ratio = _gear_ratio(section if "gear_ratio" in section.options else first)
     if ratio != 1.0:
         put((*path, "gear_ratio"), ratio, section.at("gear_ratio"))
@@ -206,9 +202,9 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
         put((*tmc, "stealthchop_below_mm_s"), silent or None, section.at("stealthchop_threshold"))
         if not section.flag("interpolate", True):
             put((*tmc, "interpolate"), False, section.at("interpolate"))
-        address = section.number("uart_address")
-        if address is not None and chip == "tmc2209":
-            put((*tmc, "address"), int(address), section.at("uart_address"))
+        if chip == "tmc2209":
+            address = section.whole("uart_address", 0, 3)
+            put((*tmc, "address"), address, section.at("uart_address"))
         for option, key in pins.items():
             put((*tmc, key), job.pins.of(section, option), section.at(option))
 
@@ -350,7 +346,7 @@ def _numbered(job: Import, stem: str) -> list[Section]:
     found = [
         (int(match[1]), section)
         for section in job.config.sections.values()
-        if (match := re.fullmatch(rf"{stem}(\d+)", section.name))
+        if (match := re.fullmatch(rf"{stem}(\d{{1,2}})", section.name))
     ]
     job.used.update(section.name for _, section in found)
     return [section for _, section in sorted(found, key=lambda pair: pair[0])]
@@ -362,11 +358,13 @@ def _gear_ratio(section: Section) -> float:
     written = section.text("gear_ratio")
     for teeth in written.split(",") if written else ():
         try:
-            driven, driving = (float(part) for part in teeth.split(":"))
+            driven, driving = (number_of(part) for part in teeth.split(":"))
             ratio *= driven / driving
         except (ValueError, ZeroDivisionError):
             key = f"gear_ratio in [{section.name}]"
             raise bad(section.at("gear_ratio"), key, written, "pairs of teeth as 80:20") from None
+    if not in_range(ratio):
+        raise bad(section.at("gear_ratio"), f"gear_ratio in [{section.name}]", written, NUMBER)
     return ratio
 
 

@@ -16,6 +16,7 @@ _TO_MM_S = 1 / 60
 _START_MM, _ABOVE_MM = 10.0, 3.0  # of a descent, and at least above where the probe triggers
 _LOWEST_MM = -2.0  # Marlin's Z_PROBE_LOW_POINT, below where the probe triggers
 _SERVO_DEG = (70, 0)
+_MOST_RETRIES = 30  # that G34 makes
 _BY_HAND = "a probe that is fetched, turned or moved: set [probe] kind by hand"
 _THREADS = ("M3", "M4", "M5")
 
@@ -110,7 +111,7 @@ def _put_samples(job: Job, path: KeyPath) -> None:
     extra = job.defines.number("EXTRA_PROBING")
     if found is None:
         return
-    total = int(found.value) + (int(extra.value) if extra else 0)
+    total = found.whole(0, 50) + (extra.whole(0, 50) if extra else 0)
     job.draft.put((*path, "samples"), min(total, 50) if total > 2 else 1, found.place)
 
 
@@ -154,7 +155,7 @@ def _put_pin(job: Job, path: KeyPath) -> None:
     put((*path, "pin"), pin, None)
     if job.draft.keys[(*path, "kind")][0] in ("bltouch", "servo"):
         number = defines.number("Z_PROBE_SERVO_NR")
-        servo = f"SERVO{int(number.value) if number else 0}"
+        servo = f"SERVO{number.whole(0, 3) if number else 0}"
         control = pins.given(f"{servo}_PIN") or (servo if servo in board.pins else None)
         if control is None:
             raise bad(defines.place(what), f"{servo}_PIN", "missing", f"a pin of {board.name}")
@@ -183,7 +184,7 @@ def put_levelling(job: Job) -> None:
                 )
                 for axis in "XY"
             ]
-            counts = [int(one.value) for one in count if one is not None]
+            counts = [one.whole(2, 41) for one in count if one is not None]
             if len(counts) == 2:
                 put((*path, "count"), [*counts], count[0].place if count[0] else None)
             smooth = defines.on("ABL_BILINEAR_SUBDIVISION")
@@ -279,4 +280,4 @@ def _put_motors(job: Job) -> None:
     job.put((*path, "tolerance_mm"), job.defines.number("Z_STEPPER_ALIGN_ACC"))
     rounds = job.defines.number("Z_STEPPER_ALIGN_ITERATIONS")
     if rounds is not None:
-        job.draft.put((*path, "retries"), int(rounds.value), rounds.place)
+        job.draft.put((*path, "retries"), rounds.at_most(_MOST_RETRIES, job.draft), rounds.place)

@@ -10,7 +10,8 @@ from passo.errors import ConfigError
 if TYPE_CHECKING:
     from passo.config.importing.draft import Draft, KeyPath, Place
     from passo.config.importing.marlin.boards import Pins
-    from passo.config.importing.marlin.defines import Defines, Read
+    from passo.config.importing.marlin.defines import Defines
+    from passo.config.importing.numbers import Read
 
 
 @dataclass

@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
 
 from passo.config.importing.draft import Place, bad
 from passo.config.importing.marlin.derived import derived
 from passo.config.importing.marlin.expression import Number, Unreadable, value_of
+from passo.config.importing.numbers import NUMBER, Read, in_range
 from passo.config.importing.sources import Sources
 from passo.errors import ConfigError
 
@@ -23,14 +23,6 @@ _CONSTANT = re.compile(r"\s*(?:static\s+)?const\s+\w+\s+([A-Za-z_]\w*)\s*=\s*(.*
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _DERIVED = re.compile("HAS_|IS_|CORE_IS_|NUM_|NEED_|USE_")
 _MAX_NEST = 100  # of #if
-
-
-class Read(NamedTuple):
-    """A value that was read: the define that has it, and its place."""
-
-    value: float
-    name: str
-    place: Place
 
 
 @dataclass
@@ -125,11 +117,13 @@ class Defines:
 
     def _value(self, name: str, text: str) -> float:
         try:
-            return value_of(text, _Value(self))
-        except (Unreadable, OverflowError) as error:
-            names = getattr(error, "names", ())
-            limit = f"a number; {names[0]} is not defined" if names else "a number"
+            value = value_of(text, _Value(self))
+        except Unreadable as error:
+            limit = f"a number; {error.names[0]} is not defined" if error.names else NUMBER
             raise bad(self.place(name), name, text[:60], limit) from None
+        if not in_range(value):
+            raise bad(self.place(name), name, text[:60], NUMBER)
+        return value
 
 
 def _resolved(defines: Defines, name: str) -> str:
@@ -247,7 +241,7 @@ class _Preprocessor:
             return defined == (word == "ifdef"), ""
         try:
             return bool(value_of(rest, _Condition(self.defines))), ""
-        except (Unreadable, OverflowError):
+        except Unreadable:
             return False, rest[:60] or "#if"
 
 

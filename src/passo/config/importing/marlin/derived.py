@@ -44,7 +44,7 @@ def derived(defines: Names, name: str, argument: str | None) -> int | None:
         return int(has("TEMP_SENSOR_BED") not in (None, "0"))
     if name in ("HOTENDS", "E_STEPPERS", "HAS_MULTI_EXTRUDER", "HAS_MULTI_HOTEND"):
         count = has("EXTRUDERS") or "1"
-        if not count.isdigit():
+        if not re.fullmatch("[0-9]{1,2}", count):
             return None
         single = name.endswith(("HOTENDS", "HOTEND")) and defines.is_on("SINGLENOZZLE")
         number = 1 if single else int(count)

@@ -9,7 +9,7 @@ from passo.config.drivers import DriverName
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
-    from passo.config.importing.marlin.defines import Read
+    from passo.config.importing.numbers import Read
 
 _KNOWN: tuple[str, ...] = get_args(DriverName)
 _UART = ("TMC2208", "TMC2209")
@@ -51,12 +51,12 @@ def put_driver(job: Job, path: KeyPath, name: str, steps: Read) -> None:
     job.put((*tmc, "sense_resistor_ohm"), defines.number(f"{name}_RSENSE", f"{first}_RSENSE"))
     microsteps = defines.number(f"{name}_MICROSTEPS", f"{first}_MICROSTEPS")
     if microsteps is not None:
-        put((*path, "microsteps"), int(microsteps.value), microsteps.place)
+        put((*path, "microsteps"), microsteps.whole(1, 256), microsteps.place)
     if not defines.on("INTERPOLATE") and "INTERPOLATE" in defines.found:
         put((*tmc, "interpolate"), False, job.place("INTERPOLATE"))
     address = defines.number(f"{name}_SLAVE_ADDRESS")
     if address is not None and address.value and kind == "TMC2209":
-        put((*tmc, "address"), int(address.value), address.place)
+        put((*tmc, "address"), address.whole(0, 3), address.place)
     for key, pin in pins.items():
         put((*tmc, key), pin, None)
     _put_silence(job, tmc, name)

@@ -28,6 +28,7 @@ _CONSTANTS = {"true": 1, "false": 0, "HIGH": 1, "LOW": 0}
 _MAX_STEPS = 2000  # of one expression with all that its names stand for
 _MAX_DEPTH = 40
 _MAX_TOKENS = 500
+_LARGEST = 1e18  # of a value within an expression
 
 Number = int | float
 
@@ -218,8 +219,16 @@ class _Reader:
 
 def _number(text: str) -> Number:
     if text[:2].lower() == "0x":
-        return int(text, 16)
-    return int(text) if text.isdigit() else float(text)
+        return _limited(int(text, 16))
+    value = _limited(float(text))
+    return int(text) if text.isdigit() else value
+
+
+def _limited(value: Number) -> Number:
+    """A value that further steps can calculate with. Raises Unreadable for any other."""
+    if not abs(value) <= _LARGEST:
+        raise Unreadable
+    return value
 
 
 def _applied(sign: str, left: Number, right: Number) -> Number:
@@ -251,9 +260,7 @@ def _applied(sign: str, left: Number, right: Number) -> Number:
             return int(bool(left) or bool(right))
         case _:
             result = _bitwise(sign, int(left), int(right))
-    if abs(result) > 1e18:
-        raise Unreadable
-    return int(result) if whole else result
+    return int(_limited(result)) if whole else _limited(result)
 
 
 def _divided(sign: str, left: Number, right: Number) -> Number:

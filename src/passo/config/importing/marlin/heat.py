@@ -12,7 +12,7 @@ from passo.errors import ConfigError
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
-    from passo.config.importing.marlin.defines import Read
+    from passo.config.importing.numbers import Read
 
 _CONVERTERS = {-2: "max6675", -3: "max31855", -5: "max31865"}
 _DUMMIES = (998, 999)
@@ -39,9 +39,7 @@ _MK4DUO_CONVERTERS = {-3: "max6675", -4: "max31855"}
 def count_extruders(job: Job) -> None:
     """Sets the number of extruders and the names of the hotends. Raises ConfigError."""
     count = job.defines.number("EXTRUDERS")
-    job.extruders = int(count.value) if count else 1
-    if count is not None and not 0 <= count.value <= _MOST_EXTRUDERS:
-        raise bad(count.place, "EXTRUDERS", f"{count.value:g}", f"0 to {_MOST_EXTRUDERS}")
+    job.extruders = count.whole(0, _MOST_EXTRUDERS) if count else 1
     single = job.defines.on("SINGLENOZZLE")
     for number in range(min(job.extruders, 1) if single else job.extruders):
         if _has_sensor(job, f"TEMP_SENSOR_{number}"):
@@ -188,7 +186,7 @@ def _put_arrival(job: Job, path: KeyPath, mark: str) -> None:
 
 
 def _put_sensor(job: Job, path: KeyPath, sensor: Read, mark: str) -> None:
-    number, put = int(sensor.value), job.draft.put
+    number, put = sensor.whole(-1000, 10_000), job.draft.put
     if number in _DUMMIES:
         limit = "a sensor: this one always reads the same, so that nothing would stop the heater"
         raise bad(sensor.place, sensor.name, str(number), limit)
@@ -265,7 +263,7 @@ def _put_converter(job: Job, path: KeyPath, sensor: Read, kind: str, mark: str) 
     if kind == "max31865":
         ohms = job.defines.number(f"MAX31865_SENSOR_OHMS_{mark}")
         if ohms is not None:
-            put((*path, "sensor", "r0_ohm"), int(ohms.value), ohms.place)
+            put((*path, "sensor", "r0_ohm"), ohms.whole(100, 1000), ohms.place)
         job.put(
             (*path, "sensor", "reference_ohm"),
             job.defines.number(f"MAX31865_CALIBRATION_OHMS_{mark}"),

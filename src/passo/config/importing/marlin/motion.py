@@ -14,7 +14,7 @@ from passo.errors import ConfigError
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
-    from passo.config.importing.marlin.defines import Read
+    from passo.config.importing.numbers import Read
 
 # The motors of X, Y and Z, by geometry.
 MOTORS = {
@@ -205,7 +205,7 @@ def _further_motors(job: Job, axis: str) -> list[str]:
     old = (f"{axis}_DUAL_STEPPER_DRIVERS", f"{axis}_TWO_STEPPER_DRIVERS", f"{axis}_TWO_STEPPER")
     count = defines.number("NUM_Z_STEPPER_DRIVERS") if axis == "Z" else None
     if count is not None and count.value > 1:
-        return [f"Z{number}" for number in range(2, int(min(count.value, 4)) + 1)]
+        return [f"Z{number}" for number in range(2, count.whole(1, 4) + 1)]
     return [f"{axis}2"] if defines.on(*old) else []
 
 

@@ -7,6 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, bad
+from passo.config.importing.numbers import NUMBER, Read, number_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -47,9 +48,9 @@ def put_stored(draft: Draft, text: str, name: str, motors: Mapping[str, str]) ->
         words: dict[str, float] = {}
         for letter, value in _WORD.findall(found[2]):
             try:
-                words[letter] = float(value or 0)
+                words[letter] = number_of(value or "0")
             except ValueError:
-                raise bad(place, f"{found[1]} {letter}", value, "a number") from None
+                raise bad(place, f"{found[1]} {letter}", value, NUMBER) from None
         _Line(draft, found[1], words, place, motors).put()
 
 
@@ -105,8 +106,13 @@ class _Line:
             self._draft.put(path, value, self._place)
 
     def _extruder(self) -> str:
-        tool = int(self._words.get("T", self._words.get("E", 0) if self._code == "M301" else 0))
+        tool = self._index("T")
         return f"e{tool}" if tool else "e"
+
+    def _index(self, letter: str) -> int:
+        """The number of a tool or a hotend; 0 if the command does not give one."""
+        name = f"{self._code} {letter}"
+        return Read(self._words.get(letter, 0.0), name, self._place).whole(0, 99)
 
     def _put_steps(self) -> None:
         for letter, axis in _AXES.items():
@@ -123,7 +129,7 @@ class _Line:
         self._set(("extruders", self._extruder(), key), self._words.get("E"))
 
     def _put_gains(self) -> None:
-        number = int(self._words.get("E", 0))
+        number = self._index("E")
         heater = "bed" if self._code == "M304" else f"hotend{number or ''}"
         path = ("heaters", heater, "control")
         if self._has((*path, "kind")) == "pid":
