@@ -109,6 +109,26 @@ def test_scaled_seconds_are_a_fraction_of_real_ones(monkeypatch, scale):
     loop.close()
 
 
+def test_a_busy_computer_slows_scaled_time_down(monkeypatch):
+    real_s = 0.0
+    monkeypatch.setattr(time, "monotonic", lambda: real_s)
+    loop = ScaledLoop(20.0)
+
+    async def busy():
+        nonlocal real_s
+        await asyncio.sleep(0)
+        begin = loop.time()
+        real_s += 0.004
+        assert loop.time() - begin == pytest.approx(0.08)
+        real_s += 3.0
+        assert loop.time() - begin == pytest.approx(0.1)
+        await asyncio.sleep(0)
+        assert loop.time() - begin == pytest.approx(0.1)
+
+    loop.run_until_complete(busy())
+    loop.close()
+
+
 def test_the_kind_of_loop_follows_the_scale():
     for scale, kind in ((1, asyncio.SelectorEventLoop), (2.5, ScaledLoop), (None, VirtualLoop)):
         loop = new_loop(scale)

@@ -9,6 +9,7 @@ waits uses the timers of asyncio and does not depend on the kind of loop.
 from __future__ import annotations
 
 import asyncio
+import math
 import selectors
 import time
 from collections.abc import Callable
@@ -19,33 +20,52 @@ _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
 
-class _Scaled(selectors.DefaultSelector):
-    """A selector that waits a fraction of the given time."""
+# Seconds of a scaled loop, at most, for what runs between two waits. A computer that is too busy
+# slows the time down, so that the simulated boards do not find their messages late.
+_MOST_BUSY_S = 0.1
 
-    def __init__(self, scale: float) -> None:
+
+class _Scaled(selectors.DefaultSelector):
+    """A selector that waits a fraction of the given time. It calls `begin` with this time before
+    it waits, and with 0 afterwards."""
+
+    def __init__(self, scale: float, begin: Callable[[float], None]) -> None:
         super().__init__()
-        self._scale = scale
+        self._scale, self._begin = scale, begin
 
     def select(self, timeout: float | None = None) -> Any:
         """Waits for events, at most `timeout` seconds of the loop (None: without limit), and
         returns those that are ready."""
-        return super().select(timeout if timeout is None else timeout / self._scale)
+        self._begin(math.inf if timeout is None else max(timeout, 0.0))
+        ready = super().select(timeout if timeout is None else timeout / self._scale)
+        self._begin(0.0)
+        return ready
 
 
 class ScaledLoop(asyncio.SelectorEventLoop):
-    """An event loop whose seconds are `1/scale` of real ones."""
+    """An event loop whose seconds are `1/scale` of real ones, or longer on a busy computer."""
 
     def __init__(self, scale: float) -> None:
         self.scale = scale
-        self._start = time.monotonic()
-        super().__init__(_Scaled(scale))
+        self._base_s, self._since, self._limit_s = 0.0, time.monotonic(), _MOST_BUSY_S
+        super().__init__(_Scaled(scale, self._begin))
         if not scale > 0:
             self.close()
             raise ValueError("the scale of time must be above 0")
 
     def time(self) -> float:
         """Seconds of this loop since its creation."""
-        return (time.monotonic() - self._start) * self.scale
+        return self._at(time.monotonic())
+
+    def _at(self, real_s: float) -> float:
+        return self._base_s + min((real_s - self._since) * self.scale, self._limit_s)
+
+    def _begin(self, wait_s: float) -> None:
+        """Begins a wait, or a time without one, that may take `wait_s` and what a busy computer
+        adds."""
+        now = time.monotonic()
+        self._base_s = self._at(now)
+        self._since, self._limit_s = now, wait_s + _MOST_BUSY_S
 
 
 class _Jumping(selectors.DefaultSelector):
