@@ -80,8 +80,8 @@ class GapView {
   std::vector<std::pair<Bench*, uint32_t>> motors_;
   double base_ = 0;
 
-  static std::vector<NozzleGap::Motor> motors_of(const std::vector<GapMotor>& list) {
-    std::vector<NozzleGap::Motor> motors;
+  static std::vector<TrackedMotor> motors_of(const std::vector<GapMotor>& list) {
+    std::vector<TrackedMotor> motors;
     for (const auto& [board, pin, per_step, ratio, offset] : list)
       motors.push_back({per_step, ratio, offset});
     return motors;

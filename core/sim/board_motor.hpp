@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "sim/board_protocol.hpp"
@@ -49,7 +50,7 @@ class BoardMotor {
   // Counts the finished commands. Commands after the first one wait in move slots.
   void retire(Ticks now) {
     while (head_ != tail_) {
-      const StepRun& run = ring_[head_ & (ring_.size() - 1)];
+      const StepRun& run = front();
       if (run.end > now) break;
       count(run);
       ++head_;
@@ -63,12 +64,13 @@ class BoardMotor {
   void stop(Ticks now) {
     retire(now);
     if (head_ != tail_) {
-      StepRun run = ring_[head_ & (ring_.size() - 1)];
+      StepRun run = front();
       run.count = uint16_t(run.done(now));
       run.end = run.at(run.count);
       if (run.count > 0) count(run);
     }
     head_ = tail_;
+    if (following_) followed_to_ = {tail_, 0};
     last_ = std::min(last_, now);
     next_dir_ = -1;
     stopped_ = true;
@@ -78,13 +80,13 @@ class BoardMotor {
   int64_t net_at(Ticks clock) {
     retire(clock);
     if (head_ == tail_) return net_;
-    const StepRun& run = ring_[head_ & (ring_.size() - 1)];
+    const StepRun& run = front();
     return net_ + run.dir * run.done(clock);
   }
   // Steps both ways, likewise.
   int64_t steps_at(Ticks clock) {
     retire(clock);
-    return steps_ + (head_ == tail_ ? 0 : ring_[head_ & (ring_.size() - 1)].done(clock));
+    return steps_ + (head_ == tail_ ? 0 : front().done(clock));
   }
 
   // Keeps the commands that are executed within from…to.
@@ -93,6 +95,29 @@ class BoardMotor {
     trace_to_ = to;
   }
   std::vector<StepRun>& traced() { return trace_; }
+
+  // Keeps executed steps from `now` on for take_followed(); or no longer.
+  void follow(Ticks now, bool on) {
+    retire(now);
+    following_ = on;
+    followed_.clear();
+    followed_to_ = {head_, head_ == tail_ ? 0 : front().done(now)};
+  }
+  // The steps up to `until` since the last call. Later commands may still be stopped, so that
+  // nothing is retired here.
+  std::vector<StepRun> take_followed(Ticks until) {
+    std::vector<StepRun> taken = std::exchange(followed_, {});
+    for (; following_ && followed_to_.index != tail_; followed_to_ = {followed_to_.index + 1, 0}) {
+      const StepRun& run = ring_[followed_to_.index & (ring_.size() - 1)];
+      const int64_t done = run.end <= until ? run.count : run.done(until);
+      if (done > followed_to_.done) taken.push_back(run.part(followed_to_.done, done));
+      if (done < run.count) {
+        followed_to_.done = std::max(followed_to_.done, done);
+        break;
+      }
+    }
+    return taken;
+  }
   void set_late_limit(Ticks ticks) { late_ = ticks; }
 
  private:
@@ -105,8 +130,21 @@ class BoardMotor {
   bool stopped_ = false;
   Ticks trace_from_ = kNever, trace_to_ = kNever;
   std::vector<StepRun> trace_;
+  bool following_ = false;
+  struct {
+    size_t index = 0;  // of a command in the ring, not before head_
+    int64_t done = 0;  // its steps that were taken
+  } followed_to_;
+  std::vector<StepRun> followed_;
 
+  const StepRun& front() const { return ring_[head_ & (ring_.size() - 1)]; }
+  // The command at head_, or what a stop has left of it.
   void count(const StepRun& run) {
+    if (following_ && followed_to_.index == head_) {
+      if (run.count > followed_to_.done)
+        followed_.push_back(run.part(followed_to_.done, run.count));
+      followed_to_ = {head_ + 1, 0};
+    }
     net_ += run.dir * int64_t(run.count);
     steps_ += run.count;
     if (run.end >= trace_from_ && run.start < trace_to_) trace_.push_back(run);

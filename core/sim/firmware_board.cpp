@@ -126,6 +126,17 @@ std::vector<StepRun> FirmwareBoard::take_steps(uint32_t step_pin) {
   return std::exchange(motor(step_pin).trace, {});
 }
 
+void FirmwareBoard::follow_steps(uint32_t step_pin, bool on) {
+  Motor& m = motor(step_pin);
+  m.following = on;
+  m.followed.clear();
+}
+
+// The firmware has executed none that is later.
+std::vector<StepRun> FirmwareBoard::take_followed(uint32_t step_pin, Ticks) {
+  return std::exchange(motor(step_pin).followed, {});
+}
+
 std::vector<PinChange> FirmwareBoard::take_changes(uint32_t pin) {
   return std::exchange(output(pin).trace, {});
 }
@@ -164,7 +175,9 @@ void FirmwareBoard::step(Motor& m, Ticks clock) {
   int8_t dir = m.forward ? 1 : -1;
   m.net += dir;
   ++m.steps;
-  if (clock >= m.from && clock < m.to) m.trace.push_back({clock - 1, clock, 1, 1, 0, dir});
+  const StepRun run{clock - 1, clock, 1, 1, 0, dir};
+  if (clock >= m.from && clock < m.to) m.trace.push_back(run);
+  if (m.following) m.followed.push_back(run);
 }
 
 void FirmwareBoard::on_output(void* owner, uint16_t pin, uint32_t value, uint32_t full,

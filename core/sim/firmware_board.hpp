@@ -60,6 +60,8 @@ class FirmwareBoard : public Bench {
   int64_t steps(uint32_t step_pin) override { return motor(step_pin).steps; }
   void trace_steps(uint32_t step_pin, Ticks from, Ticks to) override;
   std::vector<StepRun> take_steps(uint32_t step_pin) override;
+  void follow_steps(uint32_t step_pin, bool on) override;
+  std::vector<StepRun> take_followed(uint32_t step_pin, Ticks until) override;
   uint32_t output_value(uint32_t pin) override { return output(pin).value; }
   void trace_output(uint32_t pin) override { output(pin).tracing = true; }
   std::vector<PinChange> take_changes(uint32_t pin) override;
@@ -75,6 +77,8 @@ class FirmwareBoard : public Bench {
     int64_t net = 0, steps = 0;
     Ticks from = kNever, to = kNever;
     std::vector<StepRun> trace;
+    bool following = false;
+    std::vector<StepRun> followed;
   };
   struct Output {
     uint32_t value = 0;

@@ -6,18 +6,18 @@
 namespace passo::wire {
 
 NozzleGap::NozzleGap(double clock_hz, std::shared_ptr<const Geometry> geometry, const Bed& bed,
-                     const std::vector<Motor>& motors, std::vector<Lift> lifts)
+                     const std::vector<TrackedMotor>& motors, std::vector<Lift> lifts)
     : hz_(clock_hz), geometry_(std::move(geometry)), bed_(bed), lifts_(std::move(lifts)),
       cells_(size_t(kCells) * kCells) {
-  for (const Motor& motor : motors) tracks_.push_back({motor});
+  for (const TrackedMotor& motor : motors) tracks_.emplace_back(motor);
 }
 
 void NozzleGap::add_steps(size_t motor, const std::vector<StepRun>& runs, int64_t all, Ticks now) {
   Track& track = tracks_.at(motor);
-  track.ahead.insert(track.ahead.end(), runs.begin(), runs.end());
+  track.add(runs);
   for (const StepRun& run : runs) track.traced += run.count;
   const Ticks until = track.traced == all ? now : runs.empty() ? 0 : runs.back().end;
-  track.known = std::max(track.known, double(until) * track.motor.ratio + track.motor.offset);
+  track.known = std::max(track.known, track.main_clock(until));
 }
 
 void NozzleGap::advance() {
@@ -43,30 +43,16 @@ void NozzleGap::sample_until(double clock) {
   run(clock);
 }
 
-void NozzleGap::run(Track& track, double clock) {
-  const double own = (clock - track.motor.offset) / track.motor.ratio;
-  while (!track.ahead.empty()) {
-    const StepRun& first = track.ahead.front();
-    if (double(first.start) >= own) return;
-    const int64_t done = double(first.end) <= own ? first.count : first.done(Ticks(own));
-    track.position += double(first.dir * (done - track.done)) * track.motor.per_step;
-    track.done = done;
-    if (done < first.count) return;
-    track.ahead.pop_front();
-    track.done = 0;
-  }
-}
-
 void NozzleGap::run(double clock) {
   while (!places_.empty() && places_.front().clock <= clock) {
     const Set set = std::move(places_.front());
     places_.pop_front();
     for (size_t i = 0; i < tracks_.size(); ++i) {
-      run(tracks_[i], set.clock);
+      tracks_[i].run(set.clock);
       tracks_[i].position = set.positions[i];
     }
   }
-  for (Track& track : tracks_) run(track, clock);
+  for (Track& track : tracks_) track.run(clock);
 }
 
 void NozzleGap::sample(double clock, const std::array<double, 3>& offset) {

@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/types.hpp"
 #include "geometry/geometry.hpp"
 #include "sim/bed.hpp"
-#include "sim/simulated_device.hpp"
+#include "sim/step_track.hpp"
 
 namespace passo::wire {
 
@@ -21,16 +20,10 @@ class NozzleGap {
   static constexpr double kSampleSeconds = 0.005;
   static constexpr int kCells = 24;  // along X and along Y of the bed
 
-  // The motor of an actuator, or one of several that carry the gantry.
-  struct Motor {
-    double per_step;  // mm or degrees; negative if its steps count down
-    double ratio;     // ticks of the main board in one of its own
-    double offset;    // clock of the main board when its own reads 0
-  };
-  // The first motors are those of the geometry's actuators. `lifts` are as for a probe, with the
-  // number of the motor instead of its pin.
+  // The first motors are those of the geometry's actuators, others carry the gantry. `lifts` are as
+  // for a probe, with the number of the motor instead of its pin.
   NozzleGap(double clock_hz, std::shared_ptr<const Geometry> geometry, const Bed& bed,
-            const std::vector<Motor>& motors, std::vector<Lift> lifts);
+            const std::vector<TrackedMotor>& motors, std::vector<Lift> lifts);
 
   // Sets the positions of the motors, without steps, at a clock at which they are at standstill.
   void place(double clock, std::vector<double> positions) {
@@ -63,13 +56,10 @@ class NozzleGap {
   const std::vector<Cell>& cells() const { return cells_; }
 
  private:
-  struct Track {
-    Motor motor;
-    double position = 0;        // after the last executed step
-    std::deque<StepRun> ahead;  // the first run may be executed in part
-    int64_t done = 0;           // executed steps of the first run
-    int64_t traced = 0;         // steps added so far
-    double known = 0;           // all steps up to this clock are known
+  struct Track : StepTrack {
+    using StepTrack::StepTrack;
+    int64_t traced = 0;  // steps added so far
+    double known = 0;    // all steps up to this clock are known
   };
   struct Set {
     double clock;
@@ -92,7 +82,6 @@ class NozzleGap {
   Place lowest_{}, highest_{};
   std::vector<Cell> cells_;
 
-  static void run(Track& track, double clock);
   void run(double clock);
   void sample_until(double clock);
   void sample(double clock, const std::array<double, 3>& offset);

@@ -35,6 +35,11 @@ struct StepRun {
     }
     return low;
   }
+  // Its steps after the first `from`, up to step `to`.
+  StepRun part(int64_t from, int64_t to) const {
+    return {at(from), at(to), uint32_t(int64_t(interval) + add * from), uint16_t(to - from),
+            add,      dir};
+  }
 };
 
 struct PinChange {
@@ -67,6 +72,11 @@ class Bench : public Device {
   // Keeps the steps that are executed within from…to, for take_steps().
   virtual void trace_steps(uint32_t step_pin, Ticks from, Ticks to) = 0;
   virtual std::vector<StepRun> take_steps(uint32_t step_pin) = 0;
+  // Keeps executed steps from now on for take_followed(), or ends that; independent of tracing, and
+  // a reset of the board does not end it.
+  virtual void follow_steps(uint32_t step_pin, bool on) = 0;
+  // Steps executed since the last call up to a clock, to the step. Clocks do not decrease.
+  virtual std::vector<StepRun> take_followed(uint32_t step_pin, Ticks until) = 0;
   virtual uint32_t output_value(uint32_t pin) = 0;
   virtual void trace_output(uint32_t pin) = 0;
   virtual std::vector<PinChange> take_changes(uint32_t pin) = 0;
@@ -77,6 +87,8 @@ class Bench : public Device {
   // `step_pin`. Whenever this board samples an endstop, both boards are at the same time, to within
   // one sampling interval. A motor of a removed board has no effect any more.
   void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin);
+  // Empty once the board is removed.
+  std::weak_ptr<Bench*> handle() const { return self_; }
   // Moves a motor's actuator, as if by hand.
   void place(uint32_t step_pin, double position);
 

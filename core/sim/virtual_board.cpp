@@ -14,6 +14,7 @@ T& VirtualBoard::configure(uint32_t oid, T part) {
   if constexpr (std::is_same_v<T, BoardMotor>) {
     if (motors_.size() <= oid) motors_.resize(oid + 1);
     motors_[oid] = &made;
+    if (followed_.count(made.step_pin)) made.follow(now_, true);
   } else {
     timed_.push_back({oid, &kept});
   }
@@ -82,6 +83,19 @@ void VirtualBoard::trace_steps(uint32_t step_pin, Ticks from, Ticks to) {
 std::vector<StepRun> VirtualBoard::take_steps(uint32_t step_pin) {
   motor(step_pin).retire(now_);
   return std::exchange(motor(step_pin).traced(), {});
+}
+
+void VirtualBoard::follow_steps(uint32_t step_pin, bool on) {
+  if (on)
+    followed_.insert(step_pin);
+  else
+    followed_.erase(step_pin);
+  if (BoardMotor* found = find_motor(step_pin)) found->follow(now_, on);
+}
+
+std::vector<StepRun> VirtualBoard::take_followed(uint32_t step_pin, Ticks until) {
+  BoardMotor* found = find_motor(step_pin);
+  return found ? found->take_followed(until) : std::vector<StepRun>();
 }
 
 std::vector<PinChange> VirtualBoard::take_changes(uint32_t pin) {

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -47,6 +48,8 @@ class VirtualBoard : public Bench {
   int64_t steps(uint32_t step_pin) override { return motor(step_pin).steps_at(now_); }
   void trace_steps(uint32_t step_pin, Ticks from, Ticks to) override;
   std::vector<StepRun> take_steps(uint32_t step_pin) override;
+  void follow_steps(uint32_t step_pin, bool on) override;
+  std::vector<StepRun> take_followed(uint32_t step_pin, Ticks until) override;
   uint32_t output_value(uint32_t pin) override { return output_on(pin).value(); }
   void trace_output(uint32_t pin) override { output_on(pin).trace(); }
   std::vector<PinChange> take_changes(uint32_t pin) override;
@@ -75,6 +78,7 @@ class VirtualBoard : public Bench {
   std::vector<Timed> timed_;         // all but the motors, which run in closed form
   std::vector<BoardMotor*> motors_;  // by oid, null where there is none
   std::vector<BoardOutput*> outputs_;
+  std::set<uint32_t> followed_;  // step pins
   uint64_t sequence_ = 0, frames_ = 0, naks_ = 0;
   Ticks next_ = kNever;
   std::optional<uint32_t> oids_;

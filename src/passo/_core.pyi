@@ -984,6 +984,107 @@ class NozzleGap:
 
 GAP_CELLS: int = 24
 
+class BeltMass:
+    """A mass on a belt that a motor moves in steps; exact between them."""
+
+    def __init__(self, frequency_hz: float, damping: float) -> None:
+        """
+        `damping` is a fraction of the critical one. Raises ValueError outside of 0 to 1.
+        """
+
+    def run(self, seconds: float) -> None:
+        """Lets time pass without a step."""
+
+    def step(self, mm: float) -> None:
+        """The motor moves, at once."""
+
+    @property
+    def deviation(self) -> float:
+        """Position of the mass minus that of the motor, mm."""
+
+    @property
+    def velocity(self) -> float:
+        """mm/s."""
+
+    @property
+    def acceleration(self) -> float:
+        """mm/s²."""
+
+    @property
+    def ringing(self) -> float:
+        """The amplitude of the vibration while the motor is at standstill, mm."""
+
+class NozzlePressure:
+    """
+    A nozzle whose flow follows the extruder's speed as a first-order system; exact between steps.
+    """
+
+    def __init__(self, time_constant_s: float) -> None:
+        """Raises ValueError for a time constant that is not above 0."""
+
+    def run(self, seconds: float) -> None:
+        """Lets time pass without a step."""
+
+    def step(self, mm: float) -> None:
+        """The extruder moves, at once."""
+
+    @property
+    def flow(self) -> float:
+        """Filament that leaves the nozzle, mm/s."""
+
+class HeadDynamics:
+    """
+    The real motion of the head of a simulated printer, and the flow of its nozzles, from executed steps alone. Clocks are those of the main board and do not decrease.
+    """
+
+    def __init__(self, clock_hz: float, geometry: dict, masses: Sequence[tuple[float, float]], nozzles: Sequence[float], motors: Sequence[tuple[Bench, int, float, float, float]]) -> None:
+        """
+        `masses` has the frequency in Hz and the damping ratio of X, Y and Z, `nozzles` the time constant in s of each extruder. `motors` are as for NozzleGap: first those of the actuators of the geometry, then those of the extruders.
+        """
+
+    @property
+    def last_step(self) -> float:
+        """The clock of the last step that was made."""
+
+    def follow(self, on: bool) -> None:
+        """
+        Begins to follow the motors from their positions, all at rest; or ends it.
+        """
+
+    def place(self, clock: float, positions: Sequence[float]) -> None:
+        """
+        Sets the positions of the motors of the actuators at this clock, at standstill.
+        """
+
+    def run(self, clock: float) -> None:
+        """Moves everything up to a clock that the boards have reached."""
+
+    @property
+    def motor_mm(self) -> list[float]:
+        """Where the motors hold X, Y and Z."""
+
+    @property
+    def mm(self) -> list[float]:
+        """Where X, Y and Z really are."""
+
+    @property
+    def velocity(self) -> list[float]:
+        """mm/s in X, Y and Z."""
+
+    @property
+    def acceleration(self) -> list[float]:
+        """mm/s² in X, Y and Z."""
+
+    @property
+    def ringing(self) -> list[float]:
+        """
+        The amplitudes of the vibration of X, Y and Z, mm, while the motors are at standstill.
+        """
+
+    @property
+    def flow(self) -> list[float]:
+        """Filament that leaves the nozzle of each extruder, mm/s."""
+
 class Stop(enum.Enum):
     """Why time stopped passing."""
 

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from passo.config.calibration import DeltaCalibration, Screws, SimulatedDelta, ZMotors
-from passo.config.types import Model, Name, NotNegative, Pair, Position, Positive
+from passo.config.simulated_motion import SimulatedMass
+from passo.config.types import Model, Name, NotNegative, Pair, Position, Positive, ShapedAxis
 from passo.probes.base import HeightOffset
 
 PROBE = "probe"
@@ -125,3 +126,11 @@ class Simulated(Model):
     """The true height above the home position at which the endstop of a Z motor triggers."""
     delta: SimulatedDelta | None = None
     """The true geometry of a simulated delta."""
+    masses: dict[ShapedAxis, SimulatedMass] = {}
+    """What vibrates in X, Y and Z. An axis without this table has the typical frequency of its
+    geometry, such as 55 Hz in X and 35 Hz in Y of a cartesian printer, and a damping ratio of
+    0.1."""
+    nozzle_pressure_s: Annotated[float, Field(ge=0.001, le=2)] = 0.05
+    """The time constant with which the flow of each nozzle follows its extruder: the advance_s that
+    compensates it. A filament motor on the head has 0.02 to 0.06 s, one with a long tube 0.3 to
+    1 s."""

@@ -57,10 +57,19 @@ def inputs(machine: MachineConfig) -> tuple[Switch, ...]:
 
 def motors_of_actuators(machine: MachineConfig) -> tuple[str, ...]:
     """The first motor of each actuator."""
+    return _first_motors(machine, "actuator")
+
+
+def motors_of_extruders(machine: MachineConfig) -> tuple[str, ...]:
+    """The first motor of each extruder."""
+    return _first_motors(machine, "extruder")
+
+
+def _first_motors(machine: MachineConfig, drive: str) -> tuple[str, ...]:
     found: dict[int, str] = {}
     for name in machine.steppers:
         driven = machine.driven_by(name)
-        if driven is not None and driven.drive == "actuator":
+        if driven is not None and driven.drive == drive:
             found.setdefault(driven.index, name)
     return tuple(found[i] for i in sorted(found))
 

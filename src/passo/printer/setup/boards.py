@@ -30,6 +30,7 @@ from passo.config.sensor_tables import (
     sensor_table,
     share_at,
 )
+from passo.config.simulated_motion import simulated_masses
 from passo.geometry.delta import Delta
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.levelling.least_squares import solve
@@ -38,6 +39,7 @@ from passo.motion.endstops import (
     inputs,
     is_actuator,
     motors_of_actuators,
+    motors_of_extruders,
     pressed_point,
     steppers_of,
     switches,
@@ -350,6 +352,21 @@ def nozzle_gap(
         [(motors.index(lift.stepper), lift.weight) for lift in lifts],
     )
     return gap, motors
+
+
+def head_dynamics(machine: MachineConfig, board: SimulatedMachine) -> _core.HeadDynamics:
+    """Returns the object that follows how the head of the simulated printer really moves, and what
+    its nozzles extrude. It follows nothing until its `follow` is called."""
+    masses = simulated_masses(machine.geometry.kind, machine.simulated.masses)
+    x, y, z = ((mass.frequency_hz, mass.damping) for mass in masses)
+    motors = motors_of_actuators(machine) + motors_of_extruders(machine)
+    return _core.HeadDynamics(
+        machine.board.clock_hz,
+        simulated_geometry(machine).spec(),
+        (x, y, z),
+        [machine.simulated.nozzle_pressure_s] * len(machine.extruders),
+        [board.motor(name) for name in motors],
+    )
 
 
 def _bed_probe(machine: MachineConfig) -> BedProbe | None:
