@@ -43,3 +43,13 @@ def test_a_machine_with_errors_has_no_unit(
     path.write_text("name = 1\n", encoding="utf-8")
     assert main(["unit", str(path)]) == 3
     assert "[Service]" not in capsys.readouterr().out
+
+
+def test_a_unit_that_moonraker_cannot_use_is_not_made(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "msgspec", None)
+    assert main(["unit", "voron-0"]) == 2
+    printed = capsys.readouterr()
+    assert "Klipper's socket needs msgspec, which is not installed" in printed.err
+    assert printed.out == ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
 import time
@@ -164,4 +165,6 @@ def tcp_port(host: str, port: int) -> LivePort:
 
 
 def _unreachable(place: str, error: OSError) -> LinkLostError:
+    if error.errno == errno.EBUSY:
+        return LinkLostError.of("machine.port-in-use", axis=place)
     return LinkLostError.of("machine.unreachable", axis=place, value=error.strerror or str(error))

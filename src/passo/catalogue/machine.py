@@ -71,6 +71,12 @@ MACHINE: Mapping[str, Entry] = {
         "Check its cable and supply, and link and port in the machine file",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.port-in-use": Entry(
+        "board",
+        "another program has {axis} open",
+        "Stop it first, for example a running Klipper: sudo systemctl stop klipper",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.silent": Entry(
         "board",
         "the board does not answer {value}",

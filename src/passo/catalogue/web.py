@@ -122,4 +122,10 @@ WEB: Mapping[str, Entry] = {
         "Check the name, its permissions, and that no other program has it",
         ExitStatus.USAGE,
     ),
+    "console.not-installed": Entry(
+        "console",
+        "{axis} needs {value}, which is not installed",
+        "Install Passo with its web interface: passo[web]",
+        ExitStatus.USAGE,
+    ),
 }

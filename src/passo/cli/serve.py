@@ -363,9 +363,7 @@ def _klippy(printer: Printer, path: str, log_file: str | None) -> str:
         return printer.open_klippy(path, log_file=log_file)
     except ImportError as error:
         raise InputError.of(
-            "console.unopened",
-            axis=f"socket {path}",
-            value=f"{error.name} is not installed. Install passo[web]",
+            "console.not-installed", axis=f"socket {path}", value=error.name or "a package"
         ) from None
 
 

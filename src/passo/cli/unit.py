@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import getpass
+import importlib
 import sys
 from pathlib import Path
 
-from passo.errors import ExitStatus
+from passo.errors import ExitStatus, InputError
 
 _UNIT = """\
 # Made by `passo unit`. Put it at /etc/systemd/system/passo.service.
@@ -22,6 +23,9 @@ User={user}
 ExecStart={command}
 Restart=on-failure
 RestartSec=5
+SuccessExitStatus=130
+# A wrong machine file stays wrong: see `systemctl status passo`.
+RestartPreventExitStatus=2 3
 
 [Install]
 WantedBy=multi-user.target
@@ -41,10 +45,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints the unit. Raises ConfigError for a machine file with errors."""
+    """Prints the unit. Raises ConfigError for a machine file with errors, and InputError if Passo
+    is installed without the part that Moonraker needs."""
     from passo import config
 
     machine = config.load(arguments.machine)
+    try:
+        importlib.import_module("msgspec")
+    except ImportError as error:
+        raise InputError.of(
+            "console.not-installed", axis="Klipper's socket", value=error.name or "msgspec"
+        ) from None
     path, data = Path(arguments.machine), Path(arguments.data).expanduser().absolute()
     words = [
         *(sys.executable, "-m", "passo", "serve"),
