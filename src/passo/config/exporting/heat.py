@@ -23,11 +23,12 @@ _WATERMARK_C = 2.0
 
 
 def put_heat(cfg: Cfg) -> None:
-    """Converts all heaters, then all fans."""
+    """Converts all heaters, then all fans. A hotend without an extruder of its own is a
+    [heater_generic], because Klipper's extruder has a motor and a heater."""
     names: dict[str, str] = {}
     hotends = [name for name, heater in cfg.machine.heaters.items() if heater.kind == "hotend"]
     for name, heater in cfg.machine.heaters.items():
-        if heater.kind == "hotend":
+        if name in hotends[: max(len(cfg.machine.extruders), 1)]:
             names[name] = f"extruder{hotends.index(name) or ''}"
         else:
             names[name] = "heater_bed" if heater.kind == "bed" else f"heater_generic {name}"

@@ -55,6 +55,7 @@ def exported(machine: MachineConfig) -> Cfg:
                 f"damping_ratio_{axis}": shaper.damping,
             },
         )
+    _put_commands(cfg)
     _put_macros(cfg)
     _remark_on_the_rest(cfg)
     return cfg
@@ -109,7 +110,8 @@ def _put_axis(cfg: Cfg, kind: str, motor: str, letter: str) -> None:
         axis = machine.axes[letter]
         cfg.put(section, position_min=axis.min_mm, position_max=axis.max_mm)
     if homing is None:
-        cfg.left_out.append(f"{letter.upper()} has no endstop, which Klipper needs: {section}")
+        text = f"{letter.upper()} has no endstop: Klipper starts when [{section}] has endstop_pin"
+        cfg.left_out.append(text)
         return
     pins = homing.stepper_pins or ({motors[0]: homing.pin} if homing.pin else {})
     for number, name in enumerate(motors):
@@ -236,6 +238,13 @@ def _put_levelling(cfg: Cfg) -> None:
         cfg.put("quad_gantry_level", **common)
     else:
         cfg.put("z_tilt", z_positions="".join(f"\n{x:g}, {y:g}" for x, y in pivots), **common)
+
+
+def _put_commands(cfg: Cfg) -> None:
+    """Writes the sections with the commands that Passo always has, which web pages use."""
+    cfg.put("virtual_sdcard", path="~/printer_data/gcodes")
+    for section in ("pause_resume", "display_status", "exclude_object", "respond", "gcode_arcs"):
+        cfg.put(section)
 
 
 def _put_macros(cfg: Cfg) -> None:

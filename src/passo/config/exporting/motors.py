@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.trinamic import chip_of
+
 if TYPE_CHECKING:
     from passo.config.exporting.cfg import Cfg
 
@@ -26,10 +28,10 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
         rotation_distance=distance,
         step_pulse_duration=stepper.pulse_us * 1e-6 if stepper.pulse_us else None,
     )
-    tmc = stepper.tmc
-    if tmc is None:
+    tmc, chip = stepper.tmc, chip_of(stepper.driver)
+    if tmc is None or chip is None:
         return
-    driver = f"{stepper.driver.lower()} {section}"
+    driver = f"{chip.lower()} {section}"
     socket = machine.socket(name)
     select = tmc.cs_pin or (f"{stepper.socket}_SELECT" if socket and socket.select else None)
     buses = (tmc.clock_pin, tmc.mosi_pin, tmc.miso_pin)
@@ -45,7 +47,7 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
         spi_software_miso_pin=miso,
         run_current=tmc.run_current_a,
         hold_current=tmc.hold_current_a,
-        sense_resistor=tmc.sense_resistor_ohm,
+        sense_resistor=tmc.resistor_ohm(chip),
         stealthchop_threshold=tmc.stealthchop_below_mm_s,
         interpolate=None if tmc.interpolate else False,
     )
