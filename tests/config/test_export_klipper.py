@@ -62,6 +62,10 @@ def test_what_is_exported_comes_back(name: str, tmp_path: Path) -> None:
         )
         assert its.sensor.r25_ohm == pytest.approx(heater.sensor.r25_ohm, rel=1e-4)
         assert its.sensor.beta_k == pytest.approx(heater.sensor.beta_k, rel=1e-3)
+    for key, fan in machine.fans.items():
+        its = other.fans[key]
+        assert (its.follows_motors, its.above_c) == (fan.follows_motors, fan.above_c)
+        assert other.pin(its.pin) == machine.pin(fan.pin)
     assert other.levelling.motors == machine.levelling.motors
     if machine.probe:
         assert other.probe

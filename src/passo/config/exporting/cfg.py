@@ -18,10 +18,11 @@ Option = str | float | int | bool | None
 @dataclass
 class Cfg:
     """The sections in their order, each with its options, and remarks on the parts that were left
-    out."""
+    out. `motors` are the sections of the motors, by their names in the machine file."""
 
     machine: MachineConfig
     sections: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
+    motors: dict[str, str] = field(default_factory=dict[str, str])
     left_out: list[str] = field(default_factory=list[str])
 
     def put(self, section: str, **options: Option) -> None:

@@ -116,7 +116,8 @@ def _put_fans(cfg: Cfg, heaters: dict[str, str]) -> None:
             cfg.put(section, heater=heaters[fan.follows], heater_temp=fan.above_c)
         elif moved:
             section = f"controller_fan {name}"
-            cfg.put(section, idle_timeout=int(fan.stays_on_s))
+            own = ", ".join(cfg.motors[motor] for motor in moved if motor in cfg.motors)
+            cfg.put(section, stepper=own, idle_timeout=int(fan.stays_on_s))
         elif fan.number == 0 and "fan" not in cfg.sections:
             section = "fan"
         else:

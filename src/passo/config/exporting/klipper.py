@@ -186,6 +186,10 @@ def _put_probe(cfg: Cfg) -> None:
         samples_tolerance=probe.tolerance_mm,
         samples_tolerance_retries=probe.retries,
     )
+    if probe.fast_mm_s != probe.slow_mm_s:
+        cfg.left_out.append("probe.fast_mm_s: Klipper's probe has one speed, slow_mm_s")
+    if probe.heaters_off:
+        cfg.left_out.append("probe.heaters_off: heaters stay on while Klipper probes")
     home = cfg.machine.homing.get("z")
     if home is not None and home.probe:
         (x, y), (dx, dy) = cfg.machine.probe_home_mm, probe.offset_mm
@@ -226,6 +230,8 @@ def _put_levelling(cfg: Cfg) -> None:
             )
         if sensing:
             cfg.put(section, screw_thread=f"{way.upper()}-{size}")
+        else:
+            cfg.left_out.append("levelling.screws.thread: [bed_screws] has none")
     motors = levelling.motors
     if motors is None or not sensing:
         return

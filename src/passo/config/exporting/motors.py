@@ -16,6 +16,7 @@ def put_stepper(cfg: Cfg, name: str, section: str) -> None:
     """Writes the pins, the scale and the driver of a motor."""
     stepper, machine = cfg.machine.steppers[name], cfg.machine
     step, direction, enable = _pins(cfg, name)
+    cfg.motors[name] = section
     full = stepper.full_steps_per_rotation
     distance = full * stepper.microsteps / stepper.steps_per_unit
     cfg.put(
