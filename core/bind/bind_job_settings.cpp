@@ -101,6 +101,15 @@ void bind_job_settings(JobClass& job) {
           "Sets the shaper of X, Y or Z: (weight, seconds) of each impulse; empty: the axis is not "
           "shaped. Call it only at standstill.")
       .def(
+          "set_jerk_box",
+          [](JobView& self, double box_s) {
+            self.job.motion.flush();
+            self.job.motion.set_jerk_box(box_s);
+          },
+          "box_s"_a,
+          "Sets the time, in s, over which the position of each axis is averaged to limit jerk; 0: "
+          "it is not averaged. Call it only at standstill.")
+      .def(
           "set_smoothing",
           [](JobView& self, size_t extruder, double half_s) {
             check_extruder(self, extruder);
@@ -137,7 +146,7 @@ void bind_job_settings(JobClass& job) {
             self.job.motion.flush();
             self.job.motion.use_filters(on);
           },
-          "on"_a, "Switches shapers and pressure advance on or off. Call it only at standstill.")
+          "on"_a, "Switches all motion filters on or off. Call it only at standstill.")
       .def(
           "follow_tool", [](JobView& self) { self.job.follow_tool(); },
           "The correction of Z is that at the place of the tool in use, from standstill on; the "

@@ -132,7 +132,7 @@ class Advance {
     const Phases& p = *phases_;
     const double from = t_ - delay_[2];
     double once = 0, twice = 0, once_middle = 0, twice_middle = 0;  // integrals of y from t - h on
-    double y[3], slope[3], at = from;
+    double y[3] = {0, 0, 0}, slope[3] = {0, 0, 0}, at = from;
     for (size_t k = k_[2];; ++k) {
       // Continues up to the middle, the end, or the next phase.
       const double y0 = p.advanced[k].y + p.advanced[k].slope * (acts(k) ? at - p.t[k] : 0);

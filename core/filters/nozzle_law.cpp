@@ -14,13 +14,20 @@ bool NozzleLaw::needed() const {
 // At rest: filters may have changed since.
 void NozzleLaw::begin(const Move& m) {
   const Filters& filters = machine_.filters;
+  const bool boxes = filters.boxed();
   phases_.assign(3, Phases(false));
-  taps_.assign(3, Taps());
+  taps_.assign(boxes ? 0 : 3, Taps());
+  smooth_.assign(boxes ? 3 : 0, SmoothLaw());
+  track_.cubic = boxes;
   earliest_ = filters.delay(hz_);
   for (int i = 0; i < 3; ++i) {
-    phases_[size_t(i)].begin(m.p0[i], filters.memory(hz_));
-    tap(filters, hz_, i, &phases_[size_t(i)], taps_[size_t(i)]);
-    earliest_ = std::min(earliest_, taps_[size_t(i)].earliest());
+    const size_t j = size_t(i);
+    phases_[j].begin(m.p0[i], filters.memory(hz_));
+    if (boxes)
+      boxed(filters, hz_, i, &phases_[j], smooth_[j]);
+    else
+      tap(filters, hz_, i, &phases_[j], taps_[j]);
+    earliest_ = std::min(earliest_, boxes ? smooth_[j].earliest() : taps_[j].earliest());
   }
   going_ = true;
 }
@@ -39,8 +46,11 @@ void NozzleLaw::start(double clock) {
   track_.n = 0;
   track_.t[0] = clock;
   for (size_t i = 0; i < 3; ++i) {
-    taps_[i].start(clock);
-    track_.p[i][0] = axes_[i].q = taps_[i].q();
+    if (!smooth_.empty())
+      smooth_[i].start(clock);
+    else
+      taps_[i].start(clock);
+    track_.p[i][0] = axes_[i].q = smooth_.empty() ? taps_[i].q() : smooth_[i].q();
   }
   track_.finish();
 }
@@ -66,8 +76,14 @@ void NozzleLaw::solve(const std::vector<Move>& moves, double known, bool last) {
     for (Phases& p : phases_) p.stand();
   const double limit = last ? kAllTicks : known + earliest_;
   for (size_t i = 0; i < 3; ++i) {
-    taps_[i].advance(limit, last, axes_[i]);
-    taps_[i].dropped(&phases_[i], phases_[i].drop(taps_[i].needed(&phases_[i])));
+    Phases& p = phases_[i];
+    if (!smooth_.empty()) {
+      smooth_[i].advance(limit, last, axes_[i]);
+      smooth_[i].dropped(&p, p.drop(smooth_[i].needed(&p)));
+    } else {
+      taps_[i].advance(limit, last, axes_[i]);
+      taps_[i].dropped(&p, p.drop(taps_[i].needed(&p)));
+    }
   }
   merge();
   going_ = !last;
@@ -95,9 +111,10 @@ void NozzleLaw::merge() {
       }
       const Interval& axis = axes_[i].all[next[i]];
       const double u = at - from[i];
-      track_.p[i][n] = axis.q + u * (axis.v + 0.5 * axis.a * u);
-      track_.v0[i][n] = axis.v + axis.a * u;
-      track_.v1[i][n] = axis.v + axis.a * (to - from[i]);
+      const double w = to - from[i], bend = 0.5 * axis.j;  // 0: a quadratic
+      track_.p[i][n] = axis.q + u * (axis.v + (0.5 * axis.a * u + bend * (1.0 / 3) * u * u));
+      track_.v0[i][n] = axis.v + (axis.a * u + bend * u * u);
+      track_.v1[i][n] = axis.v + (axis.a * w + bend * w * w);
       if (axis.end <= to) from[i] = axis.end, ++next[i];
     }
     if (to > at) track_.t[++n] = to;

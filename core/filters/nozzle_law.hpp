@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "filters/smooth_law.hpp"
 #include "filters/taps.hpp"
 #include "geometry/track.hpp"
 #include "machine/machine.hpp"
@@ -18,6 +19,15 @@ inline void tap(const Filters& filters, double hz, int slot, Phases* phases, Tap
   const double mean = Filters::mean(filters.shapers[slot]);
   for (const Impulse& impulse : filters.shapers[slot])
     taps.add(phases, impulse.weight, delay + (impulse.at - mean) * hz);
+}
+
+// The same where jerk is limited.
+inline void boxed(const Filters& filters, double hz, int slot, Phases* phases, SmoothLaw& law) {
+  const double delay = filters.delay(hz), box = filters.box_s * hz;
+  if (slot > kZ || filters.shapers[slot].empty()) return law.add(phases, 1, delay, box);
+  const double mean = Filters::mean(filters.shapers[slot]);
+  for (const Impulse& impulse : filters.shapers[slot])
+    law.add(phases, impulse.weight, delay + (impulse.at - mean) * hz, box);
 }
 
 class NozzleLaw {
@@ -36,14 +46,19 @@ class NozzleLaw {
  private:
   // The position at the start of the track.
   struct Interval {
-    double end, q, v, a;
+    double end, q, v, a, j;
   };
   // Collects the intervals of one axis.
   struct Intervals {
     std::vector<Interval> all;
     double q = 0;
     void add(double end, double position, double speed, double, double accel) {
-      all.push_back({end, q, speed, accel});
+      all.push_back({end, q, speed, accel, 0});
+      q = position;
+    }
+    void cubic(double t, double ticks, double begin, double speed, double accel, double jerk,
+               double position, double) {
+      all.push_back({t + ticks, begin, speed, accel, jerk});
       q = position;
     }
   };
@@ -51,6 +66,7 @@ class NozzleLaw {
   double hz_;
   std::vector<Phases> phases_;
   std::vector<Taps> taps_;
+  std::vector<SmoothLaw> smooth_;  // instead of them, where jerk is limited
   Intervals axes_[3];
   double earliest_ = 0;
   bool going_ = false;

@@ -66,7 +66,10 @@ class Delta : public Geometry {
     speeds(n, tower, x, y, x0, y0, z0, inverse, out.v0.data());
     speeds(n, tower, x + 1, y + 1, x1, y1, z1, inverse + 1, out.v1.data());
     middles(n, tower, t, x, y, z, x0, y0, z0, x1, y1, z1, out.middle.data());
-    errors(n, tower.rod2, t, x0, y0, x1, y1, inverse);
+    if (k.cubic)
+      errors<true>(n, tower.rod2, t, x, y, x0, y0, x1, y1, inverse);
+    else
+      errors<false>(n, tower.rod2, t, x, y, x0, y0, x1, y1, inverse);
   }
 
  private:
@@ -108,14 +111,17 @@ class Delta : public Geometry {
       q[i] = (0.5 * (z[i] + z[i + 1]) - d * (z1[i] - z0[i])) + std::sqrt(square > 0 ? square : 0.0);
     }
   }
-  // Derivatives of c by time, from c^2 = rod^2 - u^2, at a speed V and an acceleration A in X, Y:
+  // Derivatives of c by time, from c^2 = rod^2 - u^2, at a speed V, an acceleration A and a jerk J
+  // in X, Y:
   //   |c1| <= V u/c
   //   |c2| <= (V^2 rod^2/c^2 + A u) / c
-  //   |c3| <= 3 (V A + |c1 c2|) / c
-  //   |c4| <= (3 A^2 + 4 |c1 c3| + 3 c2^2) / c
-  //   |c5| <= (5 |c1 c4| + 10 |c2 c3|) / c
-  // In d ticks w = V d and g = A d^2; u is longer by g/8 within than at an end, at most.
+  //   |c3| <= (3 (V A + |c1 c2|) + J u) / c
+  //   |c4| <= (3 A^2 + 4 V J + 4 |c1 c3| + 3 c2^2) / c
+  //   |c5| <= (10 A J + 5 |c1 c4| + 10 |c2 c3|) / c
+  // In d ticks w = V d, g = A d^2 and j = J d^3; u is longer by g/8 within than at an end, at most.
+  template <bool kCubic>
   PASSO_SIMD static void errors(int n, double rod2, const double* __restrict t,
+                                const double* __restrict x, const double* __restrict y,
                                 const double* __restrict vx0, const double* __restrict vy0,
                                 const double* __restrict vx1, const double* __restrict vy1,
                                 double* inverse) {
@@ -124,15 +130,22 @@ class Delta : public Geometry {
       const double d = t[i + 1] - t[i], gx = vx1[i] - vx0[i], gy = vy1[i] - vy0[i];
       const double at0 = vx0[i] * vx0[i] + vy0[i] * vy0[i];
       const double at1 = vx1[i] * vx1[i] + vy1[i] * vy1[i];
-      const double w = d * std::sqrt(at0 > at1 ? at0 : at1), g = d * std::sqrt(gx * gx + gy * gy);
+      double w = d * std::sqrt(at0 > at1 ? at0 : at1), g = d * std::sqrt(gx * gx + gy * gy), j = 0;
+      if constexpr (kCubic) {
+        const double jx = 6 * (d * (vx0[i] + vx1[i]) - 2 * (x[i + 1] - x[i]));
+        const double jy = 6 * (d * (vy0[i] + vy1[i]) - 2 * (y[i + 1] - y[i]));
+        j = std::sqrt(jx * jx + jy * jy);
+        g += 0.5 * j, w += 0.125 * j;
+      }
       const double most = inverse[i] > inverse[i + 1] ? inverse[i] : inverse[i + 1];
       const double square = 1 / (most * most), least = square - rod * g;  // of c^2: ends, within
       const double low = least > 0 ? 1 / least : kInfinity, per_c = most * square * low;
       const double slope = std::sqrt(rod2 - least) * per_c, c1 = slope * w;
-      const double c2 = w * w * (rod2 * low * per_c) + slope * g,
-                   c3 = 3 * (w * g + c1 * c2) * per_c;
-      const double c4 = (3 * g * g + 4 * c1 * c3 + 3 * c2 * c2) * per_c;
-      inverse[i] = kQuarticError * (5 * c1 * c4 + 10 * c2 * c3) * per_c;
+      const double c2 = w * w * (rod2 * low * per_c) + slope * g;
+      double c3 = 3 * (w * g + c1 * c2) * per_c, c4 = 3 * g * g, c5 = 0;
+      if constexpr (kCubic) c3 += slope * j, c4 += 4 * w * j, c5 = 10 * g * j;
+      c4 = (c4 + 4 * c1 * c3 + 3 * c2 * c2) * per_c;
+      inverse[i] = kQuarticError * (c5 + 5 * c1 * c4 + 10 * c2 * c3) * per_c;
     }
   }
 };

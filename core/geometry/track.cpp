@@ -31,6 +31,7 @@ void Geometry::follow(int i, const Track& track, Followed& out) const {
       from[j] = to[j], to[j] = track.p[j][k + 1];
       v0[j] = track.v0[j][k], v1[j] = track.v1[j][k];
       mean[j] = 0.5 * (v0[j] + v1[j]);
+      if (track.cubic) mean[j] = 1.5 * (to[j] - from[j]) / d - 0.5 * mean[j];
       half[j] = 0.5 * (from[j] + to[j]) - 0.125 * d * (v1[j] - v0[j]);
       way0 += v0[j] * v0[j], way1 += v1[j] * v1[j];
     }

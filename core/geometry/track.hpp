@@ -7,10 +7,11 @@
 
 namespace passo {
 
-// Between breakpoints j and j + 1 each of X, Y and Z is a quadratic of time. Speeds are those
-// within the interval, as they may jump at a breakpoint. No interval has the length 0.
+// Between breakpoints j and j + 1 each of X, Y and Z is a quadratic of time, or a cubic. Speeds are
+// those within the interval, as they may jump at a breakpoint. No interval has the length 0.
 struct Track {
   size_t n = 0;                       // intervals
+  bool cubic = false;                 // some may be cubics
   UnsetDoubles t, p[3];               // of n + 1 breakpoints: ticks, mm
   UnsetDoubles v0[3], v1[3];          // of n intervals, at begin and end: mm/tick
   static constexpr size_t kRoom = 8;  // loops that take four at a time read past the end
@@ -29,17 +30,25 @@ struct Track {
       for (int j = 0; j < 3; ++j) p[j][i + 1] = p[j][n], v0[j][i] = v1[j][i] = 0;
     }
   }
+  // The coefficient of u^3 of slot k in interval j, with u from 0 to 1 in it.
+  double third(size_t k, size_t j) const {
+    return (t[j + 1] - t[j]) * (v0[k][j] + v1[k][j]) - 2 * (p[k][j + 1] - p[k][j]);
+  }
   // Becomes `parts` even parts of interval j of another track.
   void divide(const Track& of, size_t j, size_t parts) {
     reserve(parts);
     n = parts;
+    cubic = of.cubic;
     const double d = of.t[j + 1] - of.t[j];
     for (size_t i = 0; i <= parts; ++i) {
       const double u = double(i) / double(parts);
       t[i] = i == parts ? of.t[j + 1] : of.t[j] + u * d;
       for (int k = 0; k < 3; ++k) {
-        const double a = of.v1[k][j] - of.v0[k][j], v = of.v0[k][j] + a * u;
-        p[k][i] = i == parts ? of.p[k][j + 1] : of.p[k][j] + u * d * (of.v0[k][j] + 0.5 * a * u);
+        const double a = of.v1[k][j] - of.v0[k][j], third = cubic ? of.third(k, j) : 0;
+        const double v = of.v0[k][j] + a * u + (cubic ? 3 * third * u * (u - 1) / d : 0);
+        p[k][i] = i == parts ? of.p[k][j + 1]
+                             : of.p[k][j] + u * d * (of.v0[k][j] + 0.5 * a * u) +
+                                   third * u * u * (u - 1.5);
         if (i < parts) v0[k][i] = v;
         if (i > 0) v1[k][i - 1] = v;
       }

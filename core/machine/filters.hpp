@@ -1,4 +1,5 @@
-// Motion filters of a machine: shapers of X, Y and Z, and pressure advance of the extruders.
+// Motion filters of a machine: shapers of X, Y and Z, a limit of jerk, and pressure advance of the
+// extruders.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,10 @@ struct Filters {
   std::vector<Impulse> shapers[3];  // of X, Y and Z; empty: none
   std::vector<double> smooth_s;     // by extruder: half of the width over which the advance is
                                     // smoothed; 0: the extruder has no advance
-  bool suspended = false;           // while homing and probing
+  // The position of each axis and of the extruder is its mean over this time, s; 0: it is not. The
+  // jerk of an axis is then its change of acceleration in this time, divided by it.
+  double box_s = 0;
+  bool suspended = false;  // while homing and probing
 
   static double mean(const std::vector<Impulse>& shaper) {
     double sum = 0;
@@ -32,27 +36,40 @@ struct Filters {
   }
   bool on() const {
     return !suspended &&
-           (std::any_of(shapers, shapers + 3, [](const auto& s) { return !s.empty(); }) ||
+           (box_s > 0 ||
+            std::any_of(shapers, shapers + 3, [](const auto& s) { return !s.empty(); }) ||
             std::any_of(smooth_s.begin(), smooth_s.end(), [](double s) { return s > 0; }));
   }
+  bool boxed() const { return !suspended && box_s > 0; }
+  // The advance is smoothed by boxes of these widths, s: a triangle, unless the box of all axes is
+  // wider than half of it.
+  double narrow_s(size_t extruder) const { return smooth_s[extruder]; }
+  double wide_s(size_t extruder) const { return std::max(smooth_s[extruder], box_s); }
   // Axes have different shapers, so the sum of their speeds differs from the plan.
   bool differ() const { return on() && (shapers[0] != shapers[1] || shapers[0] != shapers[2]); }
   // Whole ticks, so that clocks of the plan and of the steps are rounded alike.
   double delay(double hz) const {
     if (!on()) return 0;
-    double s = 0;
-    for (const auto& shaper : shapers) s = std::max(s, mean(shaper));
-    for (double half : smooth_s) s = std::max(s, half);
-    return std::ceil(s * hz);
+    double s = 0.5 * box_s;
+    for (const auto& shaper : shapers) s = std::max(s, 0.5 * box_s + mean(shaper));
+    return std::ceil(std::max(s, widest_half_s()) * hz);
   }
   // Ticks from the end of a move until the last motor is at rest.
   double memory(double hz) const {
     if (!on()) return 0;
-    double s = 0;
+    double s = 0.5 * box_s;
     for (const auto& shaper : shapers)
-      if (!shaper.empty()) s = std::max(s, shaper.back().at - mean(shaper));
-    for (double half : smooth_s) s = std::max(s, half);
-    return delay(hz) + std::ceil(s * hz);
+      if (!shaper.empty()) s = std::max(s, 0.5 * box_s + shaper.back().at - mean(shaper));
+    return delay(hz) + std::ceil(std::max(s, widest_half_s()) * hz);
+  }
+
+ private:
+  // Half of the time over which the advance of an extruder is smoothed, at most.
+  double widest_half_s() const {
+    double s = 0;
+    for (size_t i = 0; i < smooth_s.size(); ++i)
+      if (smooth_s[i] > 0) s = std::max(s, 0.5 * (wide_s(i) + narrow_s(i)));
+    return s;
   }
 };
 

@@ -118,6 +118,12 @@ class Motion {
     machine_.filters.smooth_s[extruder] = half_s;
     remember_nothing();
   }
+  // The time over which the position of each axis is averaged, s, to limit jerk; 0: it is not. Only
+  // at rest.
+  void set_jerk_box(double box_s) {
+    machine_.filters.box_s = box_s;
+    remember_nothing();
+  }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
   // See StepStream::use_commits. Only after flush.

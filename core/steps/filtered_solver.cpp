@@ -63,6 +63,7 @@ void FilteredSolver::set_up() {
   axes_ = 0;
   taps_.reset();
   advance_.reset();
+  smooth_.reset();
   phases_.clear();
   auto axis = [&](int slot, double scale) {
     slots_[axes_] = slot;
@@ -77,17 +78,24 @@ void FilteredSolver::set_up() {
   const bool advances = spec_.drive == Drive::extruder && filters.advances(size_t(spec_.index));
   phases_.reserve(3);
   for (int i = 0; i < axes_; ++i) phases_.emplace_back(advances);
-  if (advances) {
+  if (axes_ > 0 && filters.boxed()) {
+    smooth_.emplace();
+    for (int i = 0; i < axes_; ++i) boxed(filters, hz_, slots_[i], &phases_[size_t(i)], *smooth_);
+    if (advances) {
+      const size_t e = size_t(spec_.index);
+      smooth_->add_advance(&phases_[0], 1, delay_, filters.wide_s(e) * hz_,
+                           filters.narrow_s(e) * hz_);
+    }
+  } else if (advances) {
     const double half = filters.smooth_s[size_t(spec_.index)] * hz_;
     advance_.emplace(&phases_[0], half, delay_);
-    if (!cubics_) cubics_ = std::make_unique<CubicSolver>();
-  } else if (!intervals_) {
-    intervals_ = std::make_unique<IntervalSolver>();
-  }
-  if (!advances && axes_ > 0) {
+  } else if (axes_ > 0) {
     taps_.emplace();
     for (int i = 0; i < axes_; ++i) tap(filters, hz_, slots_[i], &phases_[size_t(i)], *taps_);
   }
+  if ((smooth_ || advance_) && !cubics_) cubics_ = std::make_unique<CubicSolver>();
+  if (!smooth_ && !advance_ && !intervals_) intervals_ = std::make_unique<IntervalSolver>();
+  if (smooth_) cubic_steps_.emplace(*cubics_);
   for (Phases& p : phases_) p.begin(0, span);
 }
 
@@ -121,6 +129,9 @@ void FilteredSolver::start(double clock) {
   owed_since_ = clock;
   if (advance_) {
     advance_->start(clock);
+  } else if (smooth_) {
+    smooth_->start(clock);
+    cubic_steps_->begin(smooth_->q());
   } else if (taps_) {
     taps_->start(clock);
     intervals_->begin(clock, taps_->q());
@@ -133,6 +144,7 @@ void FilteredSolver::start(double clock) {
 }
 
 int64_t FilteredSolver::law_count() const {
+  if (smooth_) return cubic_steps_->count();
   return advance_ ? int64_t(advance_->count()) : intervals_->count();
 }
 
@@ -163,6 +175,12 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
     cubics_->flush();
     advance_->dropped(phases_[0].drop(advance_->needed()));
     end = advance_->t();
+  } else if (smooth_) {
+    cubics_->into(to, tolerances_);
+    smooth_->advance(last ? kAllTicks : known + smooth_->earliest(), last, *cubic_steps_);
+    cubics_->flush();
+    for (Phases& p : phases_) smooth_->dropped(&p, p.drop(smooth_->needed(&p)));
+    end = smooth_->t();
   } else if (taps_) {
     intervals_->into(to, tolerances_);
     taps_->advance(last ? kAllTicks : known + taps_->earliest(), last, *intervals_);
@@ -255,6 +273,10 @@ void FilteredSolver::solve_raised(StepSolver& of, Steps& out) {
       p.c[i][0] = track.p[i][k];
       p.c[i][1] = track.v0[i][k] * hz_;
       p.c[i][2] = 0.5 * (track.v1[i][k] - track.v0[i][k]) / d * hz_ * hz_;
+      if (!track.cubic) continue;
+      const double third = track.third(i, k) / (p.seconds * p.seconds);
+      p.c[i][2] -= 1.5 * third;
+      p.c[i][3] = third / p.seconds;
     }
     tolerances_.apply(track.t[k], out);
     count = pieces_->solve(p, count, count, false, out);

@@ -8,6 +8,7 @@
 
 #include "filters/advance.hpp"
 #include "filters/nozzle_law.hpp"
+#include "filters/smooth_law.hpp"
 #include "filters/taps.hpp"
 #include "machine/machine.hpp"
 #include "plan/move.hpp"
@@ -19,7 +20,8 @@
 
 namespace passo {
 
-// Each interval has a closed form for a linear motor, and is a cubic for an extruder with advance.
+// Each interval has a closed form for a linear motor, and is a cubic for an extruder with advance
+// and where jerk is limited.
 // A nonlinear motor, or a motor that corrects an uneven bed, follows the filtered path of the
 // nozzle. At standstill, the number of steps equals that of the plan.
 class FilteredSolver {
@@ -44,13 +46,15 @@ class FilteredSolver {
   double scale_[3] = {0, 0, 0};
   int axes_ = 0;
   std::vector<Phases> phases_;
-  // One of three: a sum of impulses of all axes, an extruder's advance, or none, of a motor that
-  // follows the nozzle.
+  // One of four: a sum of impulses of all axes, an extruder's advance, a law of limited jerk, or
+  // none, of a motor that follows the nozzle.
   std::optional<Taps> taps_;
   std::optional<Advance> advance_;
+  std::optional<SmoothLaw> smooth_;
   const NozzleLaw& nozzle_;
   std::unique_ptr<IntervalSolver> intervals_;
   std::unique_ptr<CubicSolver> cubics_;
+  std::optional<CubicSteps> cubic_steps_;  // of smooth_
   std::unique_ptr<PieceSolver> pieces_;
   // Quadratics with bends (IntervalSolver) that are near the motor's law, in steps and ticks.
   struct Fit {
@@ -69,7 +73,6 @@ class FilteredSolver {
   TimedTolerances tolerances_;
   Steps late_;
 
-  bool follows() const { return !taps_ && !advance_; }
   void set_up();
   void begin(const Move& m);
   void add(const Move& m, double until);

@@ -2056,6 +2056,11 @@ class Job:
         Sets the shaper of X, Y or Z: (weight, seconds) of each impulse; empty: the axis is not shaped. Call it only at standstill.
         """
 
+    def set_jerk_box(self, box_s: float) -> None:
+        """
+        Sets the time, in s, over which the position of each axis is averaged to limit jerk; 0: it is not averaged. Call it only at standstill.
+        """
+
     def set_smoothing(self, extruder: int, half_s: float) -> None:
         """
         Sets half of the width, in s, over which the advance is smoothed; 0: the extruder has no advance. Call it only at standstill.
@@ -2071,9 +2076,7 @@ class Job:
         """The value of set_advance, s."""
 
     def use_filters(self, on: bool) -> None:
-        """
-        Switches shapers and pressure advance on or off. Call it only at standstill.
-        """
+        """Switches all motion filters on or off. Call it only at standstill."""
 
     def follow_tool(self) -> None:
         """

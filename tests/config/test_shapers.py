@@ -7,6 +7,7 @@ from tests.oracles.filters import residual
 
 from passo import config
 from passo.config.load import shipped_text
+from passo.config.notes import notes
 from passo.config.shapers import SHAPER_TYPES, impulses
 from passo.errors import ConfigError
 
@@ -85,3 +86,19 @@ def test_machine_file_with_an_impossible_shaper_is_refused(tmp_path, table, reas
     with pytest.raises(ConfigError) as refused:
         config.load(str(path))
     assert reason in str(refused.value)
+
+
+def test_low_limit_of_jerk_is_refused_and_a_good_one_noted(tmp_path):
+    """A right angle is cut by √2 (s·w/8 + A·w²/48)."""
+    path = tmp_path / "m.toml"
+    text = shipped_text("i3")
+    path.write_text(text.replace("[limits]", "[limits]\njerk_mm_s3 = 2e4"))
+    with pytest.raises(ConfigError) as refused:
+        config.load(str(path))
+    assert "at least 40000 mm/s³" in str(refused.value)
+    path.write_text(text.replace("[limits]", "[limits]\njerk_mm_s3 = 1e5"))
+    box_s, accel = 0.06, 3000.0
+    cut_mm = [2**0.5 * (s * box_s / 8 + accel * box_s**2 / 48) for s in (0.0, 10.0)]
+    noted = [note for note in notes(config.load(str(path))) if "jerk" in note]
+    assert f"averages all positions over {box_s * 1e3:.1f} ms" in noted[0]
+    assert all(f"{mm:.3f} mm" in noted[0] for mm in cut_mm)

@@ -33,7 +33,8 @@ def machine(tmp_path):
 
 
 def settings(s):
-    return [line for line in s.host.ok("M503") if "INPUT_SHAPER" in line or "PRESSURE" in line]
+    words = "INPUT_SHAPER", "JERK_LIMIT", "PRESSURE"
+    return [line for line in s.host.ok("M503") if any(word in line for word in words)]
 
 
 def test_machine_file_sets_shapers_and_advance(machine):
@@ -42,6 +43,7 @@ def test_machine_file_sets_shapers_and_advance(machine):
             "SET_INPUT_SHAPER SHAPER_FREQ_X=47 SHAPER_TYPE_X=zvd DAMPING_RATIO_X=0.08",
             "SET_INPUT_SHAPER SHAPER_FREQ_Y=35.5 SHAPER_TYPE_Y=mzv DAMPING_RATIO_Y=0.1",
             OFF.format("Z"),
+            "SET_JERK_LIMIT JERK=0",
             "SET_PRESSURE_ADVANCE ADVANCE=0.05 SMOOTH_TIME=0.04",
         ]
 
@@ -73,7 +75,18 @@ def test_commands_set_the_advance():
         ]
 
 
+def test_command_limits_jerk():
+    with Scenario("i3") as s:
+        assert s.host.ok("SET_JERK_LIMIT JERK=200000") == ["ok"]
+        assert s.host.ok("SET_JERK_LIMIT") == ["SET_JERK_LIMIT JERK=200000", "ok"]
+        assert s.printer.commands.filters.delay_s == s.printer.commands.filters.box_s / 2 > 0
+        s.host.ok("SET_JERK_LIMIT JERK=0")
+        assert s.printer.commands.filters.delay_s == 0
+
+
 REFUSED = {
+    "SET_JERK_LIMIT JERK=100": "JERK is 100: expected 0 (no limit), or 40000 to 1e+09 mm/s³",
+    "SET_JERK_LIMIT JERK=nan": "JERK is nan: expected a number",
     "M593 F10": "frequency is 10: expected 0 (off), or 15 to 500 Hz",
     'M593 X F40 P"nope"': "type is nope: expected zv, mzv, zvd, ei, 2hump_ei, 3hump_ei",
     'M593 X F40 D0.35 P"3hump_ei"': "damping ratio is 0.35: expected 0 to 0.2 for the type 3hump",
@@ -99,14 +112,19 @@ def test_m500_keeps_filters_that_differ_from_the_file(machine, tmp_path):
     with Scenario(machine, state=state) as s:
         s.host.ok("M593 X F52")
         s.host.ok("M900 K0.08")
+        s.host.ok("SET_JERK_LIMIT JERK=150000")
         assert "SHAPER_FREQ_X=52, " in " ".join(s.host.ok("M500"))
     with Scenario(machine, state=state) as s:
         kept = settings(s)
         assert "SHAPER_FREQ_X=52 SHAPER_TYPE_X=zvd" in kept[0]
-        assert "ADVANCE=0.08" in kept[3]
+        assert kept[3:] == [
+            "SET_JERK_LIMIT JERK=150000",
+            "SET_PRESSURE_ADVANCE ADVANCE=0.08 SMOOTH_TIME=0.04",
+        ]
         s.host.ok("M502")
         assert "SHAPER_FREQ_X=47" in settings(s)[0]
-        assert "ADVANCE=0.05" in settings(s)[3]
+        assert "JERK=0" in settings(s)[3]
+        assert "ADVANCE=0.05" in settings(s)[4]
 
 
 PART = "".join(

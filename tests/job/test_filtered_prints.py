@@ -27,12 +27,13 @@ SURVIVES = FILTERED.model_copy(
 )
 
 
-def filtered(name):
+def filtered(name, jerk_mm_s3=None):
     """A machine with all filters on, of a board that survives the loss of its link."""
     machine = config.load(name)
     return machine.model_copy(
         update={
             "shaping": FILTERED.shaping,
+            "limits": machine.limits.model_copy(update={"jerk_mm_s3": jerk_mm_s3}),
             "extruders": {
                 e: made.model_copy(update={"advance_s": 0.05})
                 for e, made in machine.extruders.items()
@@ -99,12 +100,12 @@ def test_late_host_resumes_filtered_print_where_board_stopped(whole, seed):
         assert steps(s) == wanted
 
 
-@pytest.mark.parametrize("kind", ["delta", "corexy"])
-def test_filtered_print_of_coupled_motors_survives_link_losses(tmp_path, kind):
+@pytest.mark.parametrize(("kind", "jerk_mm_s3"), [("delta", 2e5), ("corexy", None), ("i3", 2e5)])
+def test_filtered_print_of_coupled_motors_survives_link_losses(tmp_path, kind, jerk_mm_s3):
     """Towers follow the shaped nozzle, belts both shaped axes, also in the tails of commits."""
     card, wanted = undisturbed(tmp_path, kind)
     generator, breaks = random.Random(7), 0
-    with Scenario(filtered(kind), card=str(card)) as s:
+    with Scenario(filtered(kind, jerk_mm_s3), card=str(card)) as s:
         s.host.ok("M32 a.g")
         s.passes(14)
         while "Done printing file" not in s.host.heard:

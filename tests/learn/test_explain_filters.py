@@ -46,6 +46,18 @@ def test_only_filters_of_axes_that_move_are_shown(path):
     assert explained(path, 7, "").filters == ("all motors follow the plan 20.00 ms later",)
 
 
+def test_limit_of_jerk_and_its_corners_are_shown(path):
+    """In a corner of 90° from a standstill √2·a·w²/48, on the way a·w²/24."""
+    text = shipped_text("i3").replace("[limits]", "[limits]\njerk_mm_s3 = 1.5e5")
+    told = explain(config.load_text(text), path, 7, Policy())
+    accel, box_s = told.moves[0].acceleration, 2 * 3000 / 1.5e5
+    off_um = accel * box_s**2 / 24 * 1e3
+    shown = "\n".join(told.filters)
+    assert f"means over {box_s * 1e3:.1f} ms" in shown
+    assert f"the head is {off_um:.0f} µm off the plan" in shown
+    assert f"at its end is cut by up to {off_um / 2**0.5:.0f} µm" in shown
+
+
 def test_steps_are_those_of_the_filtered_line(path):
     shaped, plain = explained(path, 7), explain(config.load("i3"), path, 7, Policy())
     by_motor = {one.motor: one for one in shaped.steps}

@@ -6,7 +6,7 @@ Nothing here knows breakpoints of the filtered law, closed forms or incremental 
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from itertools import pairwise
 from math import cos, exp, floor, pi, sin, sqrt
 
@@ -19,6 +19,7 @@ _HALF = (
     (0.9324695142031521, 0.1713244923791704),
 )
 _GAUSS = [(sign * x, w) for x, w in _HALF for sign in (-1, 1)]
+_GAUSS_2 = (-sqrt(1 / 3), sqrt(1 / 3))  # exact to degree 3, both of the weight 1
 
 
 class Planned:
@@ -28,6 +29,16 @@ class Planned:
         self.moves = [m for m in moves if m.kind != "dwell"]
         self.starts = [m.start_ticks for m in self.moves]
         self.slot, self.advance = slot, advance
+        self.breaks = sorted(
+            m.start_ticks + ticks
+            for m in self.moves
+            for ticks in (
+                0.0,
+                m.accelerate_ticks,
+                m.accelerate_ticks + m.cruise_ticks,
+                m.accelerate_ticks + m.cruise_ticks + m.decelerate_ticks,
+            )
+        )
 
     def _move(self, tick):
         return self.moves[max(bisect_right(self.starts, tick) - 1, 0)]
@@ -52,14 +63,8 @@ class Planned:
 
     def cuts(self, low, high):
         """Ticks at which the law of the speed changes."""
-        found = {low, high}
-        for m in self.moves:
-            at = m.start_ticks
-            for ticks in (0.0, m.accelerate_ticks, m.cruise_ticks, m.decelerate_ticks):
-                at += ticks
-                if low < at < high:
-                    found.add(at)
-        return sorted(found)
+        inside = self.breaks[bisect_right(self.breaks, low) : bisect_left(self.breaks, high)]
+        return [low, *inside, high]
 
 
 def shaped(planned, impulses, delay_ticks):
@@ -72,20 +77,44 @@ def shaped(planned, impulses, delay_ticks):
     return position
 
 
-def advanced(planned, half_s, delay_ticks):
-    """e, and what is advanced in the mean of a triangle of this half width."""
+def averaged(planned, box_ticks):
+    """The mean of a planned law over so many ticks, from half of them before to half of them
+    after. Its integral is that of Gauss, between breakpoints."""
+    breaks, before = planned.breaks, [0.0]
+
+    def integral(a, b):
+        middle, half = 0.5 * (a + b), 0.5 * (b - a)
+        return half * sum(planned(middle + half * x) for x in _GAUSS_2)
+
+    for a, b in pairwise(breaks):
+        before.append(before[-1] + integral(a, b))
+
+    def up_to(tick):
+        k = max(bisect_right(breaks, tick) - 1, 0)
+        return before[k] + integral(breaks[k], tick)
+
+    return lambda tick: (up_to(tick + 0.5 * box_ticks) - up_to(tick - 0.5 * box_ticks)) / box_ticks
+
+
+def advanced(planned, half_s, delay_ticks, box_ticks=0.0):
+    """e, or its mean over a box, and what is advanced in the mean of a triangle of this half width;
+    where the box is wider than that, in the mean of it and of a box of the half width."""
+    h = half_s * HZ
+    wide = max(h, box_ticks)
+    out, flat = 0.5 * (wide + h), 0.5 * (wide - h)
+    filament = averaged(planned, box_ticks) if box_ticks else planned
 
     def position(tick):
-        middle, half = tick - delay_ticks, half_s * HZ
+        middle = tick - delay_ticks
         total = 0.0
-        for low, high in ((middle - half, middle), (middle, middle + half)):
-            cuts = planned.cuts(low, high)
+        for low, high in ((-out, -flat), (-flat, flat), (flat, out)):
+            cuts = planned.cuts(middle + low, middle + high) if low < high else []
             for a, b in pairwise(cuts):
                 for x, w in _GAUSS:
                     at = 0.5 * (a + b) + 0.5 * (b - a) * x
-                    kernel = (half - abs(at - middle)) / half**2
+                    kernel = min(h, out - abs(at - middle)) / (wide * h)
                     total += 0.5 * (b - a) * w * kernel * planned.advanced(at)
-        return planned(middle) + total
+        return filament(middle) + total
 
     return position
 
@@ -107,16 +136,25 @@ def steps(position, start, end, steps_per_mm, every):
         direction = 1 if last > first else -1
         for count in range(first, last, direction):
             value = count + 0.5 * direction
-            low, high = at, tick
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                if (q(middle) - value) * direction < 0:
-                    low = middle
-                else:
-                    high = middle
-            found.append((0.5 * (low + high), direction))
+            found.append((_root(lambda t, value=value: q(t) - value, at, tick), direction))
         before, at = here, tick
     return found
+
+
+def _root(function, low, high):
+    """By false position; an end that stays is given half of its value (Illinois)."""
+    at_low, at_high, last = function(low), function(high), low
+    for _ in range(200):
+        middle = (low * at_high - high * at_low) / (at_high - at_low)
+        value = function(middle)
+        if value * at_high > 0:
+            high, at_high, at_low = middle, value, at_low / (2 if last == high else 1)
+        else:
+            low, at_low, at_high = middle, value, at_high / (2 if last == low else 1)
+        if value == 0 or abs(middle - last) < 1e-4:
+            return middle
+        last = middle
+    return last
 
 
 def residual(impulses, frequency_hz, damping):

@@ -11,6 +11,7 @@ from passo.config.board import Board, Socket
 from passo.config.electronics import Beeper, Fans, Laser, PowerSupply
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
+from passo.config.jerk import box_s
 from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import (
     SMOOTH_TIME_S,
@@ -244,6 +245,11 @@ class MachineConfig(Model):
                 limits[row["index"]] = row["min"], row["max"]
         return limits
 
+    @property
+    def largest_accel_mm_s2(self) -> float:
+        """The largest acceleration limit of X, Y and Z."""
+        return max(self.axes[name].accel_mm_s2 for name in "xyz")
+
     def allows(self, point: Point) -> bool:
         """Whether the motors reach a point of the nozzle, mm, within their limits."""
         try:
@@ -374,6 +380,7 @@ class MachineConfig(Model):
             "shapers": [impulses(s.type, s.frequency_hz, s.damping) if s else [] for s in shapers],
             "smooth_s": [half_smooth_s(extruder) for extruder in extruders],
             "advance_s": [extruder.advance_s or 0.0 for extruder in extruders],
+            "box_s": box_s(self.largest_accel_mm_s2, self.limits.jerk_mm_s3 or 0.0),
         }
 
     def _limits_spec(self) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, cast
 from pydantic import Field, model_validator
 
 from passo.config.drivers import DRIVERS, DriverName, DriverTimes
+from passo.config.jerk import MAX_JERK
 from passo.config.shapers import (
     DEFAULT_DAMPING,
     DEFAULT_TYPE,
@@ -35,6 +36,7 @@ MICROSTEPS = 16
 MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S = 10.0, 0.04, (0.005, 0.2)
 Advance = Annotated[float, Field(ge=0, le=MAX_ADVANCE_S)]
 SmoothTime = Annotated[float, Field(ge=SMOOTH_TIMES_S[0], le=SMOOTH_TIMES_S[1])]
+JerkLimit = Annotated[float, Field(gt=0, le=MAX_JERK)]
 Damping = Annotated[float, Field(ge=0, le=0.99)]
 
 
@@ -251,6 +253,11 @@ class Limits(Model):
     extruder."""
     speed_mm_s: Speed | None = None
     """The maximum speed of the path in X, Y and Z."""
+    jerk_mm_s3: JerkLimit | None = None
+    """The maximum change of the acceleration of X, Y and Z in a second (SET_JERK_LIMIT). All
+    positions are then averaged over twice the largest acceleration of X, Y and Z divided by this,
+    0.15 s at most. Corners are cut by this: `passo check` prints by how much. If not given,
+    acceleration changes at once."""
     junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
     """The law of corners: a deviation from the corner (grbl), a distance in steps (APrinter), or an
     instant change of speed for each axis (Marlin)."""

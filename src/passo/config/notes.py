@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 from passo.config.board_files import known_pins
 from passo.config.findings import key_text
 from passo.config.heater_numbers import number_of
+from passo.config.jerk import box_s, right_angle_mm
 from passo.config.pin_names import section
+from passo.config.shapers import impulses
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -43,5 +45,20 @@ def notes(machine: MachineConfig) -> Iterator[str]:
                 f"heaters.{name} is taken to be {_ASSUMED[heater.kind]}, and its readings are not"
                 f" compared with a model{tune}"
             )
+    if machine.limits.jerk_mm_s3 is not None:
+        yield _jerk_note(machine, machine.limits.jerk_mm_s3)
     for board in machine.all_boards.values():
         yield from board.notes
+
+
+def _jerk_note(machine: MachineConfig, jerk_mm_s3: float) -> str:
+    """What the limit of jerk costs, with the shapers of the file."""
+    accel = machine.largest_accel_mm_s2
+    box = box_s(accel, jerk_mm_s3)
+    shapers = [impulses(s.type, s.frequency_hz, s.damping) for s in machine.shaping.values()]
+    at_rest, at_speed = (right_angle_mm(box, shapers, accel, speed) for speed in (0.0, 10.0))
+    return (
+        f"limits.jerk_mm_s3 averages all positions over {box * 1e3:.1f} ms. At {accel:g} mm/s² the"
+        f" filters of this file cut a right angle by up to {at_rest:.3f} mm where the head stops in"
+        f" it, and by up to {at_speed:.3f} mm where it passes at 10 mm/s"
+    )

@@ -1,4 +1,4 @@
-"""Checks the input shapers of a machine file."""
+"""Checks the input shapers and the limit of jerk of a machine file."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo.config.findings import Finding
+from passo.config.jerk import least_jerk
 from passo.config.shapers import MAX_DAMPING
 
 if TYPE_CHECKING:
@@ -13,8 +14,8 @@ if TYPE_CHECKING:
 
 
 def check_shaping(machine: MachineConfig) -> Iterator[Finding]:
-    """Checks that the type allows the damping ratio, and that the machine has no laser whose power
-    follows the motion."""
+    """Checks that the type allows the damping ratio, that the limit of jerk is not too low, and
+    that the machine has no laser whose power follows the motion."""
     for name, shaping in machine.shaping.items():
         most = MAX_DAMPING[shaping.type]
         if shaping.damping > most:
@@ -23,3 +24,13 @@ def check_shaping(machine: MachineConfig) -> Iterator[Finding]:
         if machine.laser is not None:
             limit = "no shaping on a machine with a laser, whose power follows the plan"
             yield Finding("config.conflict", ("shaping", name, "type"), shaping.type, limit)
+    jerk = machine.limits.jerk_mm_s3
+    if jerk is None:
+        return
+    key = ("limits", "jerk_mm_s3")
+    if jerk < (least := least_jerk(machine.largest_accel_mm_s2)):
+        limit = f"at least {least:.0f} mm/s³ with the accelerations of this machine"
+        yield Finding("config.value", key, jerk, limit)
+    if machine.laser is not None:
+        limit = "no limit of jerk on a machine with a laser, whose power follows the plan"
+        yield Finding("config.conflict", key, jerk, limit)

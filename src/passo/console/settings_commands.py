@@ -65,6 +65,7 @@ class SettingsCommands:
         yield "Speed of the path (units/s), share of cruise", [limits.velocity_line()]
         filters = self._printer.commands.filters
         yield "Input shapers", filters.shaper_lines()
+        yield "Limit of jerk (units/s3)", [filters.jerk_line()]
         if self._printer.machine.extruders:
             yield "Pressure advance", filters.advance_lines()
         yield "Home offset", [motion.home_offset_line()]

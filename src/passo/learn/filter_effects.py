@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from passo.config.jerk import right_angle_mm, spread_mm
 from passo.config.shapers import impulses
 
 if TYPE_CHECKING:
@@ -15,8 +16,8 @@ _E = 3  # index of the extruder in a move's positions
 
 
 def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple[str, ...]:
-    """A line for each shaper of an axis that the moves move, for the advance, and for the delay of
-    all motors. Empty without filters."""
+    """A line for each shaper of an axis that the moves move, for the limit of jerk, for the
+    advance, and for the delay of all motors. Empty without filters."""
     delay_s = filters.delay_s
     moves = [move for move in moves if move.kind != "dwell"]
     if delay_s == 0 or not moves:
@@ -27,13 +28,22 @@ def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple
         if shaper.frequency_hz == 0 or hardest == 0:
             continue
         pulses = impulses(shaper.kind, shaper.frequency_hz, shaper.damping)
-        mean = sum(weight * at for weight, at in pulses)
-        # In constant acceleration a the sum of copies is a/2 times their variance off the plan.
-        off_mm = 0.5 * hardest * sum(weight * (at - mean) ** 2 for weight, at in pulses)
+        off_mm = spread_mm(0.0, pulses, hardest)
         lines.append(
             f"{axis}: {shaper.kind} at {shaper.frequency_hz:g} Hz spreads each change of speed over"
             f" {pulses[-1][1] * 1e3:.1f} ms; while {axis} speeds up by {hardest:.0f} mm/s² it is"
             f" {off_mm * 1e3:.0f} µm off the plan"
+        )
+    box_s = filters.box_s
+    if box_s > 0:
+        hardest = max(_hardest(move) for move in moves)
+        speed = max(max(move.start_speed, move.end_speed) for move in moves)
+        cut_mm = right_angle_mm(box_s, [], hardest, speed)
+        lines.append(
+            f"jerk: all positions are means over {box_s * 1e3:.1f} ms, so that the acceleration of"
+            f" no axis changes by more than {filters.jerk_mm_s3:g} mm/s³; while the move speeds up"
+            f" by {hardest:.0f} mm/s² the head is {spread_mm(box_s, [], hardest) * 1e3:.0f} µm off"
+            f" the plan, and a right angle at its end is cut by up to {cut_mm * 1e3:.0f} µm"
         )
     advanced = [move for move in moves if move.advance_s > 0]
     if advanced:

@@ -1,4 +1,5 @@
-"""M593, M900, M572 and the equivalent Klipper commands: input shapers and pressure advance."""
+"""M593, M900, M572, the equivalent Klipper commands, and SET_JERK_LIMIT: input shapers, pressure
+advance and the limit of jerk."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.config.jerk import MAX_JERK, box_s, least_jerk
 from passo.config.machine import half_smooth_s
 from passo.config.motion import MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S
 from passo.config.shapers import (
@@ -47,9 +49,9 @@ class Shaper:
 
 
 class MotionFilters:
-    """The filters of one job. A new shaper or smoothing time takes effect at standstill, after the
-    moves before the command. A new pressure advance takes effect from the next move on, without a
-    stop."""
+    """The filters of one job. A new shaper, smoothing time or limit of jerk takes effect at
+    standstill, after the moves before the command. A new pressure advance takes effect from the
+    next move on, without a stop."""
 
     def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
         self._machine, self._job = machine, job
@@ -60,6 +62,7 @@ class MotionFilters:
         halves = [half_smooth_s(extruder) for extruder in machine.extruders.values()]
         self.smooth_s = [2 * half or SMOOTH_TIME_S for half in halves]
         self._smooths = [half > 0 for half in halves]
+        self.jerk_mm_s3 = machine.limits.jerk_mm_s3 or 0.0  # 0: no limit
 
     # -- shapers ----------------------------------------------------------------------------------
 
@@ -137,6 +140,43 @@ class MotionFilters:
             f" SHAPER_TYPE_{axis}={shaper.kind} DAMPING_RATIO_{axis}={numeral(shaper.damping)}"
             for axis, shaper in self.shapers.items()
         ]
+
+    # -- jerk -------------------------------------------------------------------------------------
+
+    @command(
+        "SET_JERK_LIMIT",
+        Subject.SPEED,
+        When.PLANNED,
+        "JERK",
+        "Sets the maximum change of the acceleration of X, Y and Z in a second (mm/s³), 0 for no"
+        " limit. The machine stops for a change.",
+        bare=None,
+    )
+    def _limit_jerk(self, command: Command, reply: Reply) -> Wait | None:
+        jerk = _number(command.pairs(), "JERK")
+        if jerk is None:
+            reply.say(self.jerk_line())
+            return None
+        if jerk == self.jerk_mm_s3:
+            return None
+        if jerk > 0 and self._machine.laser is not None:
+            limit = "0, as the power of the laser of this machine follows the plan"
+            raise CommandError.bad_value("JERK", jerk, limit)
+        if jerk != 0:
+            least = least_jerk(self._machine.largest_accel_mm_s2)
+            limits = f"0 (no limit), or {least:.0f} to {MAX_JERK:g} mm/s³"
+            _within("JERK", jerk, least, MAX_JERK, limits)
+        self.jerk_mm_s3 = jerk
+        return WaitForMoves(lambda: self._job.set_jerk_box(self.box_s))
+
+    def jerk_line(self) -> str:
+        """SET_JERK_LIMIT with the current value."""
+        return f"SET_JERK_LIMIT JERK={numeral(self.jerk_mm_s3)}"
+
+    @property
+    def box_s(self) -> float:
+        """The time over which all positions are averaged, s; 0 without a limit of jerk."""
+        return box_s(self._machine.largest_accel_mm_s2, self.jerk_mm_s3)
 
     # -- pressure advance -------------------------------------------------------------------------
 
@@ -256,13 +296,15 @@ class MotionFilters:
     def delay_s(self) -> float:
         """The delay of the motors relative to the plan, s. The boards use it rounded up to a
         tick."""
-        delay_s = max(
-            (s / 2 for s, on in zip(self.smooth_s, self._smooths, strict=True) if on), default=0.0
-        )
+        box = self.box_s
+        delay_s = box / 2
+        for smooth_s, on in zip(self.smooth_s, self._smooths, strict=True):
+            if on:
+                delay_s = max(delay_s, (max(smooth_s / 2, box) + smooth_s / 2) / 2)
         for shaper in self.shapers.values():
             if shaper.frequency_hz > 0:
                 found = impulses(shaper.kind, shaper.frequency_hz, shaper.damping)
-                delay_s = max(delay_s, sum(weight * at for weight, at in found))
+                delay_s = max(delay_s, box / 2 + sum(weight * at for weight, at in found))
         return delay_s
 
     def shaper_status(self) -> dict[str, ShaperStatus]:
@@ -280,6 +322,7 @@ class MotionFilters:
     def lines(self) -> Iterator[str]:
         """All filters as commands."""
         yield from self.shaper_lines()
+        yield self.jerk_line()
         yield from self.advance_lines()
 
 
