@@ -341,10 +341,102 @@ def test_delta(load) -> None:
     assert machine.steppers["a"].max_mm == 260
 
 
+def arms(kind: str, axes: str, motors: str, reach: float = 100, **values: Any) -> dict[str, Any]:
+    """A transform whose motors turn. X and Y get `reach` far from the middle."""
+    return {
+        "_compoundName": kind,
+        **values,
+        "Steppers": {f"TransformStepper{i}": {"StepperName": n} for i, n in enumerate(motors)},
+        "CartesianAxes": {
+            f"VirtualAxis{i}": axis(name, reach, MinPos=-reach if i < 2 else 0)
+            for i, name in enumerate(axes)
+        },
+    }
+
+
+def test_rotational_delta(load) -> None:
+    lengths = {"EndEffectorLength": 30, "BaseLength": 40, "RodLength": 130, "ArmLength": 80}
+    transform = arms("RotationalDelta", "XYZ", "ABC", **lengths, ZOffset=150)
+    ends = [homing("X-"), homing("Y+"), homing("Z-")]
+    for end in ends:
+        end["HomeOffset"] = 0
+    steppers = [
+        stepper(name, p, MinPos=-30, MaxPos=80, homing=end)
+        for name, p, end in zip("ABC", "XYZ", ends, strict=True)
+    ]
+    draft, machine = load(transform=transform, steppers=steppers, Moves={}, probe_config={})
+    geometry = machine.geometry
+    assert (geometry.kind, geometry.effector_length, geometry.base_length) == (
+        "rotary_delta",
+        30,
+        40,
+    )
+    assert (geometry.rod_length, geometry.arm_length, geometry.z_offset) == (130, 80, 150)
+    motor = machine.steppers["a"]
+    assert (motor.min_deg, motor.max_deg, motor.steps_per_degree) == (-30, 80, 80)
+    assert machine.homing["c"].position == -30
+    # The arms point up by 30°: their elbows are 150 + 80 sin 30° high, 2.887 + 80 cos 30° outside
+    # of the joints, to which the rods go down.
+    height = 150 + 40 - (130**2 - (10 / 12**0.5 + 40 * 3**0.5) ** 2) ** 0.5
+    home = [machine.axes[name].home_mm for name in "xyz"]
+    assert home == pytest.approx([0, 0, height], abs=1e-3)
+    limit = machine.axes["x"].accel_mm_s2
+    assert limit == pytest.approx(motor.accel_deg_s2 * 3.14159265 / 180 * 210, rel=1e-5)
+    assert any(f"{limit:g} mm/s²" in remark.text for remark in draft.remarks)
+    with pytest.raises(ConfigError, match="arms that meet"):
+        lengths["RodLength"] = 40
+        load(transform=transform | lengths, steppers=steppers, Moves={}, probe_config={})
+
+
+@pytest.mark.parametrize("external", [True, False])
+def test_scara(load, external: bool) -> None:
+    values = {"Arm1Length": 150, "Arm2Length": 140, "XOffset": 50, "YOffset": -60}
+    transform = arms("SCARA", "XY", "BA", **values, ExternalArm2Motor=external)
+    steppers = [
+        stepper("A", "X", MinPos=-30, MaxPos=260, homing=homing("X-")),
+        stepper("B", "Y", MinPos=-60, MaxPos=150, homing=homing("Y+")),
+        stepper("Z", "Z", homing=homing("Z-")),
+    ]
+    _, machine = load(
+        transform=transform,
+        steppers=steppers,
+        Moves={},
+        probe_config={},
+        stored="SCARAArm2Length=141\n",
+    )
+    geometry = machine.geometry
+    assert (geometry.kind, geometry.arm1, geometry.arm2) == ("scara", 150, 141)
+    assert (geometry.x_offset, geometry.y_offset, geometry.external_motor) == (50, -60, external)
+    assert (machine.steppers["a"].socket, machine.steppers["b"].socket) == ("Y", "X")
+    assert (machine.steppers["b"].max_deg, machine.steppers["z"].steps_per_mm) == (260, 80)
+    assert machine.axes["x"].home_mm is None  # with the arms at their ends the nozzle is outside
+
+
+def test_dual_scara(load) -> None:
+    values = {"Arm1ShoulderXCoord": -40, "Arm2ShoulderXCoord": 45, "XOffset": 5, "YOffset": -90}
+    values |= {"Arm1ProximalSideLength": 61, "Arm2ProximalSideLength": 62}
+    values |= {"Arm1DistalSideLength": 71, "Arm2DistalSideLength": 72}
+    steppers = [
+        stepper("A", "X", MinPos=-90, MaxPos=90),
+        stepper("B", "Y", MinPos=-90, MaxPos=90),
+        stepper("Z", "Z", homing=homing("Z-")),
+    ]
+    _, machine = load(
+        transform=arms("DualSCARA", "XY", "AB", 20, **values),
+        steppers=steppers,
+        Moves={},
+        probe_config={},
+    )
+    found = machine.geometry
+    assert (found.shoulder1_x, found.shoulder2_x, found.proximal1) == (-40, 45, 61)
+    assert (found.proximal2, found.distal1, found.distal2) == (62, 71, 72)
+    assert (found.x_offset, found.y_offset) == (5, -90)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
-        ('"NoTransform"', '"SCARA"', "the kind of machine is 'SCARA'"),
+        ('"NoTransform"', '"Polar"', "the kind of machine is 'Polar'"),
         ('"board": "RAMPS 1.3"', '"board": "Mine"', "the board is 'Mine'"),
         ('"MaxSafeTemp": 280', '"MaxSafe": 280', "MaxSafeTemp is missing"),
         ('"_compoundName": "conversion"', '"_compoundName": "Max31855Formula"', "Max31855Formula"),

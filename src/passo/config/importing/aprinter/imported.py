@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from math import sqrt
 from typing import TYPE_CHECKING, Any
 
+from passo.config.importing.aprinter.arms import ARMS, put_arms, put_home
 from passo.config.importing.aprinter.boards import Pins
+from passo.config.importing.aprinter.conversion import Job
 from passo.config.importing.aprinter.document import (
     Node,
     Stored,
@@ -23,36 +24,18 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from passo.config.importing.draft import KeyPath
-    from passo.config.importing.numbers import Read
 
-_PLAIN = ("NoTransform", "Null")
+_KINDS = {  # of a transform: the kind of Passo's geometry
+    "NoTransform": "cartesian",
+    "Null": "cartesian",
+    "CoreXY": "corexy",
+    "Delta": "delta",
+    "SCARA": "scara",
+    "DualSCARA": "dual_scara",
+    "RotationalDelta": "rotary_delta",
+}
 _HOOKS = {"After homing": "after_homing", "After bed probing": "after_probing"}
 _TOWERS = ("a", "b", "c")
-
-
-@dataclass
-class _Job:
-    """The input and the output of the conversion. `motors` maps steppers to their names in the
-    machine file."""
-
-    config: Node
-    pins: Pins
-    stored: Stored
-    draft: Draft
-    motors: dict[str, str] = field(default_factory=dict[str, str])
-
-    def put(self, path: KeyPath, found: Read | None, scale: float = 1.0) -> None:
-        """Sets a key to a number that was read."""
-        if found is not None:
-            self.draft.put(path, float(f"{found.value * scale:.10g}"), found.place)
-
-    def stepper(self, name: Node | None) -> Node:
-        """The stepper of this name. Raises ConfigError."""
-        for one in self.config.each("steppers"):
-            if name is not None and one.text("Name") == name.scalar:
-                return one
-        place = name.place if name else self.config.place
-        raise bad(place, "StepperName", str(name.scalar)[:40] if name else "", "a stepper")
 
 
 def imported(path: Path, stored: Path | None = None) -> Draft:
@@ -62,7 +45,7 @@ def imported(path: Path, stored: Path | None = None) -> Draft:
     root = document(sources.read(path), path)
     options = stored_options(sources.read(stored), stored.name) if stored else Stored()
     config, draft = _selected(root), Draft()
-    job = _Job(config, Pins(root, config.within("board")), options, draft)
+    job = Job(config, Pins(root, config.within("board")), options, draft)
     draft.put_head(path, config.text("name"))
     _put_motion(job)
     _put_probe(job)
@@ -71,7 +54,7 @@ def imported(path: Path, stored: Path | None = None) -> Draft:
     _put_moves(job)
     if config.each("lasers"):
         draft.decide(config.within("lasers").place, "lasers", "give [laser] by hand")
-    _put(job, ("idle", "motors_off_s"), config, "InactiveTime", "InactiveTime")
+    job.put_number(("idle", "motors_off_s"), config, "InactiveTime", "InactiveTime")
     draft.put(("board", "base"), job.pins.base, config.within("board").place)
     text = "the board is simulated until [board] has link and port. It needs Passo's firmware"
     draft.decide(config.within("board").place, "board", f"{text}: passo firmware flash")
@@ -90,21 +73,24 @@ def _selected(root: Node) -> Node:
     return chosen[0]
 
 
-def _put(job: _Job, path: KeyPath, node: Node, key: str, option: str = "") -> None:
-    job.put(path, job.stored.number(node, key, option))
-
-
-def _put_motion(job: _Job) -> None:
+def _put_motion(job: Job) -> None:
     transform = job.config.within("transform")
     kind = transform.kind
-    if kind not in (*_PLAIN, "CoreXY", "Delta"):
-        place, limit = transform.place, ", ".join(("NoTransform", "Null", "CoreXY", "Delta"))
+    if kind not in _KINDS:
+        place, limit = transform.place, ", ".join(_KINDS)
         raise ConfigError.of("import.kinematics", place.file, place.line, value=kind, limit=limit)
-    name = "cartesian" if kind in _PLAIN else kind.lower()
-    job.draft.put(("geometry", "kind"), name, transform.place)
+    job.draft.put(("geometry", "kind"), _KINDS[kind], transform.place)
     taken: list[Node] = []
     if kind == "Delta":
         taken = _put_delta(job, transform)
+    elif kind in ARMS:
+        taken = put_arms(job, transform)
+        for arm in taken:
+            homing = arm.get("homing")
+            if homing is not None and homing.kind == "homing":
+                letter = arm.text("Name")
+                _put_homing(job, job.motors[letter], letter, homing, arm)
+        put_home(job, transform)
     else:
         for index, motor in enumerate("ab" if kind == "CoreXY" else ""):
             written = transform.get("Steppers", f"TransformStepper{index}", "StepperName")
@@ -124,7 +110,7 @@ def _put_motion(job: _Job) -> None:
     job.draft.put(("limits", "junction"), "cornering_distance", None)
 
 
-def _put_virtual_axes(job: _Job, transform: Node, steppers: list[Node], letters: str) -> None:
+def _put_virtual_axes(job: Job, transform: Node, steppers: list[Node], letters: str) -> None:
     """Converts axes with several motors. Their acceleration is that of the slowest motor."""
     accels = [job.stored.needed(s, "MaxAccel", f"{s.text('Name')}MaxAccel") for s in steppers]
     accel = min(accels, key=lambda found: found.value)
@@ -140,7 +126,7 @@ def _put_virtual_axes(job: _Job, transform: Node, steppers: list[Node], letters:
             _put_homing(job, name.lower(), name, homing, node)
 
 
-def _put_delta(job: _Job, transform: Node) -> list[Node]:
+def _put_delta(job: Job, transform: Node) -> list[Node]:
     names = [transform.get("Steppers", f"TransformStepper{i}", "StepperName") for i in range(3)]
     steppers = [job.stepper(name) for name in names]
     offsets = [
@@ -170,7 +156,7 @@ def _put_delta(job: _Job, transform: Node) -> list[Node]:
             ("speed_mm_s", "MaxSpeed"),
             ("accel_mm_s2", "MaxAccel"),
         ):
-            _put(job, (*path, key), stepper, word, f"{name}{word}")
+            job.put_number((*path, key), stepper, word, f"{name}{word}")
         if length <= radius:
             raise bad(rod.place, "DiagonalRod", f"{length:g}", f"more than {radius:g}")
         homing = stepper.get("homing")
@@ -189,7 +175,7 @@ def _put_delta(job: _Job, transform: Node) -> list[Node]:
     return steppers
 
 
-def _put_axis(job: _Job, name: str, stepper: Node, identity: Node | None) -> None:
+def _put_axis(job: Job, name: str, stepper: Node, identity: Node | None) -> None:
     """Converts an axis with its own motor, or an extruder. As in APrinter, an extruder that is not
     named E becomes a further axis that moves filament."""
     letter = stepper.text("Name")
@@ -202,7 +188,7 @@ def _put_axis(job: _Job, name: str, stepper: Node, identity: Node | None) -> Non
         for key, word in (("min_mm", "MinPos"), ("max_mm", "MaxPos")):
             limits = identity.get("Limits") if identity else None
             node = limits if limits and limits.get(word) else stepper
-            _put(job, (*path, key), node, word, f"{letter}{word}")
+            job.put_number((*path, key), node, word, f"{letter}{word}")
     for key, word in (("speed_mm_s", "MaxSpeed"), ("accel_mm_s2", "MaxAccel")):
         job.put((*path, key), job.stored.needed(stepper, word, f"{letter}{word}"))
     if path[0] == "axes":
@@ -213,13 +199,14 @@ def _put_axis(job: _Job, name: str, stepper: Node, identity: Node | None) -> Non
         _put_homing(job, name, letter, homing, stepper)
 
 
-def _put_motors(job: _Job, stepper: Node) -> None:
+def _put_motors(job: Job, stepper: Node) -> None:
     letter = stepper.text("Name")
     name = job.motors[letter]
     for number, slave in enumerate(stepper.each("slave_steppers")):
         path = ("steppers", f"{name}{number}" if number else name)
         steps = job.stored.needed(stepper, "StepsPerUnit", f"{letter}StepsPerUnit")
-        job.put((*path, "steps_per_mm"), steps)
+        turns = letter in job.arms
+        job.put((*path, "steps_per_degree" if turns else "steps_per_mm"), steps)
         port = slave.within("stepper_port")
         for key, value in job.pins.motor(port).items():
             job.draft.put((*path, key), value, port.place)
@@ -234,11 +221,11 @@ def _put_motors(job: _Job, stepper: Node) -> None:
             job.draft.put((*path, "microsteps"), micro.whole(1, 256), micro.place)
         delay = stepper.get("delay")
         if delay is not None and delay.kind == "Delay":
-            _put(job, (*path, "pulse_us"), delay, "StepHighTime")
-            _put(job, (*path, "direction_setup_us"), delay, "DirSetTime")
+            job.put_number((*path, "pulse_us"), delay, "StepHighTime")
+            job.put_number((*path, "direction_setup_us"), delay, "DirSetTime")
 
 
-def _put_homing(job: _Job, name: str, letter: str, homing: Node, limits: Node) -> None:
+def _put_homing(job: Job, name: str, letter: str, homing: Node, limits: Node) -> None:
     """Converts the homing of an axis. Its end is the limit plus the offset; a virtual axis has no
     offset."""
     path, stored = ("homing", name), job.stored
@@ -258,13 +245,13 @@ def _put_homing(job: _Job, name: str, letter: str, homing: Node, limits: Node) -
         ("slow", "HomeSlowSpeed"),
         ("max_travel", "HomeFastMaxDist"),
     ):
-        _put(job, (*path, key), homing, word, f"{letter}{word}")
+        job.put_number((*path, key), homing, word, f"{letter}{word}")
     default = homing.get("ByDefault")
     if default is not None and not stored.flag(homing, "ByDefault", f"{letter}HomeByDefault"):
         job.draft.put((*path, "by_default"), False, default.place)
 
 
-def _put_probe(job: _Job) -> None:
+def _put_probe(job: Job) -> None:
     """Converts the probe. APrinter adds the offset of the probe to a point and the general Z offset
     to a height; Passo subtracts the offset and the trigger height."""
     probe, stored = job.config.get("probe_config", "probe"), job.stored
@@ -288,7 +275,7 @@ def _put_probe(job: _Job) -> None:
         ("lift_mm_s", "RetractSpeed"),
         ("slow_mm_s", "SlowSpeed"),
     ):
-        _put(job, (*path, key), probe, word, f"Probe{word}")
+        job.put_number((*path, key), probe, word, f"Probe{word}")
     points: list[Any] = []
     for number, node in enumerate(probe.each("ProbePoints"), 1):
         at = [stored.needed(node, axis, f"ProbeP{number}{axis}") for axis in "XY"]
@@ -308,7 +295,7 @@ def _put_probe(job: _Job) -> None:
     put(("levelling", "points"), points, probe.within("ProbePoints").place)
 
 
-def _put_cold(job: _Job) -> None:
+def _put_cold(job: Job) -> None:
     """Sets the heater of each further axis that moves filament."""
     for heater in job.config.each("heaters"):
         for axis in heater.each("cold_extrusion_prevention", "ExtruderAxes"):
@@ -317,7 +304,7 @@ def _put_cold(job: _Job) -> None:
                 job.draft.put(("axes", name, "heater"), heater_name(heater), axis.place)
 
 
-def _put_moves(job: _Job) -> None:
+def _put_moves(job: Job) -> None:
     for number, move in enumerate(job.config.each("Moves", "Moves"), 1):
         path, hook = ("moves", f"move-{number}"), _HOOKS.get(move.text("HookType"))
         at = {
@@ -332,7 +319,7 @@ def _put_moves(job: _Job) -> None:
         if not at:
             continue
         job.draft.put((*path, "position_mm"), {**at}, move.place)
-        _put(job, (*path, "speed_mm_s"), move, "Speed", f"Move{number}Speed")
+        job.put_number((*path, "speed_mm_s"), move, "Speed", f"Move{number}Speed")
         job.draft.put((*path, "hook"), hook, move.place)
         priority = job.stored.number(move, "HookPriority")
         if priority is not None:
