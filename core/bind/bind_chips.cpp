@@ -4,8 +4,10 @@
 
 #include <memory>
 
+#include "sim/accelerometer_chip.hpp"
 #include "sim/converter_chip.hpp"
 #include "sim/digipot.hpp"
+#include "sim/head_dynamics.hpp"
 #include "sim/simulated_device.hpp"
 
 namespace nb = nanobind;
@@ -89,4 +91,49 @@ void bind_chips(nb::module_& m) {
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "converter"_a,
       "Connects a converter to the SPI bus on these pins. It measures the heated mass whose sensor "
       "is on the select pin.");
+  nb::enum_<AccelerometerChip::Kind>(m, "AccelerometerKind")
+      .value("ADXL345", AccelerometerChip::Kind::adxl345)
+      .value("LIS2DW", AccelerometerChip::Kind::lis2dw);
+  nb::class_<AccelerometerChip>(m, "AccelerometerChip", "A simulated accelerometer.")
+      .def(
+          "ride",
+          [](AccelerometerChip& chip, std::shared_ptr<HeadDynamics> head, double ratio,
+             double offset) {
+            chip.place(
+                [head, ratio, offset](Ticks clock) {
+                  head->run(double(clock) * ratio + offset);
+                  return std::array{head->mass(0).velocity(), head->mass(1).velocity(),
+                                    head->mass(2).velocity()};
+                },
+                [head](bool on) { head->follow(on); });
+          },
+          "head"_a, "ratio"_a, "offset"_a,
+          "The chip moves with this head, which follows its motors while the chip measures. "
+          "`ratio` "
+          "is the length of a tick of the chip's board in ticks of the main board, and `offset` "
+          "the "
+          "main board's clock when that of the chip's board is 0.")
+      .def(
+          "put_down",
+          [](AccelerometerChip& chip) {
+            chip.place([](Ticks) { return std::array<double, 3>{}; }, [](bool) {});
+          },
+          "The chip lies still.")
+      .def_rw("plugged", &AccelerometerChip::plugged)
+      .def_rw("rate_error", &AccelerometerChip::rate_error,
+              "The deviation of its sample rate, as a fraction.");
+  m.def(
+      "add_accelerometer",
+      [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
+         uint32_t from_device, AccelerometerChip::Kind kind, double clock_hz) {
+        auto chip = std::make_shared<AccelerometerChip>(kind, clock_hz);
+        bench.plant().spi_devices.emplace_back(
+            SpiPins{select_pin, clock_pin, to_device, from_device}, 3,
+            [chip](Ticks clock) { return chip->answer(clock); },
+            [chip](const Bytes& in) { chip->take(in); },
+            [chip](uint8_t address, Ticks clock) { return chip->read(address, clock); });
+        return chip;
+      },
+      "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "kind"_a,
+      "clock_hz"_a, "Connects an accelerometer, which lies still, to the SPI bus on these pins.");
 }

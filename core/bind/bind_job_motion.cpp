@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bind/bind_job.hpp"
+#include "bind/bind_pieces.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -61,6 +62,16 @@ void bind_position(JobClass& job) {
           "A straight move in machine coordinates (NaN: the axis does not move). If the move takes "
           "too long, or is not within the limits of `within`, returns False and changes nothing, "
           "see error.")
+      .def(
+          "add_pieces",
+          [](JobView& self, const std::vector<PieceSpec>& pieces,
+             const std::optional<std::vector<double>>& end) {
+            Motion& motion = self.job.motion;
+            motion.add_pieces(
+                pieces_of(motion.machine(), pieces, end, int(self.job.interpreter.extruder())));
+            self.job.abandon();
+          },
+          "pieces"_a, "end"_a = nb::none(), kPiecesText)
       .def(
           "set_axes",
           [](JobView& self, const std::vector<std::pair<int, double>>& places, bool homed) {

@@ -15,6 +15,7 @@
 
 #include "bind/bind_height_map.hpp"
 #include "bind/bind_machine.hpp"
+#include "bind/bind_pieces.hpp"
 #include "motion/motion.hpp"
 
 namespace nb = nanobind;
@@ -32,43 +33,9 @@ struct RecordedMotion {
   }
 };
 
-// Rows of coefficients: one an axis, then E; none means that the axis stays at 0.
-Piece piece_of(const Machine& machine, double seconds,
-               const std::vector<std::vector<double>>& coefficients, int extruder) {
-  if (coefficients.size() != machine.axes.size() + 1)
-    throw nb::value_error("a piece needs one row of coefficients an axis, then E");
-  if (extruder < 0 || (size_t(extruder) >= machine.extruders.size() && !machine.extruders.empty()))
-    throw nb::value_error("no such extruder");
-  Piece p{};
-  p.seconds = seconds;
-  p.extruder = uint16_t(extruder);
-  for (size_t i = 0; i < coefficients.size(); ++i) {
-    if (coefficients[i].empty() || coefficients[i].size() > Piece::kTerms)
-      throw nb::value_error("an axis of a piece has 1 to 6 coefficients");
-    int j = i < machine.axes.size() ? slot_of_axis(int(i)) : int(kE);
-    std::copy(coefficients[i].begin(), coefficients[i].end(), p.c[j]);
-  }
-  for (int j = 0; j < kAxes; ++j) p.end[j] = p.position(j, seconds);
-  return p;
-}
-
-void add_pieces(RecordedMotion& self, const std::vector<std::tuple<double, Rows>>& pieces,
+void add_pieces(RecordedMotion& self, const std::vector<PieceSpec>& pieces,
                 const std::optional<std::vector<double>>& end, int extruder) {
-  const Machine& machine = self.motion.machine();
-  std::vector<Piece> list;
-  for (const auto& [seconds, rows] : pieces) {
-    list.push_back(piece_of(machine, seconds, rows, extruder));
-    if (list.size() > 1)
-      for (int j = 0; j < kAxes; ++j) list[list.size() - 2].end[j] = list.back().c[j][0];
-  }
-  if (end && !list.empty()) {
-    if (end->size() != machine.axes.size() + 1)
-      throw nb::value_error("an end needs one number an axis, then E");
-    for (size_t i = 0; i < machine.axes.size(); ++i)
-      list.back().end[slot_of_axis(int(i))] = (*end)[i];
-    list.back().end[kE] = end->back();
-  }
-  self.motion.add_pieces(std::move(list));
+  self.motion.add_pieces(pieces_of(self.motion.machine(), pieces, end, extruder));
 }
 
 void push(RecordedMotion& self, const std::vector<double>& target, double feed,
@@ -126,10 +93,7 @@ void bind_motion(nb::module_& m) {
           },
           "first"_a, "spacing"_a, "heights"_a, "fade"_a = nb::none(), kHeightMapText)
       .def("add_pieces", &add_pieces, "pieces"_a, "end"_a = nb::none(), "extruder"_a = 0,
-           "Adds motion that is planned already, after the moves pushed so far. Each piece has its "
-           "duration in s and, for each axis, then E, up to six coefficients of a polynomial of "
-           "time: mm, mm/s, mm/s^2 and so on. Pieces must join to 1e-6 mm. `end` is the exact end "
-           "of the last piece; by default, the end of its polynomials. Raises ValueError.")
+           kPiecesText)
       .def(
           "record",
           [](RecordedMotion& self, uint16_t target, uint32_t value) {
@@ -282,7 +246,7 @@ void bind_motion(nb::module_& m) {
             StepSolver solver(machine, machine.steppers.at(stepper));
             solver.set_count(count);
             Steps steps;
-            solver.solve(piece_of(machine, seconds, rows, extruder), steps);
+            solver.solve(piece_of(machine, {seconds, rows}, extruder), steps);
             return std::make_tuple(steps.ticks, solver.count());
           },
           "seconds"_a, "coefficients"_a, "stepper"_a, "count"_a, "extruder"_a = 0,

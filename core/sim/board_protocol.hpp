@@ -49,6 +49,12 @@ enum class Command : int32_t {
   spi_send,
   config_thermocouple,
   query_thermocouple,
+  config_adxl345,
+  query_adxl345,
+  query_adxl345_status,
+  config_lis2dw,
+  query_lis2dw,
+  query_lis2dw_status,
   end_
 };
 enum class Report : int32_t {
@@ -67,6 +73,8 @@ enum class Report : int32_t {
   tmcuart_response,
   spi_transfer_response,
   thermocouple_result,
+  sensor_bulk_data,
+  sensor_bulk_status,
 };
 
 struct Declaration {
@@ -131,6 +139,13 @@ inline constexpr Declaration kCommands[] = {
     {int(Command::query_thermocouple),
      "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u"
      " max_invalid_count=%c"},
+    {int(Command::config_adxl345), "config_adxl345 oid=%c spi_oid=%c"},
+    {int(Command::query_adxl345), "query_adxl345 oid=%c rest_ticks=%u"},
+    {int(Command::query_adxl345_status), "query_adxl345_status oid=%c"},
+    {int(Command::config_lis2dw),
+     "config_lis2dw oid=%c bus_oid=%c bus_oid_type=%c lis_chip_type=%c"},
+    {int(Command::query_lis2dw), "query_lis2dw oid=%c rest_ticks=%u"},
+    {int(Command::query_lis2dw_status), "query_lis2dw_status oid=%c"},
 };
 
 inline constexpr Declaration kReports[] = {
@@ -150,6 +165,10 @@ inline constexpr Declaration kReports[] = {
     {int(Report::spi_transfer_response), "spi_transfer_response oid=%c response=%*s"},
     {int(Report::thermocouple_result),
      "thermocouple_result oid=%c next_clock=%u value=%u fault=%c"},
+    {int(Report::sensor_bulk_data), "sensor_bulk_data oid=%c sequence=%hu data=%*s"},
+    {int(Report::sensor_bulk_status),
+     "sensor_bulk_status oid=%c clock=%u query_ticks=%u next_sequence=%hu buffered=%u"
+     " possible_overflows=%hu"},
 };
 
 // Why a board shuts down. The number goes over the wire as static_string_id.
@@ -176,6 +195,7 @@ enum class Fault : uint16_t {
   thermocouple_type,
   thermocouple_range,
   thermocouple_fault,
+  accelerometer_type,
 };
 inline constexpr const char* kFaults[] = {
     "",
@@ -200,8 +220,9 @@ inline constexpr const char* kFaults[] = {
     "Invalid thermocouple chip type",
     "Thermocouple ADC out of range",
     "Thermocouple reader fault",
+    "Invalid accelerometer type",
 };
-static_assert(std::size(kFaults) == size_t(Fault::thermocouple_fault) + 1);
+static_assert(std::size(kFaults) == size_t(Fault::accelerometer_type) + 1);
 
 // Thrown by the parts of the board; the board stops all motion and outputs.
 struct Shutdown {

@@ -61,12 +61,43 @@ BoardThermocouple::Type BoardThermocouple::type_of(uint32_t number) {
   return types[number];
 }
 
+size_t BoardAccelerometer::sample(const BoardSpi& spi, Ticks now, Plant& plant) {
+  if (lis2dw) {
+    Bytes in = spi.transfer(now, {0xa8, 0, 0, 0, 0, 0, 0}, plant);
+    data.insert(data.end(), in.begin() + 1, in.end());
+    Bytes state = spi.transfer(now, {0xaf, 0}, plant);
+    if (state[1] & 0x40) ++overflows;
+    return state[1] & 0x3f;
+  }
+  Bytes in = spi.transfer(now, {0xf2, 0, 0, 0, 0, 0, 0, 0, 0}, plant);
+  size_t left = in[8] & 0x7f;
+  auto extended = [&](size_t i) { return (in[i] & 0xf0) == 0 || (in[i] & 0xf0) == 0xf0; };
+  if (!extended(2) || !extended(4) || !extended(6) || in[7] != 0x90 || left > 32) {
+    data.insert(data.end(), sample_bytes(), 0xff);  // a disturbed transfer
+    return 0;
+  }
+  data.insert(data.end(), {in[1], in[3], in[5], uint8_t((in[2] & 0x1f) | in[6] << 5),
+                           uint8_t((in[4] & 0x1f) | (in[6] << 2 & 0x60))});
+  if (left >= 31) ++overflows;
+  return left;
+}
+
+size_t BoardAccelerometer::waiting(const BoardSpi& spi, Ticks now, Plant& plant) const {
+  return spi.transfer(now, {uint8_t(lis2dw ? 0xaf : 0xb9), 0}, plant)[1] & (lis2dw ? 0x3f : 0x7f);
+}
+
 std::optional<SerialParts::Part> SerialParts::made(Command id, const uint32_t* a) {
   if (id == Command::config_tmcuart) return BoardUart(a[1], a[4]);
   if (id == Command::config_spi) return BoardSpi(a[1]);
   if (id == Command::config_thermocouple) {
     get<BoardSpi>(a[1]);
     return BoardThermocouple(a[1], a[2]);
+  }
+  if (id == Command::config_adxl345 || id == Command::config_lis2dw) {
+    if (id == Command::config_lis2dw && (a[2] != 0 || a[3] != 0))
+      throw Shutdown{Fault::accelerometer_type};
+    get<BoardSpi>(a[1]);
+    return BoardAccelerometer(a[1], id == Command::config_lis2dw);
   }
   return {};
 }
@@ -84,6 +115,8 @@ void SerialParts::run(Ticks now) {
       Bytes answer = uart->take();
       tell_(Report::tmcuart_response, {oid}, &answer);
     }
+    if (auto* part_of = std::get_if<BoardAccelerometer>(&part); part_of && part_of->next() <= now)
+      empty(oid, *part_of, now);
     auto* it = std::get_if<BoardThermocouple>(&part);
     if (!it || it->next() > now) continue;
     it->begin += it->rest;
@@ -96,8 +129,22 @@ void SerialParts::run(Ticks now) {
 }
 
 void SerialParts::shut_down() {
-  for (auto& [oid, part] : parts_)
+  for (auto& [oid, part] : parts_) {
     if (auto* uart = std::get_if<BoardUart>(&part)) uart->take();
+    if (auto* it = std::get_if<BoardAccelerometer>(&part)) it->begin = kNever;
+  }
+}
+
+void SerialParts::empty(uint32_t oid, BoardAccelerometer& it, Ticks now) {
+  const BoardSpi& spi = get<BoardSpi>(it.spi_oid);
+  size_t left;
+  do {
+    left = it.sample(spi, now, plant_);
+    if (it.data.size() < it.block_bytes()) continue;
+    tell_(Report::sensor_bulk_data, {oid, it.sequence++}, &it.data);
+    it.data.clear();
+  } while (left > (it.lis2dw ? 0u : 1u));
+  it.begin = now + it.rest;
 }
 
 uint32_t SerialParts::ask(const BoardThermocouple& it, std::optional<uint8_t> address, size_t bytes,
@@ -127,6 +174,26 @@ void SerialParts::command(Command id, const uint32_t* a, const Bytes& data, Tick
     case Command::spi_send:
       get<BoardSpi>(a[0]).transfer(now, data, plant_);
       break;
+    case Command::query_adxl345:
+    case Command::query_lis2dw: {
+      auto& it = get<BoardAccelerometer>(a[0]);
+      it = BoardAccelerometer(it.spi_oid, it.lis2dw);
+      it.rest = a[1];
+      if (a[1] == 0) break;
+      if (a[1] < kMinPeriodTicks) throw Shutdown{Fault::period_too_short};
+      it.begin = now + it.rest;
+      break;
+    }
+    case Command::query_adxl345_status:
+    case Command::query_lis2dw_status: {
+      auto& it = get<BoardAccelerometer>(a[0]);
+      size_t waiting = it.waiting(get<BoardSpi>(it.spi_oid), now, plant_);
+      if (waiting > 32) break;  // a disturbed transfer: the host asks again
+      auto buffered = uint32_t(it.data.size() + waiting * it.sample_bytes());
+      tell_(Report::sensor_bulk_status,
+            {a[0], uint32_t(now), 0, it.sequence, buffered, it.overflows}, nullptr);
+      break;
+    }
     default: {
       auto& it = get<BoardThermocouple>(a[0]);
       it.begin = a[2] != 0 ? ahead(a[1]) : kNever;

@@ -1,4 +1,5 @@
-// UARTs of motor drivers, SPI devices and converters of the virtual board, datagram by datagram.
+// UARTs of motor drivers, SPI devices, converters and accelerometers of the virtual board, datagram
+// by datagram.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -13,7 +14,8 @@
 
 namespace passo::wire {
 
-inline constexpr size_t kUartBytes = 10;  // of bits, either way
+inline constexpr uint32_t kMinPeriodTicks = 100;  // with a shorter one a board does nothing else
+inline constexpr size_t kUartBytes = 10;          // of bits, either way
 
 // A UART whose answers come when the firmware's would.
 class BoardUart {
@@ -67,10 +69,33 @@ struct BoardThermocouple {
   static Type type_of(uint32_t number);
 };
 
+// An accelerometer on an SPI device. Every `rest` ticks its FIFO is emptied; samples are reported
+// in blocks.
+struct BoardAccelerometer {
+  uint32_t spi_oid;
+  bool lis2dw;
+  Ticks begin = kNever, rest = 0;
+  uint16_t sequence = 0, overflows = 0;
+  Bytes data;
+
+  BoardAccelerometer(uint32_t spi, bool lis) : spi_oid(spi), lis2dw(lis) {}
+  Ticks next() const { return begin; }
+  size_t sample_bytes() const { return lis2dw ? 6 : 5; }
+  // Of a whole block, which fits in a frame.
+  size_t block_bytes() const { return kBlockBytes / sample_bytes() * sample_bytes(); }
+  // Takes a sample from the chip; returns the number of those that are left there.
+  size_t sample(const BoardSpi& spi, Ticks now, Plant& plant);
+  // The number of samples in the chip.
+  size_t waiting(const BoardSpi& spi, Ticks now, Plant& plant) const;
+
+ private:
+  static constexpr size_t kBlockBytes = 51;
+};
+
 // All of these on one board, by their object numbers.
 class SerialParts {
  public:
-  using Part = std::variant<BoardUart, BoardSpi, BoardThermocouple>;
+  using Part = std::variant<BoardUart, BoardSpi, BoardThermocouple, BoardAccelerometer>;
   using Tell = std::function<void(Report, std::initializer_list<uint32_t>, const Bytes*)>;
 
   SerialParts(Plant& plant, double clock_hz, Tell tell)
@@ -98,6 +123,7 @@ class SerialParts {
   Tell tell_;
   std::map<uint32_t, Part> parts_;
 
+  void empty(uint32_t oid, BoardAccelerometer& it, Ticks now);
   // So many bytes of a register, or of a converter without registers.
   uint32_t ask(const BoardThermocouple& it, std::optional<uint8_t> address, size_t bytes,
                Ticks now);

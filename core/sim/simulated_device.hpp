@@ -57,6 +57,8 @@ class Bench : public Device {
  public:
   Bench(double clock_hz, uint32_t adc_max, Ticks start)
       : plant_(clock_hz, adc_max, start), now_(start) {}
+  // Parts of the plant may hold what follows motors of this board, which are gone by now.
+  ~Bench() override { self_.reset(); }
 
   Plant& plant() { return plant_; }
   Ticks now() const { return now_; }

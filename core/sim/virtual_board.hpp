@@ -57,7 +57,6 @@ class VirtualBoard : public Bench {
  private:
   using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;
   static constexpr size_t kParametersMax = 10;
-  static constexpr uint32_t kMinPeriodTicks = 100;
   struct Shape {
     bool known, in_shutdown;
     uint8_t parameters;

@@ -24,6 +24,7 @@ enum object_type {
   OBJECT_TMCUART,
   OBJECT_I2C,
   OBJECT_THERMOCOUPLE,
+  OBJECT_ACCELEROMETER,
 };
 
 // A function for every object of one kind.

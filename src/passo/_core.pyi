@@ -1251,6 +1251,40 @@ def add_converter(bench: Bench, select_pin: int, clock_pin: int, to_device: int,
     Connects a converter to the SPI bus on these pins. It measures the heated mass whose sensor is on the select pin.
     """
 
+class AccelerometerKind(enum.Enum):
+    ADXL345 = 0
+
+    LIS2DW = 1
+
+class AccelerometerChip:
+    """A simulated accelerometer."""
+
+    def ride(self, head: HeadDynamics, ratio: float, offset: float) -> None:
+        """
+        The chip moves with this head, which follows its motors while the chip measures. `ratio` is the length of a tick of the chip's board in ticks of the main board, and `offset` the main board's clock when that of the chip's board is 0.
+        """
+
+    def put_down(self) -> None:
+        """The chip lies still."""
+
+    @property
+    def plugged(self) -> bool: ...
+
+    @plugged.setter
+    def plugged(self, arg: bool, /) -> None: ...
+
+    @property
+    def rate_error(self) -> float:
+        """The deviation of its sample rate, as a fraction."""
+
+    @rate_error.setter
+    def rate_error(self, arg: float, /) -> None: ...
+
+def add_accelerometer(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, kind: AccelerometerKind, clock_hz: float) -> AccelerometerChip:
+    """
+    Connects an accelerometer, which lies still, to the SPI bus on these pins.
+    """
+
 def sincos(x: float) -> tuple[float, float]: ...
 
 def atan2(y: float, x: float) -> float: ...
@@ -1983,6 +2017,11 @@ class Job:
     def move_to(self, target: Sequence[float], feed_mm_s: float, within: Within = Within.LIMITS) -> bool:
         """
         A straight move in machine coordinates (NaN: the axis does not move). If the move takes too long, or is not within the limits of `within`, returns False and changes nothing, see error.
+        """
+
+    def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None) -> None:
+        """
+        Adds motion that is planned already, after the moves pushed so far. Each piece has its duration in s and, for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces must join to 1e-6 mm. `end` is the exact end of the last piece; by default, the end of its polynomials. Raises ValueError.
         """
 
     def set_axes(self, places: Sequence[tuple[int, float]], homed: bool = False) -> None:

@@ -20,7 +20,7 @@ from passo.toolchain.arm import ArmBoard, board_header, pin_number
 from passo.toolchain.build import build, firmware_folder
 from passo.toolchain.declarations import gather
 from passo.toolchain.images import about_path, check_image, read_about
-from passo.toolchain.sources import core_sources
+from passo.toolchain.sources import TOO_FAST_FOR_AVR, core_sources
 from passo.toolchain.tables import compress
 from passo.toolchain.targets import Motor, board_target, state, target
 
@@ -118,7 +118,8 @@ def test_the_default_words_are_klippers() -> None:
     core = gather(core_sources(firmware_folder())).commands
     differ = {c.format.split()[0] for c in core if plain(c.format) not in klippers}
     own = {"get_counters", *(name for name in differ if name.startswith("survive_"))}
-    assert differ - own == {"query_analog_in", "i2c_transfer"}
+    left_out = {name for name in differ if re.search("_(adxl345|lis2dw)", name)}  # of that build
+    assert differ - own - left_out == {"query_analog_in", "i2c_transfer"}
 
 
 @pytest.mark.parametrize("name", ["ramps", "radds"])
@@ -126,7 +127,8 @@ def test_an_image_for_older_hosts(name: str, tmp_path: Path) -> None:
     words = ["firmware", "build", name, "--for-older-hosts", "--output", str(tmp_path)]
     assert main(words) == 0
     about = json.loads((tmp_path / f"{name}.json").read_text())
-    newer = {c.format for c in gather(core_sources(firmware_folder())).commands}
+    avr = TOO_FAST_FOR_AVR if name == "ramps" else ()
+    newer = {c.format for c in gather(core_sources(firmware_folder(), without=avr)).commands}
     older = {text for text in about["dictionary"]["commands"] if text not in newer}
     assert older == {
         "query_analog_in oid=%c clock=%u sample_ticks=%u sample_count=%c rest_ticks=%u"

@@ -30,15 +30,14 @@ SENSOR_RANGE_CHECKS = 4
 _UART_BAUD = 40_000
 _SLOW_UART_BAUD = 9_000  # the minimum that the drivers support
 _FAST_HZ = 20_000_000
-_SPI_HZ = 100_000
 
 
 @dataclass(frozen=True, slots=True)
 class Oids:
     """The object number of each part of the board, in this order: steppers, outputs, sensors,
-    endstops, trsyncs, UARTs, SPI devices. A trsync is the group of motors on this board that one
-    endstop stops; the endstop may be on another board. UARTs and SPI devices are found by their
-    pins."""
+    endstops, trsyncs, UARTs, SPI devices, accelerometers. A trsync is the group of motors on this
+    board that one endstop stops; the endstop may be on another board. UARTs, SPI devices and
+    accelerometers are found by their pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -47,6 +46,7 @@ class Oids:
     trsyncs: dict[str, int]
     uarts: dict[UartPins, int]
     spi_devices: dict[SpiPins, int]
+    accelerometers: dict[SpiPins, int]
     count: int
 
     @classmethod
@@ -68,6 +68,7 @@ class Oids:
             numbered([*(e.name for e in board.endstops), *board.endstops_elsewhere]),
             numbered(board.uarts),
             numbered(board.spi_devices),
+            numbered(a.spi for a in board.accelerometers),
             count,
         )
 
@@ -117,6 +118,14 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
                 f"config_thermocouple oid={oids.sensors[s.name]}"
                 f" spi_oid={oids.spi_devices[s.spi]} thermocouple_type={s.converter.name}{limit}"
             )
+    for a in board.accelerometers:
+        oid, spi = oids.accelerometers[a.spi], oids.spi_devices[a.spi]
+        if a.chip == "adxl345":
+            lines.append(f"config_adxl345 oid={oid} spi_oid={spi}")
+        else:
+            lines.append(
+                f"config_lis2dw oid={oid} bus_oid={spi} bus_oid_type=spi lis_chip_type=LIS2DW"
+            )
     return lines
 
 
@@ -128,14 +137,19 @@ def uart_bit_ticks(clock_hz: int) -> int:
 
 
 def _spi_device(pins: SpiPins, oid: int, clock_hz: int, dictionary: Dictionary) -> list[str]:
+    if pins.bus:
+        device = f"config_spi oid={oid} pin={bare(pins.cs_pin)} cs_active_high=0"
+        if not pins.cs_pin:
+            device = f"config_spi_without_cs oid={oid}"
+        return [device, f"spi_set_bus oid={oid} spi_bus={pins.bus} mode={pins.mode} rate={pins.hz}"]
     wires = (
         f"miso_pin={bare(pins.miso_pin)} mosi_pin={bare(pins.mosi_pin)}"
         f" sclk_pin={bare(pins.clock_pin)} mode={pins.mode}"
     )
     if dictionary.takes("spi_set_sw_bus", "pulse_ticks"):
-        bus = f"spi_set_sw_bus oid={oid} {wires} pulse_ticks={clock_hz // (2 * _SPI_HZ)}"
+        bus = f"spi_set_sw_bus oid={oid} {wires} pulse_ticks={clock_hz // (2 * pins.hz)}"
     else:  # older firmware
-        bus = f"spi_set_software_bus oid={oid} {wires} rate={_SPI_HZ}"
+        bus = f"spi_set_software_bus oid={oid} {wires} rate={pins.hz}"
     return [f"config_spi oid={oid} pin={bare(pins.cs_pin)} cs_active_high=0", bus]
 
 

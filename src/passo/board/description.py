@@ -13,6 +13,7 @@ from passo import _core
 from passo.board.trinamic.settings import DriverSettings
 from passo.config.pin_names import named_on
 
+AccelerometerChip: TypeAlias = Literal["adxl345", "lis2dw"]
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
 
@@ -80,18 +81,22 @@ class UartPins:
 @dataclass(frozen=True, slots=True)
 class SpiPins:
     """A device on an SPI bus that other devices may share. It is selected while `cs_pin` is low;
-    `mode` is the SPI mode, 0 to 3."""
+    `mode` is the SPI mode, 0 to 3; `hz` is the frequency of the clock. With `bus`, the board knows
+    the other pins by that name; then `cs_pin` may be empty."""
 
     cs_pin: str
     clock_pin: str
     mosi_pin: str
     miso_pin: str
     mode: int = 3
+    hz: int = 100_000
+    bus: str = ""
 
     @property
     def pins(self) -> tuple[str, ...]:
-        """All pins."""
-        return (self.cs_pin, self.clock_pin, self.mosi_pin, self.miso_pin)
+        """All pins that are given."""
+        pins = (self.cs_pin, self.clock_pin, self.mosi_pin, self.miso_pin)
+        return tuple(pin for pin in pins if pin)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +128,16 @@ class Setting:
 
     spi: SpiPins
     words: tuple[bytes, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Accelerometer:
+    """An accelerometer on an SPI bus. `axes` has, for X, Y and Z of the machine, the axis of the
+    chip (0 to 2) and its sign."""
+
+    chip: AccelerometerChip
+    spi: SpiPins
+    axes: tuple[tuple[int, int], ...] = ((0, 1), (1, 1), (2, 1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +197,7 @@ class BoardDescription:
     endstops: tuple[Endstop, ...] = ()
     drivers: tuple[Driver, ...] = ()
     settings: tuple[Setting, ...] = ()
+    accelerometers: tuple[Accelerometer, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
     survives: bool | None = None
@@ -226,6 +242,7 @@ class BoardDescription:
             *(d.wire for d in self.drivers),
             *(s.spi for s in self.sensors),
             *(s.spi for s in self.settings),
+            *(a.spi for a in self.accelerometers),
         )
         return tuple(wire for wire in wires if isinstance(wire, SpiPins))
 

@@ -24,6 +24,7 @@ from passo.catalogue.link import LINK
 from passo.catalogue.machine import MACHINE
 from passo.catalogue.macro import MACRO
 from passo.catalogue.probe import PROBE
+from passo.catalogue.resonance import RESONANCE
 from passo.catalogue.settings import SETTINGS
 from passo.catalogue.web import WEB
 
@@ -46,6 +47,7 @@ CATALOGUE: Mapping[str, Entry] = {
     **DRIVER,
     **FIRMWARE,
     **LEVELLING,
+    **RESONANCE,
 }
 
 

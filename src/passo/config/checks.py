@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from passo.config.accelerometer import check_accelerometer
 from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_fans, check_heaters, check_pulses
@@ -210,6 +211,7 @@ def check_all(
         check_pulses,
         check_drivers,
         check_pins,
+        check_accelerometer,
         check_macros,
     ]
     yield from check_link(data)

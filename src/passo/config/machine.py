@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
+from passo.config.accelerometer import Accelerometer
 from passo.config.board import Board, Socket
 from passo.config.electronics import Beeper, Fans, Laser, PowerSupply
 from passo.config.heat import Heaters
@@ -98,6 +99,8 @@ class MachineConfig(Model):
     """Sets the printable area."""
     probe: AnyProbe | None = None
     """The probe that measures the bed."""
+    accelerometer: Accelerometer | None = None
+    """The accelerometer that measures resonances."""
     levelling: Levelling = Field(default_factory=Levelling)
     """The measurement and correction of the bed."""
     simulated: Simulated = Field(default_factory=Simulated)

@@ -117,6 +117,9 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
             yield from _claim(("homing", name, "stepper_pins", stepper), pin, "switch")
     yield from _claim(("probe", "pin"), table(data, "probe").get("pin"), "switch")
     yield from _claim(("probe", "control_pin"), table(data, "probe").get("control_pin"))
+    accelerometer = table(data, "accelerometer")
+    yield from _claim(("accelerometer", "cs_pin"), accelerometer.get("cs_pin"), "select")
+    yield from _wires(("accelerometer",), accelerometer)
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
     for part in ("mains", "beeper"):
         yield from _claim((part, "pin"), table(data, part).get("pin"))
@@ -149,7 +152,7 @@ def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Fi
 
 def _check_parts(data: Raw) -> Iterator[Finding]:
     """Checks that a motor has all its pins on one board, and that the sensor and the fan of a
-    heater are on the heater's board."""
+    heater are on the heater's board, and that all of the accelerometer is on one board."""
     for name, stepper in tables(data, "steppers"):
         keys = ("step_pin", "socket", "direction_pin", "enable_pin")
         yield from _check_together(("steppers", name), stepper, keys)
@@ -157,6 +160,9 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
         first = stepper.get("step_pin", stepper.get("socket"))
         keys = ("socket", "cs_pin", *_WIRES)
         yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
+    yield from _check_together(
+        ("accelerometer",), table(data, "accelerometer"), ("cs_pin", "spi_bus", *_WIRES)
+    )
     fans = dict(tables(data, "fans"))
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)

@@ -18,6 +18,7 @@ from passo.motion.lone_motors import LoneMotors
 from passo.motion.offsets import Offsets
 from passo.motion.predefined_moves import PredefinedMoves
 from passo.motion.probing import Prober
+from passo.motion.resonance_test import ResonanceTest
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.bed_correction import BedCorrectionCommands
 from passo.printer.commands.bed_screws import ScrewCommands
@@ -37,6 +38,7 @@ from passo.printer.commands.probe_deployment import ProbeDeploymentCommands
 from passo.printer.commands.probe_moves import ProbeMoveCommands
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
 from passo.printer.commands.probing import ProbeCommands
+from passo.printer.commands.resonance import ResonanceCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.skew import SkewCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
@@ -174,6 +176,12 @@ class Printer:
         self.skew = SkewCommands(rig) if isinstance(machine.geometry, SkewableModel) else None
         if self.skew is not None:
             self.dispatch.add(self.skew)
+        if machine.accelerometer is not None:
+            test = ResonanceTest(
+                *(rig, state, self.triggered, self.correction),
+                lambda: rig.commands.problem(),
+            )
+            self.dispatch.add(ResonanceCommands(rig, state, machine.accelerometer, test))
         motor_moves = MotorMoves(rig, state, self.triggered, self.correction, self.homer)
         self.dispatch.add(motor_moves, self.move_commands)
         if machine.beeper is not None:

@@ -5,9 +5,12 @@ both compare.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
+from typing import NamedTuple
+
+from passo.config.shapers import Impulses
 
 _FIRST_SWEEP = sqrt(2) / 8  # of its period, from rest; the second swing is 1/4 longer
 _SAME_HZ = 1e-6
@@ -68,6 +71,12 @@ class Excitation:
         return sum(part.seconds for part in self.segments())
 
     @property
+    def rms_mm_s2(self) -> float:
+        """The root mean square of the acceleration."""
+        squares = sum(part.seconds * part.accel_mm_s2**2 for part in self.segments())
+        return sqrt(squares / self.seconds)
+
+    @property
     def reach_mm(self) -> float:
         """The greatest distance from the start, either way, the stop at the end included."""
         far = position = speed = 0.0
@@ -77,31 +86,86 @@ class Excitation:
         return max(far, abs(position + speed * abs(speed) / (2 * self.stop_accel_mm_s2)))
 
     @property
-    def top_speed_mm_s(self) -> float:
-        """The highest speed."""
-        speeds = [0.0]
-        for part in self.segments():
-            speeds.append(speeds[-1] + part.seconds * part.accel_mm_s2)
-        return max(abs(speed) for speed in speeds)
-
-    @property
     def stop_accel_mm_s2(self) -> float:
         """The acceleration with which the head stops at the end: half of that of the vibration
         there."""
         return 0.5 * self.accel_per_hz * self.end_hz
 
 
-def swings(excitation: Excitation) -> Iterator[tuple[float, float, float, float]]:
-    """The whole motion as (seconds, start in mm from the rest position, start speed, acceleration),
-    with the stop at its end: a list of quadratics of time that join each other."""
+class Swing(NamedTuple):
+    """A part of the motion along its line: seconds, and at its start the distance from the rest
+    position in mm and the speed in mm/s; the acceleration is constant, in mm/s²."""
+
+    seconds: float
+    mm: float
+    mm_s: float
+    mm_s2: float
+
+
+def swings(excitation: Excitation) -> Iterator[Swing]:
+    """The whole motion, with the stop at its end. Swings join each other."""
     position = speed = 0.0
     for part in excitation.segments():
-        yield part.seconds, position, speed, part.accel_mm_s2
+        yield Swing(part.seconds, position, speed, part.accel_mm_s2)
         position += part.seconds * (speed + 0.5 * part.seconds * part.accel_mm_s2)
         speed += part.seconds * part.accel_mm_s2
     if speed:
         brake = excitation.stop_accel_mm_s2
-        yield abs(speed) / brake, position, speed, -brake if speed > 0 else brake
+        yield Swing(abs(speed) / brake, position, speed, -brake if speed > 0 else brake)
+
+
+Law = tuple[float, float, float]
+"""Coefficients of the position, mm, as a quadratic of the time in s from the start of a piece."""
+
+
+def shaped(
+    motion: Sequence[Swing], shapers: Sequence[Impulses]
+) -> Iterator[tuple[float, tuple[Law, ...]]]:
+    """The motion as it is after each of the shapers: (seconds, one law for each shaper). A shaper
+    of one impulse at time 0 leaves it as it is. The sum of delayed copies of quadratics is a
+    quadratic, between the times at which any copy changes."""
+    copies = [
+        (which, weight, _Copy(motion, delay))
+        for which, shaper in enumerate(shapers)
+        for weight, delay in shaper
+    ]
+    now = 0.0
+    while (until := min(copy.end_s for _, _, copy in copies)) < inf:
+        sums = [[0.0, 0.0, 0.0] for _ in shapers]
+        for which, weight, copy in copies:
+            for power, value in enumerate(copy.law(now)):
+                sums[which][power] += weight * value
+        if until > now:
+            yield until - now, tuple((a, b, c) for a, b, c in sums)
+        now = until
+        for _, _, copy in copies:
+            if copy.end_s <= now:
+                copy.advance()
+
+
+class _Copy:
+    """A delayed copy of a motion. `end_s` is the time at which its law changes next."""
+
+    def __init__(self, motion: Sequence[Swing], delay_s: float) -> None:
+        self._swings = iter(motion)
+        self._start_s, self.end_s = 0.0, delay_s
+        self._law: Law = (0.0, 0.0, 0.0)
+
+    def advance(self) -> None:
+        """Goes on to the next law."""
+        swing = next(self._swings, None)
+        if swing is None:
+            self._law = (self.law(self.end_s)[0], 0.0, 0.0)
+            self._start_s, self.end_s = self.end_s, inf
+            return
+        self._law = (swing.mm, swing.mm_s, 0.5 * swing.mm_s2)
+        self._start_s, self.end_s = self.end_s, self.end_s + swing.seconds
+
+    def law(self, at_s: float) -> Law:
+        """The law from this time on."""
+        t = at_s - self._start_s
+        mm, mm_s, half = self._law
+        return mm + t * (mm_s + t * half), mm_s + 2 * t * half, half
 
 
 def _moved(position: float, speed: float, part: Segment) -> tuple[float, float, float]:

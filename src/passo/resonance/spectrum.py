@@ -54,11 +54,16 @@ class Spectrum:
         return float(self.hz[int(np.argmax(self.sum))])
 
 
+def window_samples(rate_hz: float) -> int:
+    """The number of samples in a window: the next power of two from half a second on."""
+    return 1 << ceil(log2(max(_WINDOW_S * rate_hz, 2)))
+
+
 def spectrum(samples: Array, rate_hz: float) -> Spectrum:
     """The spectrum of accelerations, mm/s², with a row (x, y, z) for each sample: the mean over
     windows that overlap by half (Welch, 1967), each with a Kaiser window and without its mean.
     Raises TooShortError."""
-    size = 1 << ceil(log2(max(_WINDOW_S * rate_hz, 2)))
+    size = window_samples(rate_hz)
     if len(samples) < size:
         raise TooShortError(f"{len(samples)} samples, of at least {size}")
     window = np.kaiser(size, _KAISER_BETA)

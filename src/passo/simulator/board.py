@@ -59,6 +59,7 @@ class SimulatedBoard:
         self._add_plant(plant)
         self.drivers = dict(self._add_drivers())
         self.converters = dict(self._add_converters())
+        self.accelerometers = list(self._add_accelerometers())
         self.digipots = [
             _core.add_digipot(self.device, *(self._pins[bare(pin)] for pin in setting.spi.pins))
             for setting in board.settings
@@ -86,6 +87,14 @@ class SimulatedBoard:
                     sensor.name,
                     _core.add_converter(self.device, select, clock, mosi, miso, sensor.converter),
                 )
+
+    def _add_accelerometers(self) -> Iterator[_core.AccelerometerChip]:
+        kinds = _core.AccelerometerKind
+        for part in self.board.accelerometers:
+            kind = kinds.ADXL345 if part.chip == "adxl345" else kinds.LIS2DW
+            select, clock, mosi, miso = (self._pins[bare(pin)] for pin in part.spi.pins)
+            hz = float(self.board.clock_hz)
+            yield _core.add_accelerometer(self.device, select, clock, mosi, miso, kind, hz)
 
     def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:
         device = _core.FirmwareBoard(

@@ -66,6 +66,8 @@ def _virtual() -> dict[str, Any]:
                 text: number for number, text in enumerate(_core.board_faults()) if text
             },
             "thermocouple_type": {"MAX31855": 0, "MAX31856": 1, "MAX31865": 2, "MAX6675": 3},
+            "bus_oid_type": {"spi": 0},
+            "lis_chip_type": {"LIS2DW": 0},
         },
         "config": {
             "ADC_MAX": ADC_MAX,

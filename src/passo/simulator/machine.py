@@ -187,6 +187,13 @@ class SimulatedMachine:
         """The clock of the stepper's board when the main board's clock reads `clock`."""
         return self._own_clock(self._of("steppers", stepper), clock)
 
+    def carry_accelerometers(self, head: _core.HeadDynamics) -> None:
+        """Lets all accelerometers measure the motion of this head."""
+        for board in self.boards.values():
+            first, last = self._main_clock(board, 0), self._main_clock(board, _LATE)
+            for chip in board.accelerometers:
+                chip.ride(head, (last - first) / _LATE, first)
+
     def motor(self, stepper: str) -> tuple[_core.Bench, int, float, float, float]:
         """Like `SimulatedBoard.motor`, followed by two values of the motor's board: the length of
         its tick in ticks of the main board, and the main board's clock when its clock is 0."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from passo.toolchain.declarations import Constant
 from passo.toolchain.image import Image
-from passo.toolchain.sources import core_sources
+from passo.toolchain.sources import TOO_FAST_FOR_AVR, core_sources
 from passo.toolchain.tables import write_board
 
 # Registers that belong to the interrupts of firmware/hal/avr: nothing else may use them.
@@ -136,7 +136,7 @@ def _pin(name: str) -> str:
 def sources(board: AvrBoard, firmware: Path) -> list[Path]:
     """The sources of an image, below the folder `firmware`."""
     found = [
-        *core_sources(firmware, older_hosts=board.older_hosts),
+        *core_sources(firmware, older_hosts=board.older_hosts, without=TOO_FAST_FOR_AVR),
         *firmware.glob("hal/avr/*.c"),
         *firmware.glob("hal/avr/*.S"),
     ]

@@ -68,6 +68,12 @@ COMMANDS = {
         "config_thermocouple": "A converter on an SPI device.",
         "query_thermocouple": "Reads it from `clock` on every `rest_ticks`; 0: stops. The board"
         " shuts down at the `max_invalid_count`-th value in a row that is a fault or out of range.",
+        "config_adxl345": "An accelerometer on an SPI device.",
+        "query_adxl345": "Empties its FIFO every `rest_ticks`; 0: stops.",
+        "query_adxl345_status": "Asks for the number of samples so far, with the clock.",
+        "config_lis2dw": "The same for a LIS2DW, on an SPI device.",
+        "query_lis2dw": "As `query_adxl345`.",
+        "query_lis2dw_status": "As `query_adxl345_status`.",
         "config_buttons": "Up to eight inputs that the board reports when they change.",
         "buttons_add": "One of them.",
         "buttons_query": (
@@ -113,8 +119,8 @@ LACKING = {
     "config_counter, query_counter": "Tachometers.",
     "debug_read, debug_write": "Looks into the chip's memory, and changes of it.",
     "config_hd44780, config_st7920 and their further words": "Displays.",
-    "config_adxl345, config_lis2dw, config_hx71x and all other sensors with bulk data": (
-        "Accelerometers, load cells, eddy current probes, angles."
+    "config_mpu9250, config_hx71x and all other sensors with bulk data": (
+        "Further accelerometers, load cells, eddy current probes, angles."
     ),
     "trigger_analog, sos_filter_set_section and the like": "Filters and triggers on such data.",
 }
@@ -135,6 +141,8 @@ REPORTS = {
     "endstop_state": "Whether it still looks, when next, and the level.",
     "analog_in_state": "Sums, low byte first, and when the next one is due.",
     "thermocouple_result": "What a converter said, and whether it sees a fault.",
+    "sensor_bulk_data": "A block of samples of an accelerometer, numbered.",
+    "sensor_bulk_status": "The next block's number, the bytes not sent yet, and the clock of this.",
     "buttons_state": "The inputs as they changed, one byte each time.",
     "spi_transfer_response": "What came back.",
     "i2c_response": "The bytes that were read, or the reason why not.",
@@ -174,6 +182,7 @@ SHUTDOWNS = {
     "THERMOCOUPLE_TYPE": "",
     "THERMOCOUPLE_RANGE": "a thermocouple is too hot or too cold",
     "THERMOCOUPLE_FAULT": "a thermocouple is cut or short, or its converter silent",
+    "ACCELEROMETER_TYPE": "",
     "TOO_MANY_BUTTONS": "",
     "NO_SUCH_BUTTON": "",
     "SPI_PINS": "",
@@ -204,7 +213,9 @@ CONSTANTS = {
 }
 
 ENUMERATIONS = {
+    "bus_oid_type": "the bus of a LIS2DW",
     "i2c_bus_status": "how an I2C transfer ended",
+    "lis_chip_type": "chips of this family",
     "survive": "the state of the extension",
     "thermocouple_type": "converters",
 }

@@ -115,7 +115,14 @@ class MotionFilters:
             changed[axis] = _shaper(self.shapers[axis], kind, frequency, damping)
         return self._set_shapers(changed)
 
-    def _set_shapers(self, changed: dict[str, Shaper]) -> Wait | None:
+    def use_shapers(self, changed: dict[str, Shaper]) -> None:
+        """Sets shapers at once, by axis in upper case. Call it only at standstill. Raises
+        CommandError."""
+        wait = self._set_shapers(changed)
+        if wait is not None and wait.then is not None:
+            wait.then()
+
+    def _set_shapers(self, changed: dict[str, Shaper]) -> WaitForMoves | None:
         changed = {axis: new for axis, new in changed.items() if new != self.shapers[axis]}
         for new in changed.values():
             if new.frequency_hz > 0 and self._machine.laser is not None:

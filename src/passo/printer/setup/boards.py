@@ -47,6 +47,7 @@ from passo.motion.endstops import (
 )
 from passo.printer.commands.beeper import most_ticks
 from passo.printer.setup.drivers import (
+    accelerometers,
     converter_wires,
     current_settings,
     drivers,
@@ -105,6 +106,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         ),
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
         settings=tuple(current_settings(machine, board)),
+        accelerometers=tuple(accelerometers(machine, board)),
         move_count=config.move_count,
         mcu=config.mcu,
         survives=config.survives,
@@ -496,11 +498,14 @@ def simulated_machine(
     """All simulated boards of a machine; the file gives the clocks of further boards."""
     from passo.simulator import SimulatedMachine
 
-    return SimulatedMachine(
+    simulated = SimulatedMachine(
         {name: simulated_board(machine, board, name) for name, board in boards.items()},
         {name: (config.start_s, config.drift_ppm) for name, config in machine.boards.items()},
         cable,
     )
+    if machine.accelerometer is not None:
+        simulated.carry_accelerometers(head_dynamics(machine, simulated))
+    return simulated
 
 
 def connect(machine: MachineConfig) -> tuple[Boards, SimulatedMachine | None]:

@@ -6,16 +6,18 @@ from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from passo.board.description import Driver, Setting, SpiPins, UartPins
+from passo.board.description import Accelerometer, Driver, Setting, SpiPins, UartPins
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
-from passo.config.pin_names import named_on
+from passo.config.pin_names import named_on, placed
 from passo.config.sensors import Converter, ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
 if TYPE_CHECKING:
     from passo.config.heat import Heater
     from passo.config.machine import MachineConfig
+
+ACCELEROMETER_HZ = 5_000_000  # the greatest clock of an ADXL345
 
 
 def drivers(machine: MachineConfig) -> Iterator[Driver]:
@@ -89,3 +91,19 @@ def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:
     clock, mosi, miso = (pin(p) for p in (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin))
     mode = 0 if isinstance(sensor, ThermocoupleConverter) else 1
     return SpiPins(pin(heater.sensor_pin), clock, mosi, miso, mode)
+
+
+def accelerometers(machine: MachineConfig, on: str) -> Iterator[Accelerometer]:
+    """The accelerometer of the machine, if it is on this board."""
+    part = machine.accelerometer
+    if part is None or part.written_board != on:
+        return
+    select, clock, mosi, miso = (
+        machine.pin(pin) if pin else ""
+        for pin in (part.cs_pin, part.clock_pin, part.mosi_pin, part.miso_pin)
+    )
+    bus = placed(part.spi_bus)[1] if part.spi_bus else ""
+    axes = tuple(("xyz".index(d[-1]), -1 if d[0] == "-" else 1) for d in part.axes_map)
+    yield Accelerometer(
+        part.chip, SpiPins(select, clock, mosi, miso, 3, ACCELEROMETER_HZ, bus), axes
+    )

@@ -1,0 +1,68 @@
+// A simulated accelerometer on an SPI bus, according to its data sheet.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <utility>
+
+#include "link/device.hpp"
+
+namespace passo::wire {
+
+// An ADXL345 (13 bits, ±16 g, 3200 samples a second) or a LIS2DW (14 bits, ±16 g, 1600). It
+// measures what its place does, and the earth's gravity along Z. A sample is the mean over its
+// interval, with noise. Samples wait in a FIFO of 32; then the oldest is lost. Unplugged, it
+// answers nothing.
+class AccelerometerChip {
+ public:
+  enum class Kind : uint8_t { adxl345, lis2dw };
+  // Velocities of the place, mm/s, at a clock; calls are in the order of time.
+  using Velocity = std::function<std::array<double, 3>(Ticks)>;
+  static constexpr double kNoise = 50;  // mm/s², rms
+
+  AccelerometerChip(Kind kind, double clock_hz) : kind_(kind), hz_(clock_hz) {}
+
+  // `measures` is told when the chip begins or ends to measure.
+  void place(Velocity velocity, std::function<void(bool)> measures) {
+    velocity_ = std::move(velocity);
+    measures_ = std::move(measures);
+  }
+  bool plugged = true;
+  double rate_error = 0;  // of the chip's own clock, as a fraction
+
+  // A transfer begins.
+  Bytes answer(Ticks clock);
+  // The bytes of the registers from this address on, after the byte of the address.
+  Bytes read(uint8_t address, Ticks clock);
+  // The whole transfer.
+  void take(const Bytes& in);
+
+ private:
+  static constexpr size_t kFifo = 32;
+  static constexpr double kGravity = 9806.65;  // mm/s²
+  struct Sample {
+    std::array<int16_t, 3> raw;
+  };
+  const Kind kind_;
+  const double hz_;
+  Velocity velocity_ = [](Ticks) { return std::array<double, 3>{}; };
+  std::function<void(bool)> measures_ = [](bool) {};
+  std::array<uint8_t, 64> registers_{};
+  bool measuring_ = false, overflow_ = false;
+  Ticks now_ = 0;
+  double next_ = 0;  // clock of the next sample
+  std::array<double, 3> last_{};
+  std::deque<Sample> fifo_;
+  Sample shown_{};
+  uint64_t random_ = 0x9e3779b97f4a7c15u;
+
+  double interval() const;
+  void fill(Ticks clock);
+  int16_t quantized(double mm_s2, int axis);
+  void write(uint8_t address, uint8_t value);
+  uint8_t at(uint8_t address) const;
+  double normal();
+};
+
+}  // namespace passo::wire

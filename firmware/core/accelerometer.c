@@ -1,0 +1,170 @@
+#include "accelerometer.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#include "command.h"
+#include "shutdown.h"
+
+DECL_SHUTDOWN_REASON(ACCELEROMETER_TYPE, "Invalid accelerometer type");
+DECL_ENUMERATION("bus_oid_type", "spi", 0);
+DECL_ENUMERATION("lis_chip_type", "LIS2DW", 0);
+DECL_REPORT("sensor_bulk_data oid=%c sequence=%hu data=%*s");
+DECL_REPORT(
+    "sensor_bulk_status oid=%c clock=%u query_ticks=%u next_sequence=%hu buffered=%u"
+    " possible_overflows=%hu");
+
+#define READ 0x80
+#define SEVERAL 0x40  // of an ADXL345: the address counts on
+#define ADXL_DATA 0x32
+#define ADXL_FIFO 0x39
+#define ADXL_FIFO_SETTING 0x90  // the host's: the FIFO keeps the newest samples
+#define ADXL_BYTES 5
+#define LIS_DATA 0x28
+#define LIS_FIFO 0x2f
+#define LIS_OVERFLOW 0x40
+#define LIS_BYTES 6
+#define FIFO_DEEP 32
+
+static bool run(struct timer *timer) {
+  struct accelerometer *it =
+      (struct accelerometer *)((char *)timer - offsetof(struct accelerometer, timer));
+  it->due = true;
+  task_wake();
+  return false;
+}
+
+static const struct object_kind kind = {OBJECT_ACCELEROMETER, NULL};
+
+static uint8_t sample_bytes(const struct accelerometer *it) {
+  return it->lis2dw ? LIS_BYTES : ADXL_BYTES;
+}
+
+static uint8_t register_of(const struct accelerometer *it, uint8_t address) {
+  uint8_t bytes[2] = {(uint8_t)(address | READ), 0};
+  spi_exchange(it->spi, bytes, sizeof bytes);
+  return bytes[1];
+}
+
+// The upper bits of a number of 13 bits are those of its sign.
+static bool extended(uint8_t high) { return (high & 0xf0) == 0 || (high & 0xf0) == 0xf0; }
+
+// Puts the oldest sample into the block; true if the FIFO holds more.
+static bool sample_adxl345(struct accelerometer *it, uint8_t *to) {
+  uint8_t in[9] = {ADXL_DATA | READ | SEVERAL};
+  spi_exchange(it->spi, in, sizeof in);
+  uint8_t left = in[8] & 0x7f;
+  if (!extended(in[2]) || !extended(in[4]) || !extended(in[6]) || in[7] != ADXL_FIFO_SETTING ||
+      left > FIFO_DEEP) {
+    memset(to, 0xff, ADXL_BYTES);  // a disturbed transfer
+    return false;
+  }
+  to[0] = in[1];
+  to[1] = in[3];
+  to[2] = in[5];
+  to[3] = (uint8_t)((in[2] & 0x1f) | in[6] << 5);
+  to[4] = (uint8_t)((in[4] & 0x1f) | (in[6] << 2 & 0x60));
+  if (left >= FIFO_DEEP - 1) ++it->overflows;
+  return left > 1;
+}
+
+static bool sample_lis2dw(struct accelerometer *it, uint8_t *to) {
+  uint8_t in[1 + LIS_BYTES] = {LIS_DATA | READ};
+  spi_exchange(it->spi, in, sizeof in);
+  memcpy(to, in + 1, LIS_BYTES);
+  uint8_t state = register_of(it, LIS_FIFO);
+  if (state & LIS_OVERFLOW) ++it->overflows;
+  return (state & 0x3f) != 0;
+}
+
+// Takes one sample of each that is due: other tasks run in between.
+DECL_TASK(accelerometer_task, BUSES);
+void accelerometer_task(void) {
+  struct accelerometer *it;
+  for (int16_t oid = -1; (it = object_next(&oid, OBJECT_ACCELEROMETER)) != NULL;) {
+    if (!it->due) continue;
+    uint8_t *to = it->block + it->size;
+    bool more = it->lis2dw ? sample_lis2dw(it, to) : sample_adxl345(it, to);
+    it->size = (uint8_t)(it->size + sample_bytes(it));
+    if (it->size + sample_bytes(it) > BLOCK_BYTES) {
+      uint32_t values[] = {(uint8_t)oid, it->sequence++};
+      report_bytes(REPORT_SENSOR_BULK_DATA, values, 2, it->block, it->size);
+      it->size = 0;
+    }
+    if (more) {
+      task_wake();
+      continue;
+    }
+    it->due = false;
+    hal_irq_t irq = hal_irq_save();
+    it->timer.wake = hal_clock() + it->rest_ticks;
+    timer_add(&it->timer);
+    hal_irq_restore(irq);
+  }
+}
+
+static void configure(const uint32_t *args, bool lis2dw) {
+  const struct spi *spi = spi_get(args[1]);
+  if (spi == NULL) return;
+  struct accelerometer *it = object_add(args[0], &kind, sizeof *it);
+  if (it == NULL) return;
+  it->timer.run = run;
+  it->spi = spi;
+  it->lis2dw = lis2dw;
+}
+
+static void query(const uint32_t *args) {
+  struct accelerometer *it = object_get(args[0], OBJECT_ACCELEROMETER);
+  if (it == NULL) return;
+  timer_remove(&it->timer);
+  it->due = false;
+  it->size = 0;
+  it->sequence = it->overflows = 0;
+  it->rest_ticks = args[1];
+  if (args[1] == 0) return;
+  if (args[1] < HAL_SHORTEST_PERIOD) {
+    shut_down(SHUTDOWN_PERIOD_TOO_SHORT);
+    return;
+  }
+  hal_irq_t irq = hal_irq_save();
+  it->timer.wake = hal_clock() + it->rest_ticks;
+  timer_add(&it->timer);
+  hal_irq_restore(irq);
+}
+
+static void tell_state(const uint32_t *args) {
+  const struct accelerometer *it = object_get(args[0], OBJECT_ACCELEROMETER);
+  if (it == NULL) return;
+  uint32_t clock = hal_clock();
+  uint8_t waiting =
+      it->lis2dw ? register_of(it, LIS_FIFO) & 0x3f : register_of(it, ADXL_FIFO) & 0x7f;
+  if (waiting > FIFO_DEEP) return;  // a disturbed transfer: the host asks again
+  uint32_t ticks = hal_clock() - clock, buffered = it->size + (uint32_t)waiting * sample_bytes(it);
+  uint32_t values[] = {args[0], clock, ticks, it->sequence, buffered, it->overflows};
+  report(REPORT_SENSOR_BULK_STATUS, values, 6);
+}
+
+DECL_COMMAND(command_config_adxl345, "config_adxl345 oid=%c spi_oid=%c", 0);
+void command_config_adxl345(const uint32_t *args) { configure(args, false); }
+
+DECL_COMMAND(command_query_adxl345, "query_adxl345 oid=%c rest_ticks=%u", 0);
+void command_query_adxl345(const uint32_t *args) { query(args); }
+
+DECL_COMMAND(command_query_adxl345_status, "query_adxl345_status oid=%c", 0);
+void command_query_adxl345_status(const uint32_t *args) { tell_state(args); }
+
+DECL_COMMAND(command_config_lis2dw,
+             "config_lis2dw oid=%c bus_oid=%c bus_oid_type=%c lis_chip_type=%c", 0);
+void command_config_lis2dw(const uint32_t *args) {
+  if (args[2] != 0 || args[3] != 0) {
+    shut_down(SHUTDOWN_ACCELEROMETER_TYPE);
+    return;
+  }
+  configure(args, true);
+}
+
+DECL_COMMAND(command_query_lis2dw, "query_lis2dw oid=%c rest_ticks=%u", 0);
+void command_query_lis2dw(const uint32_t *args) { query(args); }
+
+DECL_COMMAND(command_query_lis2dw_status, "query_lis2dw_status oid=%c", 0);
+void command_query_lis2dw_status(const uint32_t *args) { tell_state(args); }

@@ -1,0 +1,23 @@
+// Accelerometers on an SPI bus: an ADXL345 or a LIS2DW, whose FIFO is read at regular times. The
+// host sets up and starts the chip; samples go to it in blocks.
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "object.h"
+#include "scheduler.h"
+#include "spi.h"
+
+#define BLOCK_BYTES 51  // as much as a report takes
+
+struct accelerometer {
+  struct object object;
+  struct timer timer;
+  const struct spi *spi;
+  uint32_t rest_ticks;
+  uint16_t sequence, overflows;
+  bool lis2dw;
+  volatile bool due;
+  uint8_t size;  // of `block`
+  uint8_t block[BLOCK_BYTES];
+};

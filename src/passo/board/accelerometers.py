@@ -1,0 +1,246 @@
+"""An accelerometer on a board: sets up the chip, and collects its samples while time passes."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import fmean
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+
+if TYPE_CHECKING:
+    from passo.board.connection import Connection
+    from passo.board.description import Accelerometer, AccelerometerChip
+    from passo.board.exchange import Values
+
+_GRAVITY_MM_S2 = 9806.65
+_LIS_UNIT = 0.001952 / 4 * _GRAVITY_MM_S2
+_READ = 0x80
+_RESTS = 4  # the board empties the FIFO of the chip each time it has this number of samples
+_SEQUENCES = 1 << 16
+_BLOCK_BYTES = 51
+_SLOW = 2.0  # a status that took this many times as long as the quickest one has no exact clock
+
+Axes = Sequence[tuple[int, int]]
+Acceleration = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Chip:
+    """A kind of accelerometer: the register and the value of its identity, the samples a second,
+    the bytes of a sample on the wire, mm/s² in a unit of each axis, the registers for its setup,
+    and the register that starts and stops it."""
+
+    identity: tuple[int, int]
+    rate_hz: float
+    sample_bytes: int
+    units: Acceleration
+    setup: tuple[tuple[int, int], ...]
+    start: tuple[int, int]
+    stop: tuple[int, int]
+
+    @property
+    def block_samples(self) -> int:
+        """The number of samples in a block."""
+        return _BLOCK_BYTES // self.sample_bytes
+
+
+# ADXL345: POWER_CTL 0x2D, DATA_FORMAT 0x31 (full resolution, 16 g), FIFO_CTL 0x38 (stream), BW_RATE
+# 0x2C (3200 Hz); Analog Devices, rev. G. LIS2DW: CTRL1 0x20 (1600 Hz, high performance), CTRL2 0x21
+# (addresses count on), CTRL6 0x25 (16 g, low noise), FIFO_CTRL 0x2E (continuous); ST, DocID030836.
+CHIPS: dict[AccelerometerChip, Chip] = {
+    "adxl345": Chip(
+        (0x00, 0xE5),
+        3200.0,
+        5,
+        (0.003774 * _GRAVITY_MM_S2, 0.003774 * _GRAVITY_MM_S2, 0.003906 * _GRAVITY_MM_S2),
+        ((0x2D, 0x00), (0x31, 0x0B), (0x38, 0x00), (0x2C, 0x0F), (0x38, 0x90)),
+        (0x2D, 0x08),
+        (0x2D, 0x00),
+    ),
+    "lis2dw": Chip(
+        (0x0F, 0x44),
+        1600.0,
+        6,
+        (_LIS_UNIT, _LIS_UNIT, _LIS_UNIT),
+        ((0x20, 0x00), (0x21, 0x04), (0x25, 0x34), (0x2E, 0x00), (0x2E, 0xC0)),
+        (0x20, 0x94),
+        (0x20, 0x00),
+    ),
+}
+
+
+def decoded(chip: AccelerometerChip, data: bytes, axes: Axes) -> list[Acceleration]:
+    """The samples in `data`, mm/s² along X, Y and Z of the machine; those that the board has marked
+    as disturbed repeat the one before them."""
+    of = CHIPS[chip]
+    (x, sx), (y, sy), (z, sz) = ((i, sign * of.units[i]) for i, sign in axes)
+    found: list[Acceleration] = []
+    last = (0.0, 0.0, 0.0)
+    if chip == "lis2dw":
+        for raw in struct.iter_unpack("<hhh", data):
+            found.append((raw[x] * sx, raw[y] * sy, raw[z] * sz))
+        return found
+    for low_x, low_y, low_z, xz, yz in struct.iter_unpack("5B", data):
+        if not yz & 0x80:
+            raw = (
+                (low_x | (xz & 0x1F) << 8) - ((xz & 0x10) << 9),
+                (low_y | (yz & 0x1F) << 8) - ((yz & 0x10) << 9),
+                (low_z | (xz & 0xE0) << 3 | (yz & 0x60) << 6) - ((yz & 0x40) << 7),
+            )
+            last = raw[x] * sx, raw[y] * sy, raw[z] * sz
+        found.append(last)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """Samples as the board has sent them, decoded by `decoded`. The first one was taken at
+    `start_s` of print time, and there are `rate_hz` in a second of print time."""
+
+    chip: AccelerometerChip
+    axes: Axes
+    data: bytes
+    start_s: float
+    rate_hz: float
+
+    @property
+    def count(self) -> int:
+        """The number of samples."""
+        return len(self.data) // CHIPS[self.chip].sample_bytes
+
+    def samples(self) -> list[Acceleration]:
+        """All samples, mm/s²."""
+        return decoded(self.chip, self.data, self.axes)
+
+    def between(self, start_s: float, end_s: float) -> Measurement:
+        """The samples within a span of print time."""
+        first = max(0, round((start_s - self.start_s) * self.rate_hz))
+        last = max(first, round((end_s - self.start_s) * self.rate_hz))
+        size = CHIPS[self.chip].sample_bytes
+        data = self.data[first * size : last * size]
+        start_s = self.start_s + first / self.rate_hz
+        return Measurement(self.chip, self.axes, data, start_s, self.rate_hz)
+
+
+class AccelerometerReader:
+    """Reads the accelerometer `part` of a board: `start`, then `poll` at least each second while
+    time passes, then `stop`. `base` is the main board's clock at print time 0. Calls that ask the
+    board let time pass. They raise CommandError if the chip does not answer, and MachineError."""
+
+    def __init__(self, connection: Connection, part: Accelerometer, base: int) -> None:
+        self._connection, self._part, self._base = connection, part, base
+        self._chip = CHIPS[part.chip]
+        self._oid = connection.oids.accelerometers[part.spi]
+        self._spi = connection.oids.spi_devices[part.spi]
+        self._blocks: list[bytes] = []
+        self._points: list[tuple[float, int, int]] = []  # clock, samples before it, ticks it took
+        self.lost = 0  # samples that did not arrive
+
+    @property
+    def place(self) -> str:
+        """The pin or the bus of the chip, for messages."""
+        return self._connection.named(self._part.spi.cs_pin or self._part.spi.bus)
+
+    def start(self) -> None:
+        """Sets up the chip and starts it."""
+        address, wanted = self._chip.identity
+        found = self._register(address)
+        if found != wanted:
+            code = "resonance.silent" if found in (0x00, 0xFF) else "resonance.other-chip"
+            raise CommandError.of(
+                code, value=self._part.chip.upper(), limit=self.place, found=found, wanted=wanted
+            )
+        for register, value in self._chip.setup:
+            self._write(register, value)
+        self._connection.take_responses("sensor_bulk_data", "sensor_bulk_status")
+        self._blocks, self._points, self.lost = [], [], 0
+        rest = round(_RESTS / self._chip.rate_hz * self._connection.board.clock_hz)
+        self._connection.command(f"query_{self._part.chip} oid={self._oid} rest_ticks={rest}")
+        self._write(*self._chip.start)
+
+    def poll(self) -> None:
+        """Takes what has arrived, and asks for the state of the chip's clock."""
+        self._take()
+        self._connection.command(f"query_{self._part.chip}_status oid={self._oid}")
+
+    def stop(self) -> Measurement:
+        """Stops the chip, and returns its samples. Raises CommandError for fewer than two."""
+        self._write(*self._chip.stop)
+        self._connection.command(f"query_{self._part.chip} oid={self._oid} rest_ticks=0")
+        self._take()
+        data = b"".join(self._blocks)
+        count = len(data) // self._chip.sample_bytes
+        start, rate_hz = self._times()
+        if count < 2 or rate_hz <= 0:
+            raise CommandError.of("resonance.short", value=count, limit=2)
+        return Measurement(self._part.chip, self._part.axes, data, start, rate_hz)
+
+    def cancel(self) -> None:
+        """Stops the board's reports, if the board still takes commands."""
+        self._connection.command(f"query_{self._part.chip} oid={self._oid} rest_ticks=0")
+
+    def _take(self) -> None:
+        names = ("sensor_bulk_data", "sensor_bulk_status")
+        for name, values in self._connection.take_responses(*names):
+            if values["oid"] != self._oid:
+                continue
+            if name == "sensor_bulk_data":
+                self._take_block(values)
+            else:
+                self._take_state(values)
+
+    def _take_block(self, values: Values) -> None:
+        data, sequence = values["data"], values["sequence"]
+        assert isinstance(data, bytes) and isinstance(sequence, int)
+        size = self._chip.block_samples * self._chip.sample_bytes
+        missing = (sequence - len(self._blocks)) % _SEQUENCES
+        if missing >= _SEQUENCES // 2:
+            return  # of an earlier measurement
+        self.lost += missing * self._chip.block_samples
+        self._blocks += [self._blocks[-1] if self._blocks else bytes(size)] * missing
+        self._blocks.append(data)
+
+    def _take_state(self, values: Values) -> None:
+        clock, sequence, buffered, ticks = (
+            int(values[key]) for key in ("clock", "next_sequence", "buffered", "query_ticks")
+        )
+        blocks = len(self._blocks) + (sequence - len(self._blocks) + _SEQUENCES // 2) % _SEQUENCES
+        blocks -= _SEQUENCES // 2
+        samples = blocks * self._chip.block_samples + buffered // self._chip.sample_bytes
+        main = self._connection.main_clock(clock & 0xFFFFFFFF)
+        self._points.append((main - self._base, samples, ticks))
+
+    def _times(self) -> tuple[float, float]:
+        """Print time of the first sample, s, and the rate, Hz: a line through the states that were
+        told quickly. The last of the samples so far was taken half an interval before, on
+        average."""
+        hz = self._connection.wire.hz
+        quickest = min((ticks for _, _, ticks in self._points), default=0)
+        used = [(c / hz, n - 0.5) for c, n, ticks in self._points if ticks <= _SLOW * quickest]
+        if len(used) < 2:
+            return 0.0, 0.0
+        mean_t, mean_n = fmean(t for t, _ in used), fmean(n for _, n in used)
+        square = sum((t - mean_t) ** 2 for t, _ in used)
+        rate_hz = sum((t - mean_t) * (n - mean_n) for t, n in used) / square if square else 0.0
+        return (mean_t - mean_n / rate_hz if rate_hz else 0.0), rate_hz
+
+    def _register(self, address: int) -> int:
+        question = f"spi_transfer oid={self._spi} data={address | _READ:02x}00"
+        response = self._connection.ask(question, "spi_transfer_response")["response"]
+        assert isinstance(response, bytes)
+        return response[1]
+
+    def _write(self, register: int, value: int) -> None:
+        self._connection.command(f"spi_send oid={self._spi} data={register:02x}{value:02x}")
+        found = self._register(register)
+        if found != value:
+            raise CommandError.of(
+                "resonance.deaf",
+                value=self._part.chip.upper(),
+                register=register,
+                found=found,
+                wanted=value,
+            )

@@ -1,0 +1,59 @@
+"""Errors of the accelerometer and of the measurement of resonances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from passo.catalogue.entry import Entry, ExitStatus
+
+
+def _resonance(says: str, action: str) -> Entry:
+    return Entry("resonance", says, action, ExitStatus.MACHINE_FAULT)
+
+
+RESONANCE: Mapping[str, Entry] = {
+    "resonance.silent": _resonance(
+        "the accelerometer {value} at {limit} does not answer",
+        "Check that it is plugged in, its supply, and the pins of [accelerometer]",
+    ),
+    "resonance.other-chip": _resonance(
+        "the chip at {limit} answers as 0x{found:02x}, where {value} answers as 0x{wanted:02x}",
+        "Check its wires, and chip in [accelerometer]",
+    ),
+    "resonance.deaf": _resonance(
+        "register 0x{register:02x} of the accelerometer {value} reads 0x{found:02x} after 0x"
+        "{wanted:02x} was written",
+        "Check its wires, or use shorter ones",
+    ),
+    "resonance.lost": _resonance(
+        "{value} of {all} samples of the accelerometer were lost, of at most {limit}",
+        "Use a faster link for its board, shorter wires, or a chip with fewer samples a second",
+    ),
+    "resonance.still": _resonance(
+        "the accelerometer measured {value:.0f} mm/s² while it was to vibrate, of at least"
+        " {limit:.0f} mm/s²",
+        "Fix it to the part that this axis moves: the head, or the bed where Y moves the bed",
+    ),
+    "resonance.reach": _resonance(
+        "the vibration along {axis} needs {value:.1f} mm to either side of {position:g} mm, and the"
+        " axis ends at {limit:g} mm",
+        "Move point_mm in [accelerometer] (or POINT) towards the middle",
+    ),
+    "resonance.motion": _resonance(
+        "the vibration cannot be made: {value}", "Lower ACCEL_PER_HZ or FREQ_END, or move POINT"
+    ),
+    "resonance.short": _resonance(
+        "the measurement has {value} samples, of at least {limit}",
+        "Measure a wider range of frequencies, or more slowly (HZ_PER_SEC)",
+    ),
+    "resonance.no-numpy": _resonance(
+        "the calculation of spectra needs the Python package numpy, which is not installed",
+        "Install it: pip install 'passo[resonance]'",
+    ),
+    "resonance.failed": _resonance(
+        "the calculation of spectra failed: {value}", "Report it, with this text"
+    ),
+    "resonance.no-file": _resonance(
+        "{axis} could not be written: {value}", "Free space, or give another NAME"
+    ),
+}

@@ -1,0 +1,86 @@
+"""The accelerometer that measures resonances."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from passo.config.chips import chip, chip_names
+from passo.config.findings import Finding, array, table
+from passo.config.pin_names import placed, section
+from passo.config.types import Model, Pin, Point, Positive
+
+Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
+_WIRES = ("clock_pin", "mosi_pin", "miso_pin")
+
+
+class Accelerometer(Model):
+    """An accelerometer on the head or on the bed, for TEST_RESONANCES and SHAPER_CALIBRATE. It is
+    on an SPI bus: of three pins, or of `spi_bus` on a board with Klipper's firmware."""
+
+    chip: Literal["adxl345", "lis2dw"] = "adxl345"
+    """The chip. An ADXL345 measures 3200 times a second, a LIS2DW 1600 times."""
+    cs_pin: Pin | None = None
+    """The chip select. Its board is the board of the chip. Only a bus with one device, as that of a
+    Raspberry Pi, needs none."""
+    clock_pin: Pin | None = None
+    """The clock of the SPI bus."""
+    mosi_pin: Pin | None = None
+    """The data to the chip (SDA of the chip)."""
+    miso_pin: Pin | None = None
+    """The data from the chip (SDO of the chip)."""
+    spi_bus: Annotated[str, Field(pattern=r"^([a-z][a-z0-9_-]*:)?[a-z0-9_.]+$")] | None = None
+    """The bus in the words of Klipper's firmware, such as `spi1` or `rpi:spidev0.0`, in place of
+    the three pins."""
+    axes_map: Annotated[list[Direction], Field(min_length=3, max_length=3)] = ["x", "y", "z"]
+    """The direction of the chip along X, Y and Z of the machine, as in Klipper."""
+    point_mm: Point | None = None
+    """X, Y and Z of the nozzle during a measurement. If not given, 20 mm above the middle of the
+    bed."""
+    accel_per_hz: Annotated[float, Field(gt=0, le=500)] = 60.0
+    """The acceleration of the vibration for each Hz of its frequency, in mm/s."""
+    max_smoothing_mm: Positive | None = None
+    """A shaper may cut at most this much off a corner at 5000 mm/s². If not given, there is no
+    limit."""
+
+    @property
+    def written_board(self) -> str:
+        """The name of the board of the chip."""
+        return placed(self.cs_pin or self.spi_bus or "")[0]
+
+
+def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:
+    """Checks that the accelerometer has a bus, all of it on one board, and that each axis has one
+    direction of the chip."""
+    part, path = table(data, "accelerometer"), ("accelerometer",)
+    if "accelerometer" not in data:
+        return
+    bus = part.get("spi_bus")
+    if bus is None:
+        for key in ("cs_pin", *_WIRES):
+            if key not in part:
+                yield Finding("config.missing-key", (*path, key), None, "a pin, or the key spi_bus")
+    else:
+        for key in _WIRES:
+            if key in part:
+                limit = "no such key: spi_bus has the pins"
+                yield Finding("config.conflict", (*path, key), part[key], limit)
+    written = part.get("cs_pin", bus)
+    owner = table(data, *section(placed(str(written))[0]))
+    simulated = owner.get("link", "simulated") == "simulated"
+    klippers = "klipper" in (owner.get("base"), owner.get("mcu"), owner.get("firmware"))
+    if bus is not None and (simulated or not klippers):
+        who = "a simulated board" if simulated else "Passo's firmware"
+        limit = f"no such key: {who} has no buses; give clock_pin, mosi_pin, miso_pin"
+        yield Finding("config.conflict", (*path, "spi_bus"), bus, limit)
+    mcu = owner.get("mcu")
+    real = "cs_pin" in part and not (simulated or klippers)
+    if real and mcu in chip_names() and chip(str(mcu)).core == "avr":
+        limit = f"a pin of another board: an {chip(str(mcu)).name} is too slow for this chip"
+        yield Finding("config.conflict", (*path, "cs_pin"), written, limit)
+    directions = array(part, "axes_map")
+    if len({str(d).removeprefix("-") for d in directions}) < len(directions):
+        shown = ", ".join(map(str, directions))
+        yield Finding("config.value", (*path, "axes_map"), shown, "x, y and z once each")

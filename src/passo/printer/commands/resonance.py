@@ -1,0 +1,285 @@
+"""TEST_RESONANCES, SHAPER_CALIBRATE and the commands of the accelerometer."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from array import array
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import datetime
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.config.shapers import Impulses, impulses
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.motion.resonance_test import Direction, ResonanceTest, direction
+from passo.printer.commands.klipper_commands import number
+from passo.printer.commands.motion_filters import Shaper
+from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
+from passo.resonance.analysis import Analysis, Run, analyse
+from passo.resonance.excitation import Excitation
+
+if TYPE_CHECKING:
+    from passo.board.accelerometers import Measurement
+    from passo.config.accelerometer import Accelerometer
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
+
+NO_ACCELEROMETER = "The machine file has no [accelerometer]."
+_QUERY_S, _NOISE_S = 0.5, 2.0
+_HEIGHT_MM = 20.0  # of the nozzle above the bed, unless the file gives a point
+_NAME = re.compile(r"[A-Za-z0-9_-]+")
+_OUTPUTS = ("resonances", "raw_data")
+_LEAST_SHARE = 0.2  # of the motors' acceleration: a chip that feels less is not on the moved part
+_Z = Excitation(end_hz=100.0, accel_per_hz=15.0, sweep_accel_mm_s2=50.0)
+_SWEEP = "FREQ_START(Hz) FREQ_END(Hz) ACCEL_PER_HZ HZ_PER_SEC(0.1-2) POINT"
+
+
+class ResonanceCommands:
+    """The accelerometer `part` of one printer."""
+
+    def __init__(
+        self, rig: LiveRig, state: State, part: Accelerometer, test: ResonanceTest
+    ) -> None:
+        self._rig, self._state, self._part, self._test = rig, state, part, test
+
+    @command(
+        "ACCELEROMETER_QUERY",
+        Subject.SPEED,
+        When.EXCLUSIVE,
+        "",
+        "Reports what the accelerometer measures, in mm/s2: at rest about 9800 along Z, the gravity"
+        " of the earth.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_ACCELEROMETER,
+    )
+    def _query(self, _: Command, reply: Reply) -> Wait | None:
+        async def run() -> None:
+            found = await self._test.still(_QUERY_S)
+            values = ", ".join(f"{value:.6f}" for value in found.samples()[-1])
+            reply.say(f"// accelerometer values (x, y, z): {values}")
+
+        return WaitForProcedure(run)
+
+    @command(
+        "MEASURE_AXES_NOISE",
+        Subject.SPEED,
+        When.EXCLUSIVE,
+        "",
+        "Measures the noise of the accelerometer at rest: 1 to 100 is usual, 1000 and more is a"
+        " fault, such as a fan that shakes it.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_ACCELEROMETER,
+    )
+    def _noise(self, _: Command, reply: Reply) -> Wait | None:
+        async def run() -> None:
+            found = await self._test.still(_NOISE_S)
+            x, y, z = (await analyse([_run(found)], title="")).noise
+            reply.say(f"// Axes noise: {x:.6f} (x), {y:.6f} (y), {z:.6f} (z)")
+
+        return WaitForProcedure(run)
+
+    @command(
+        "TEST_RESONANCES",
+        Subject.SPEED,
+        When.EXCLUSIVE,
+        f"AXIS OUTPUT NAME {_SWEEP} INPUT_SHAPING(0-1)",
+        "Vibrates the head along AXIS (X, Y, Z, or a direction such as 1,-1) with rising frequency,"
+        " and writes the spectrum as CSV and as a picture (OUTPUT=resonances), or each sample"
+        " (raw_data), or both. Shapers are off, unless INPUT_SHAPING=1.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_ACCELEROMETER,
+    )
+    def _measure(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        along = direction(pairs.get("AXIS", ""))
+        outputs = [text.strip().lower() for text in pairs.get("OUTPUT", "resonances").split(",")]
+        if not outputs or not set(outputs) <= {*_OUTPUTS}:
+            limit = "resonances, raw_data or both"
+            shown = pairs.get("OUTPUT", "")
+            raise CommandError.of("command.value", axis="OUTPUT", value=shown, limit=limit)
+        excitation, point = self._sweep(along, pairs), self._point(pairs)
+        shapes = _within(pairs, "INPUT_SHAPING", 0.0, 0.0, 1.0) != 0
+        name = _named(pairs)
+
+        async def run() -> None:
+            found = await self._vibrate(along, excitation, point, shapes, reply)
+            raw, spectrum = (
+                _path(stem, along, name) if stem in outputs else ""
+                for stem in ("raw_data", "resonances")
+            )
+            run = _run(found, raw, spectrum, least_mm_s2=_LEAST_SHARE * excitation.rms_mm_s2)
+            done = await analyse([run], title=f"Resonances of {along.name}")
+            reply.say(f"// Highest peak at {done.peaks_hz[0]:.1f} Hz")
+            _tell_files(done, reply)
+
+        return WaitForProcedure(run)
+
+    @command(
+        "SHAPER_CALIBRATE",
+        Subject.SPEED,
+        When.EXCLUSIVE,
+        f"AXIS NAME MAX_SMOOTHING(mm) {_SWEEP} U(0-1)",
+        "Measures X and Y (or AXIS), chooses the input shaper for each, says why, and uses it. M500"
+        " or SAVE_CONFIG stores it; U=1 does so at once.",
+        kind=Kind.SERVED,
+        bare=None,
+        lacks=NO_ACCELEROMETER,
+    )
+    def _calibrate(self, command: Command, reply: Reply) -> Wait | None:
+        pairs = command.pairs()
+        axes = [pairs["AXIS"].lower()] if "AXIS" in pairs else ["x", "y"]
+        if axes[0] not in ("x", "y", "z"):
+            shown = pairs["AXIS"] or "missing"
+            raise CommandError.of("command.value", axis="AXIS", value=shown, limit="X, Y or Z")
+        along = [direction(axis) for axis in axes]
+        sweeps = [self._sweep(one, pairs) for one in along]
+        most = self._part.max_smoothing_mm
+        if "MAX_SMOOTHING" in pairs:
+            most = _within(pairs, "MAX_SMOOTHING", 0.0, 0.05, 10.0)
+        store = _within(pairs, "U", 0.0, 0.0, 1.0) != 0
+        point, name = self._point(pairs), _named(pairs)
+
+        async def run() -> None:
+            chosen: dict[str, Shaper] = {}
+            for one, sweep in zip(along, sweeps, strict=True):
+                found = await self._vibrate(one, sweep, point, False, reply)
+                run = _run(found, least_mm_s2=_LEAST_SHARE * sweep.rms_mm_s2)
+                chosen[one.name.upper()] = await self._fit(one, run, most, name, reply)
+            filters = self._rig.commands.filters
+            filters.use_shapers(
+                {
+                    axis: replace(new, damping=filters.shapers[axis].damping)
+                    for axis, new in chosen.items()
+                }
+            )
+            if store and self._state.store_settings is not None:
+                self._state.store_settings()
+                reply.say("// The shapers are in use and stored")
+            else:
+                reply.say("// The shapers are in use. M500 or SAVE_CONFIG stores them")
+
+        return WaitForProcedure(run)
+
+    async def _fit(
+        self,
+        along: Direction,
+        run: Run,
+        max_smoothing_mm: float | None,
+        name: str,
+        reply: Reply,
+    ) -> Shaper:
+        """The shaper for what was measured along an axis."""
+        axis = along.name
+        reply.say(f"// Calculating the best input shaper parameters for {axis} axis")
+        done = await analyse(
+            [run],
+            title=f"Input shapers for {axis.upper()}",
+            fit=True,
+            files=_path("calibration_data", along, name),
+            max_smoothing_mm=max_smoothing_mm,
+        )
+        best = done.best
+        assert best is not None  # as it was asked for
+        for fit in done.fits:
+            reply.say(f"// {fit.line}")
+            reply.say(
+                f"// To avoid too much smoothing with '{fit.kind}', suggested max_accel <="
+                f" {round(fit.max_accel_mm_s2, -2):.0f} mm/sec^2"
+            )
+        reply.say(
+            f"// Recommended shaper_type_{axis} = {best.kind}, shaper_freq_{axis} ="
+            f" {best.frequency_hz:.1f} Hz"
+        )
+        reply.say(f"// {done.reason}")
+        _tell_files(done, reply)
+        return Shaper(best.kind, round(best.frequency_hz, 1))
+
+    async def _vibrate(
+        self,
+        along: Direction,
+        excitation: Excitation,
+        point: Sequence[float],
+        shapes: bool,
+        reply: Reply,
+    ) -> Measurement:
+        await self._test.go_to(point)
+        reply.say(
+            f"// Testing axis {along.name}: {excitation.start_hz:g} to {excitation.end_hz:g} Hz in"
+            f" {excitation.seconds:.0f} s"
+        )
+        return await self._test.vibrate(along, excitation, self._shapers() if shapes else {})
+
+    def _shapers(self) -> dict[str, Impulses]:
+        return {
+            axis.lower(): impulses(shaper.kind, shaper.frequency_hz, shaper.damping)
+            for axis, shaper in self._rig.commands.filters.shapers.items()
+            if shaper.frequency_hz > 0
+        }
+
+    def _sweep(self, along: Direction, pairs: dict[str, str]) -> Excitation:
+        """The excitation of a direction with the parameters of a command. Raises CommandError."""
+        usual = _Z if along.z else Excitation(accel_per_hz=self._part.accel_per_hz)
+        low = _within(pairs, "FREQ_START", usual.start_hz, 1.0, 299.0)
+        return replace(
+            usual,
+            start_hz=low,
+            end_hz=_within(pairs, "FREQ_END", usual.end_hz, low + 1, 300.0),
+            accel_per_hz=_within(pairs, "ACCEL_PER_HZ", usual.accel_per_hz, 1.0, 500.0),
+            hz_per_s=_within(pairs, "HZ_PER_SEC", usual.hz_per_s, 0.1, 2.0),
+        )
+
+    def _point(self, pairs: dict[str, str]) -> Sequence[float]:
+        """X, Y and Z of the nozzle for a measurement, mm. Raises CommandError."""
+        if "POINT" in pairs:
+            try:
+                x, y, z = (float(part) for part in pairs["POINT"].split(","))
+            except ValueError:
+                shown = pairs["POINT"][:30]
+                raise CommandError.of(
+                    "command.value", axis="POINT", value=shown, limit="X,Y,Z in mm"
+                ) from None
+            return x, y, z
+        if self._part.point_mm is not None:
+            return self._part.point_mm
+        x0, y0, x1, y1 = self._rig.machine.bed_area_mm
+        return (x0 + x1) / 2, (y0 + y1) / 2, min(_HEIGHT_MM, self._rig.machine.axes["z"].max_mm)
+
+
+def _within(pairs: dict[str, str], key: str, default: float, low: float, high: float) -> float:
+    """The number of a parameter. Raises CommandError."""
+    value = number(pairs, key, default)
+    if not low <= value <= high:
+        raise CommandError.bad_value(key, value, f"{low:g} to {high:g}")
+    return value
+
+
+def _named(pairs: dict[str, str]) -> str:
+    """The name of the files. Raises CommandError."""
+    name = pairs.get("NAME", f"{datetime.now():%Y%m%d_%H%M%S}")
+    if not _NAME.fullmatch(name):
+        limit = "letters, digits, - and _"
+        raise CommandError.of("command.value", axis="NAME", value=name or "missing", limit=limit)
+    return name
+
+
+def _path(stem: str, along: Direction, name: str) -> str:
+    """The path of a file without its ending, where Klipper's tools look for it."""
+    return str(Path(tempfile.gettempdir()) / f"{stem}_{along.name}_{name}")
+
+
+def _run(found: Measurement, raw: str = "", spectrum: str = "", *, least_mm_s2: float = 0.0) -> Run:
+    samples = array("d", chain.from_iterable(found.samples()))
+    return Run(samples, found.start_s, found.rate_hz, least_mm_s2, raw, spectrum)
+
+
+def _tell_files(done: Analysis, reply: Reply) -> None:
+    for file in done.files:
+        reply.say(f"// Written: {file}")

@@ -1,0 +1,150 @@
+"""Accelerometers of the simulated printer, whose head and bed are masses on belts."""
+
+from __future__ import annotations
+
+import csv
+import tempfile
+from pathlib import Path
+
+import pytest
+from tests.support.edited_machine import answers, at_home, edited
+from tests.support.scenario import Scenario
+
+from passo.config.machine import MachineConfig
+from passo.printer.setup.boards import head_dynamics
+
+PINS = 'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"'
+
+
+@pytest.fixture(autouse=True)
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of the written files."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    return tmp_path
+
+
+def machine(
+    x_hz: float, y_hz: float, *, chip: str = "adxl345", firmware: str = "virtual"
+) -> MachineConfig:
+    """An i3 whose axes vibrate at these frequencies."""
+    masses = "".join(
+        f"[simulated.masses.{axis}]\nfrequency_hz = {hz}\ndamping = 0.1\n"
+        for axis, hz in (("x", x_hz), ("y", y_hz))
+    )
+    board = ('base = "ramps"', f'base = "ramps"\nfirmware = "{firmware}"')
+    return edited("i3", board, more=f'[accelerometer]\nchip = "{chip}"\n{PINS}\n{masses}')
+
+
+def shapers(s: Scenario) -> dict[str, tuple[str, float]]:
+    """The shapers in use, by axis."""
+    status = s.printer.commands.filters.shaper_status()
+    return {axis: (one.type, one.frequency_hz) for axis, one in status.items()}
+
+
+def ringing_um(s: Scenario, line: str, axis: int) -> float:
+    """The amplitude of the vibration of an axis when a move has ended, um."""
+    head = head_dynamics(s.machine, s.printer.board)
+    head.follow(True)
+    clock = s.printer.connection.now
+    s.host.ok(line)
+    s.host.ok("M400")
+    seen: list[tuple[float, float]] = []
+    while clock < s.printer.connection.now:
+        clock += s.printer.queue.hz // 1000
+        head.run(clock)
+        seen.append((clock, head.ringing[axis]))
+    return 1000 * next(amplitude for at, amplitude in seen if at >= head.last_step)
+
+
+def test_calibration_finds_the_shapers_that_end_the_ringing(files: Path) -> None:
+    with at_home(machine(50, 35)) as s:
+        s.host.ok("G1 X100 Y100 Z20 F6000")
+        s.host.ok("M204 P3000 T3000")
+        before = [ringing_um(s, "G1 X120 F6000", 0), ringing_um(s, "G1 Y120 F6000", 1)]
+        line = "SHAPER_CALIBRATE FREQ_START=25 FREQ_END=60 HZ_PER_SEC=2 NAME=one"
+        said = answers(s, line)
+        found = shapers(s)
+        assert found["x"] == ("mzv", pytest.approx(50, abs=2))
+        assert found["y"] == ("mzv", pytest.approx(35, abs=2))
+        assert "// Recommended shaper_type_x = mzv, shaper_freq_x = 5" in "\n".join(said)
+        assert any(text.startswith("// mzv at 50") and "zv cuts less" in text for text in said)
+        s.host.ok("G1 X100 Y100 Z20 F6000")
+        after = [ringing_um(s, "G1 X120 F6000", 0), ringing_um(s, "G1 Y120 F6000", 1)]
+        assert all(least < 0.06 * most for least, most in zip(after, before, strict=True))
+        written = {path.name for path in files.iterdir()}
+        assert written == {
+            f"calibration_data_{axis}_one.{kind}" for axis in "xy" for kind in ("csv", "svg")
+        }
+        rows = list(csv.reader((files / "calibration_data_x_one.csv").read_text().splitlines()))
+        assert rows[0][:6] == ["freq", "psd_x", "psd_y", "psd_z", "psd_xyz", "shapers:"]
+        peak = max(rows[1:], key=lambda row: float(row[4]))
+        assert float(peak[0]) == pytest.approx(50, abs=2)
+
+
+def test_another_frequency_shows_even_if_the_clock_of_the_chip_is_wrong() -> None:
+    with at_home(machine(45, 38.5)) as s:
+        s.printer.board.boards[""].accelerometers[0].rate_error = 0.04
+        answers(s, "SHAPER_CALIBRATE FREQ_START=30 FREQ_END=55 HZ_PER_SEC=2 NAME=b")
+        found = shapers(s)
+        assert found["x"] == ("mzv", pytest.approx(45, abs=1))
+        assert found["y"] == ("mzv", pytest.approx(38.5, abs=1))
+
+
+@pytest.mark.parametrize("chip", ["adxl345", "lis2dw"])
+def test_the_firmware_measures_as_the_model_of_the_board(chip: str, files: Path) -> None:
+    """At rest to the last bit; and what vibrates, and when."""
+    with at_home(machine(50, 35, chip=chip)) as s:
+        said = answers(s, "ACCELEROMETER_QUERY")
+        x, y, z = (float(v) for v in said[0].partition(": ")[2].split(","))
+        assert (x, y, z) == pytest.approx((0, 0, 9806), abs=250)
+    with at_home(machine(50, 35, chip=chip, firmware="passo")) as s:
+        assert answers(s, "ACCELEROMETER_QUERY") == said
+        begun_s = s.printer.queue.now_s
+        answers(s, "TEST_RESONANCES AXIS=X OUTPUT=raw_data FREQ_START=48 FREQ_END=50 NAME=a")
+        rows = list(csv.reader((files / "raw_data_x_a.csv").read_text().splitlines()))
+    assert rows[0] == ["#time", "accel_x", "accel_y", "accel_z"]
+    times = [float(row[0]) for row in rows[1:]]
+    assert begun_s < times[0] < times[-1] < s.printer.queue.now_s
+    rate_hz = (len(times) - 1) / (times[-1] - times[0])
+    assert rate_hz == pytest.approx(3200 if chip == "adxl345" else 1600, rel=1e-3)
+    assert max(abs(float(row[1])) for row in rows[1:]) > 10_000
+    assert max(abs(float(row[2])) for row in rows[1:]) < 300
+
+
+def test_what_is_wrong_is_told() -> None:
+    with Scenario(machine(50, 35)) as s:
+        chip = s.printer.board.boards[""].accelerometers[0]
+        (text,) = answers(s, "TEST_RESONANCES AXIS=X")
+        assert "axis X is not homed" in text
+        s.host.ok("G28", 60)
+        (text,) = answers(s, "TEST_RESONANCES AXIS=Q")
+        assert "AXIS is Q: expected X, Y, Z, or a direction such as 1,-1" in text
+        *_, text = answers(s, "TEST_RESONANCES AXIS=X POINT=5,100,20")
+        assert "the vibration along X needs" in text and "the axis ends at 0 mm" in text
+        chip.plugged = False
+        (text,) = answers(s, "ACCELEROMETER_QUERY")
+        assert "the accelerometer ADXL345 at " in text and "does not answer" in text
+        assert "Check that it is plugged in" in text
+        chip.plugged = True
+        x, y, z = s.positions()["x"], s.positions()["y"], s.positions()["z"]
+        s.host.send("TEST_RESONANCES AXIS=1,1 NAME=c")
+        s.host.expect("Testing axis axis=0.707,0.707,0.000", 60)
+        s.passes(5)
+        s.host.send("M410")
+        assert s.until(lambda: s.printer.queue.standing, 2)
+        s.host.expect("^ok")
+        s.host.ok(f"G1 X{x:g} Y{y:g} Z{z:g} F6000")
+        s.host.ok("M400")
+        assert (s.positions()["x"], s.positions()["y"]) == pytest.approx((x, y), abs=0.02)
+    with Scenario("i3") as s:
+        (text,) = answers(s, "SHAPER_CALIBRATE")
+        assert "no [accelerometer]" in text
+
+
+def test_an_accelerometer_beside_the_moved_part_is_noticed() -> None:
+    """The noise of a chip that lies on the table is no resonance."""
+    with at_home(machine(50, 35)) as s:
+        s.printer.board.boards[""].accelerometers[0].put_down()
+        *_, text = answers(s, "SHAPER_CALIBRATE AXIS=X FREQ_START=30 FREQ_END=33 HZ_PER_SEC=2")
+        assert "while it was to vibrate" in text and "Fix it to the part" in text
+        assert shapers(s)["x"][1] == 0
