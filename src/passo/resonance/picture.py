@@ -25,6 +25,7 @@ def picture(title: str, hz: Sequence[float], curves: Sequence[Curve], notes: Ite
     below it."""
     high_hz = _round_up(max(hz))
     largest = max((max(values) for _, values, share in curves if not share), default=1.0) or 1.0
+    shares = any(share for _, _, share in curves)
     exponent = floor(log10(largest))
     high = ceil(largest / 10**exponent * 2) / 2 * 10**exponent
     parts = [
@@ -39,7 +40,8 @@ def picture(title: str, hz: Sequence[float], curves: Sequence[Curve], notes: Ite
         parts.append(f'<path class="grid" d="M{_LEFT} {y:.1f}H{right}"/>')
         value = f"{k / 5 * high / 10**exponent:.1f}"
         parts.append(f'<text class="end" x="{_LEFT - 6}" y="{y + 4:.1f}">{value}</text>')
-        parts.append(f'<text x="{right + 6}" y="{y + 4:.1f}">{k * 20} %</text>')
+        if shares:
+            parts.append(f'<text x="{right + 6}" y="{y + 4:.1f}">{k * 20} %</text>')
     step = _round_up(high_hz / 10)
     for k in range(int(high_hz / step + 1e-9) + 1):
         x = _x(k * step, high_hz)

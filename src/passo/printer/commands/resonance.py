@@ -116,7 +116,7 @@ class ResonanceCommands:
                 for stem in ("raw_data", "resonances")
             )
             run = _run(found, raw, spectrum, least_mm_s2=_LEAST_SHARE * excitation.rms_mm_s2)
-            done = await analyse([run], title=f"Resonances of {along.name}")
+            done = await analyse([run], title=f"Resonances of {along.name.upper()}")
             reply.say(f"// Highest peak at {done.peaks_hz[0]:.1f} Hz")
             _tell_files(done, reply)
 
