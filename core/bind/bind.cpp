@@ -8,6 +8,7 @@ void bind_link(nanobind::module_& m);
 void bind_board(nanobind::module_& m);
 void bind_nozzle_gap(nanobind::module_& m);
 void bind_head_dynamics(nanobind::module_& m);
+void bind_print_quality(nanobind::module_& m);
 void bind_wire(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
@@ -22,6 +23,7 @@ NB_MODULE(_core, m) {
   bind_board(m);
   bind_nozzle_gap(m);
   bind_head_dynamics(m);
+  bind_print_quality(m);
   bind_wire(m);
   bind_chips(m);
   bind_geometry(m);

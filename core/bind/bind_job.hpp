@@ -8,6 +8,7 @@
 
 #include "base/cpu_clock.hpp"
 #include "motion/job.hpp"
+#include "plan/path_segments.hpp"
 #include "plan/printing_spans.hpp"
 #include "plan/toolpath.hpp"
 
@@ -19,6 +20,7 @@ struct JobView {
   bool keeps_moves = false;
   std::optional<Toolpath> toolpath;
   std::optional<PrintingSpans> spans;
+  std::optional<PathSegments> segments;
   JobView(const Machine& machine, std::vector<double> home, const LaserWords& laser,
           bool with_steps)
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
@@ -26,13 +28,14 @@ struct JobView {
   // Lets what keeps something of the plan have each settled move.
   void watch_moves() {
     auto& on_move = job.motion.on_move;
-    if (!keeps_moves && !toolpath && !spans)
+    if (!keeps_moves && !toolpath && !spans && !segments)
       on_move = nullptr;
     else
       on_move = [this](const Move& move) {
         if (keeps_moves) moves.push_back(move);
         if (toolpath) toolpath->add(move);
         if (spans) spans->add(move, job.motion.delay());
+        if (segments) segments->add(move);
       };
   }
 };

@@ -43,8 +43,7 @@ void HeadDynamics::follow(bool on) {
   settle();
 }
 
-void HeadDynamics::run(double clock) {
-  take(clock);
+void HeadDynamics::advance(double clock) {
   while (!places_.empty() && places_.front().first <= clock) {
     const auto [at, positions] = std::move(places_.front());
     places_.pop_front();
@@ -59,6 +58,12 @@ void HeadDynamics::run(double clock) {
     pushed_[i] = clock;
   }
   clock_ = clock;
+}
+
+double HeadDynamics::next_step() const {
+  double next = kInfinity;
+  for (const StepTrack& track : tracks_) next = std::min(next, track.next());
+  return next;
 }
 
 bool HeadDynamics::forward(double p[3]) const {

@@ -44,7 +44,13 @@ class HeadDynamics {
 
   // Everything at a clock. The boards must have run up to it; a board that has not makes up for it
   // later, as if its steps came later.
-  void run(double clock);
+  void run(double clock) {
+    take(clock);
+    advance(clock);
+  }
+  // The two parts of it: the steps of the boards up to a clock, and the motion by known steps.
+  void take(double clock);
+  void advance(double clock);
 
   // At the clock of the last call of `run`, for an axis:
   double motor_mm(int axis) const { return motor_[axis]; }
@@ -56,6 +62,8 @@ class HeadDynamics {
   double clock() const { return clock_; }
   // The clock of the last step that was made.
   double last_step() const { return last_step_; }
+  // The clock of the next one that is known; infinite without one.
+  double next_step() const;
 
  private:
   struct Source {
@@ -78,7 +86,6 @@ class HeadDynamics {
   size_t actuators() const { return size_t(geometry_->actuators()); }
   bool forward(double p[3]) const;
   void settle();
-  void take(double clock);
   void make_steps(double clock);
   void step(size_t motor, double clock);
   void move(int axis, double clock, double du);

@@ -13,14 +13,20 @@ class NozzlePressure {
   void run(double seconds) {
     if (seconds > 0 && flow_ != 0) flow_ *= std::exp(-seconds / tau_);
   }
-  void step(double de) { flow_ += de / tau_; }
-  void rest() { flow_ = 0; }
+  void step(double de) {
+    flow_ += de / tau_;
+    pushed_ += de;
+  }
+  void rest() { flow_ = pushed_ = 0; }
 
+  double time_constant_s() const { return tau_; }
   // Filament that leaves the nozzle, mm/s.
   double flow() const { return flow_; }
+  // Filament that has left it since it was at rest, mm: the integral of the flow.
+  double extruded() const { return pushed_ - tau_ * flow_; }
 
  private:
-  double tau_, flow_ = 0;
+  double tau_, flow_ = 0, pushed_ = 0;
 };
 
 }  // namespace passo::wire

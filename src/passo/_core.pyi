@@ -1085,6 +1085,66 @@ class HeadDynamics:
     def flow(self) -> list[float]:
         """Filament that leaves the nozzle of each extruder, mm/s."""
 
+class PrintQuality:
+    """
+    Measures how the head of a simulated printer follows the path of a file, and how wide its lines are. Clocks are those of the main board.
+    """
+
+    def __init__(self, clock_hz: float, head: HeadDynamics) -> None: ...
+
+    def begin(self, job: Job, clock: float) -> None:
+        """Call this when the job begins, at standstill."""
+
+    def run(self, job: Job, clock: float) -> None:
+        """Measures up to a clock that the boards have reached."""
+
+    def end(self, job: Job) -> None:
+        """Call this at the end of the print."""
+
+    def show(self, corner: int) -> None:
+        """
+        The corner of `shown`; without a call, the one with the largest ringing.
+        """
+
+    @property
+    def shown(self) -> tuple[int, int, tuple[float, float], tuple[float, float], tuple[float, float], list[tuple[float, float, float, float, float, float, float]]]:
+        """
+        A corner: its number, its line in the file, X and Y, the directions of its lines in X and Y, and samples: seconds since the head has passed it, X and Y of the head, X and Y of the motors, the head's deviation across its line in mm, the width of the line as a fraction.
+        """
+
+    @property
+    def corners(self) -> int:
+        """Number of sharp corners of printed lines."""
+
+    @property
+    def printed_mm(self) -> float: ...
+
+    @property
+    def ringing_mm(self) -> tuple[float, float]:
+        """
+        Deviation across the line for 0.1 s after corners: root mean square, and the largest.
+        """
+
+    @property
+    def rounding_mm(self) -> tuple[float, float]:
+        """Distance of the head's way from corners: mean and largest."""
+
+    @property
+    def off_path_mm(self) -> tuple[float, float]:
+        """
+        Distance of the head from printed lines: root mean square, and the largest.
+        """
+
+    @property
+    def width_error(self) -> float:
+        """Mean error of the width of printed lines, as a fraction."""
+
+    @property
+    def lost(self) -> float:
+        """
+        Fraction of the time in which the head was more than 2 mm from the path.
+        """
+
 class Stop(enum.Enum):
     """Why time stopped passing."""
 

@@ -31,6 +31,7 @@ COMMANDS: dict[str, str] = {
     "steps": "write every step of every motor, as the board executed it",
     "explain": "show what one line of a file becomes: plan, steps, bytes",
     "report": "write one page with pictures: path, speeds, temperatures, limits",
+    "lab": "print a file under several settings of the motion, and compare ringing and lines",
     "calibrate": "find a thermistor's β from what a thermometer says",
     "machines": "list the machines that come with Passo",
     "firmware": "list boards, build and flash their firmware",

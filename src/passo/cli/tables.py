@@ -10,14 +10,19 @@ from passo.learn.labels import duration
 if TYPE_CHECKING:
     from passo.job.batch.board_load import BudgetUse
     from passo.job.batch.estimate import Estimate
+    from passo.job.batch.laboratory import Laboratory
     from passo.job.batch.result import PrintResult
 
 
-def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Rows with a heading first, aligned in columns."""
+def columns(rows: Sequence[Sequence[str]], numbers: int = 0) -> str:
+    """Rows with a heading first, aligned in columns; the last `numbers` columns to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    left = len(widths) - numbers
     lines = (
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        "  ".join(
+            cell.ljust(width) if i < left else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
         for row in rows
     )
     return "\n".join(line.rstrip() for line in lines)
@@ -131,3 +136,31 @@ def estimate_table(estimate: Estimate) -> str:
         *shares(estimate.limits_s),
     ]
     return rows(pairs)
+
+
+def lab_table(found: Laboratory) -> str:
+    """The trials of a laboratory, a line each with the best one marked, and the reason."""
+    heading = ["", "setting", "print time", "ringing", "10% off", "peak", "corners", "off path"]
+    lines = [[*heading, "width", "steps", "commands", "score"]]
+    for i, (trial, score) in enumerate(zip(found.trials, found.scores(), strict=True)):
+        quality = trial.quality
+        deviations = (
+            quality.ringing_rms_um,
+            trial.off_tune_rms_um,
+            quality.ringing_peak_um,
+            quality.rounding_um,
+            quality.off_path_um,
+        )
+        lines.append(
+            [
+                "*" if i == found.best else "",
+                trial.name,
+                duration(trial.print_time_s),
+                *(f"{um:.1f} µm" for um in deviations),
+                f"{quality.width_error:.1%}",
+                f"{trial.steps:,}",
+                f"{trial.commands:,}",
+                f"{score:.3f}",
+            ]
+        )
+    return f"{columns(lines, 10)}\n\n{found.reason()}"

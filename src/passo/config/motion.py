@@ -240,6 +240,10 @@ class Idle(Model):
     """The heaters are switched off after this time without a move or a command; never with 0."""
 
 
+Junction = Literal["deviation", "cornering_distance", "jerk"]
+JUNCTIONS: tuple[Junction, Junction, Junction] = ("deviation", "cornering_distance", "jerk")
+
+
 class Limits(Model):
     """Limits of the path, and the law of the speed at corners: docs/explanation/planning.md."""
 
@@ -258,7 +262,7 @@ class Limits(Model):
     positions are then averaged over twice the largest acceleration of X, Y and Z divided by this,
     0.15 s at most. Corners are cut by this: `passo check` prints by how much. If not given,
     acceleration changes at once."""
-    junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
+    junction: Junction = "deviation"
     """The law of corners: a deviation from the corner (grbl), a distance in steps (APrinter), or an
     instant change of speed for each axis (Marlin)."""
     junction_deviation_mm: Positive = 0.02

@@ -8,13 +8,18 @@ from html import escape
 from importlib.resources import files
 
 
-def page(title: str, sections: Iterable[str], data: Mapping[str, object]) -> str:
+def page(
+    title: str,
+    sections: Iterable[str],
+    data: Mapping[str, object] | None = None,
+    more_style: str | None = None,
+) -> str:
     """The text of the page. `sections` are HTML; `data` is for the script: `end_s`, `charts` (see
-    Chart.data), and optionally `path` (see Toolpath.data)."""
+    Chart.data), and optionally `path` (see Toolpath.data); without it, the page has no script.
+    `more_style` names a further style sheet."""
     room = files("passo.learn")
-    style, script = (room.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
-    # Escape "</", which could end the script early if it is in a file name.
-    known = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    sheets = ["page.css", *([more_style] if more_style else [])]
+    style = "".join(room.joinpath(sheet).read_text("utf-8") for sheet in sheets)
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -28,18 +33,25 @@ def page(title: str, sections: Iterable[str], data: Mapping[str, object]) -> str
 <main>
 <h1>{escape(title)}</h1>
 {"".join(sections)}</main>
-<script type="application/json" id="data">{known}</script>
+{"" if data is None else _script(data)}</body>
+</html>
+"""
+
+
+def _script(data: Mapping[str, object]) -> str:
+    script = files("passo.learn").joinpath("page.js").read_text("utf-8")
+    # Escape "</", which could end the script early if it is in a file name.
+    known = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    return f"""<script type="application/json" id="data">{known}</script>
 <script>
 {script}</script>
-</body>
-</html>
 """
 
 
 def table(title: str, rows: Iterable[tuple[str, str]]) -> str:
     """A section with names and values."""
     cells = "".join(f"<tr><th>{escape(n)}</th><td>{escape(v)}</td></tr>\n" for n, v in rows)
-    return _section("table", title, f"<table>\n{cells}</table>\n")
+    return section("table", title, f"<table>\n{cells}</table>\n")
 
 
 def bars(title: str, rows: Iterable[tuple[str, str, float]]) -> str:
@@ -51,18 +63,18 @@ def bars(title: str, rows: Iterable[tuple[str, str, float]]) -> str:
         f"</i></td><td>{escape(value)}</td><td>{100 * share:.1f} %</td></tr>\n"
         for name, value, share in lines
     )
-    return _section("bars", title, f"<table>\n{cells}</table>\n")
+    return section("bars", title, f"<table>\n{cells}</table>\n")
 
 
 def picture(title: str, drawing: str, legend: str) -> str:
     """A section with a drawing and its legend, both HTML."""
-    return _section("picture", title, f"{drawing}\n<p>{legend}</p>\n")
+    return section("picture", title, f"{drawing}\n<p>{legend}</p>\n")
 
 
 def problems(title: str, texts: Iterable[str]) -> str:
     """A section that lists the problems."""
     rows = "".join(f"<li>{escape(text)}</li>\n" for text in texts)
-    return _section("problems", title, f"<ul>\n{rows}</ul>\n")
+    return section("problems", title, f"<ul>\n{rows}</ul>\n")
 
 
 def side_by_side(wide: str, narrow: Iterable[str]) -> str:
@@ -86,5 +98,6 @@ click shows all. A click shows its layer.</small>
 """
 
 
-def _section(kind: str, title: str, content: str) -> str:
+def section(kind: str, title: str, content: str) -> str:
+    """A section of a kind that the style sheets know; `content` is HTML."""
     return f'<section class="{kind}">\n<h2>{escape(title)}</h2>\n{content}</section>\n'

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
 from passo.board.drivers import Drivers
@@ -20,7 +20,7 @@ from passo.job.batch.program import heated, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_s
 from passo.printer.commands.motion_filters import MotionFilters
-from passo.printer.commands.program import Commands
+from passo.printer.commands.program import FILTER_COMMANDS, Commands
 from passo.printer.macros import Macros
 from passo.printer.setup.boards import connect_simulated, nozzle_gap
 from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves
@@ -60,6 +60,27 @@ class Progress:
         if self.share <= _TOO_EARLY:
             return None
         return (self.print_s - self.heat_s) * (1 - self.share) / self.share
+
+
+class StepWatch(Protocol):
+    """Follows the steps of a print while the simulated boards execute them."""
+
+    def begin(self, base: int) -> None:
+        """The job begins, at the home position and this clock of the main board."""
+        ...
+
+    def placed(self, errors_mm: Mapping[str, float] | None = None) -> None:
+        """The position at the end of the plan has changed without a move; see
+        `FirstLayerWatch.placed`."""
+        ...
+
+    def look(self) -> None:
+        """The boards have run."""
+        ...
+
+    def end(self) -> None:
+        """The print has ended."""
+        ...
 
 
 class _Targets:
@@ -115,7 +136,10 @@ class Print:
             )
         self._commands = self._checks or Commands(machine, self.job, self._targets, full)
         self._commands.skips = self._policy.skips.on(machine)
+        if self._policy.own_filters:
+            self._commands.left_out = FILTER_COMMANDS
         self.first_layer: FirstLayerWatch | None = None
+        self._step_watches: list[StepWatch] = []
         self._probing = BedProbing(machine, self.job, self._commands)
         # steps of filament motors so far, while filament may be cold
         self._filament: dict[str, int] | None = None
@@ -143,6 +167,10 @@ class Print:
     def watch(self, watcher: Callable[[], None]) -> None:
         """Sets a function that is called whenever the plan has grown. Call it before `run`."""
         self._watch = watcher
+
+    def watch_steps(self, watch: StepWatch) -> None:
+        """Lets a part follow the steps of the print. Call it before `run`."""
+        self._step_watches.append(watch)
 
     def trace_until(self, seconds: float) -> None:
         """Makes the simulated board record its steps up to this print time, in seconds. Call it
@@ -227,7 +255,9 @@ class Print:
             if checks is not None:
                 checks.guard(self.connection.now - self.base)
 
-        watch = self._watch_first_layer()
+        self._watch_first_layer()
+        for watch in self._step_watches:
+            watch.begin(self.base)
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
@@ -240,13 +270,13 @@ class Print:
                 self._from, self._to = self._to, (self.job.line, share, self.job.layer)
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
             self.job.passed(self.job.clock)  # moves are never replanned
-            if watch is not None:
+            for watch in self._step_watches:
                 watch.look()
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
         kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)
         self._run(self.connection.now + round((_LEAD_S + kick_s) * self._hz))
-        if watch is not None:
+        for watch in self._step_watches:
             watch.end()
 
     def _probe(self, command: Command) -> Wait | None:
@@ -260,17 +290,16 @@ class Print:
         self._placed(self._probing.home(letters, start) if self._probing.going else None)
 
     def _placed(self, errors_mm: Mapping[str, float] | None) -> None:
-        if self.first_layer is not None:
-            self.first_layer.placed(errors_mm)
+        for watch in self._step_watches:
+            watch.placed(errors_mm)
 
-    def _watch_first_layer(self) -> FirstLayerWatch | None:
-        """None on a machine that prints nothing, and while the boards keep steps for others."""
+    def _watch_first_layer(self) -> None:
+        """Not on a machine that prints nothing, and while the boards keep steps for others."""
         if self._trace_s > 0 or not self._machine.extruders:
-            return None
+            return
         follows = nozzle_gap(self._machine, self.board)
         self.first_layer = FirstLayerWatch(self._machine, self.job, follows)
-        self.first_layer.begin(self.base)
-        return self.first_layer
+        self._step_watches.append(self.first_layer)
 
     def _run_to(self, job_clock: float) -> None:
         """Runs the board up to a clock of the job, and sets heaters at their marks."""

@@ -60,6 +60,9 @@ DECLARED = frozenset(_METHODS[Role.DECLARED])
 """Commands that are declared by these parts. For other commands, the parts only have the handler
 within a program."""
 
+FILTER_COMMANDS = frozenset(code for code, _, _ in commands_of(MotionFilters))
+"""Commands that set shapers and pressure advance."""
+
 
 class _Counted(NullReply):
     """A reply that counts the notes of a command, for a program without a console."""
@@ -110,6 +113,7 @@ class Commands:
         # For a command that needs a probe: its wait, or None if it is skipped.
         self.probing: Callable[[Command], Wait | None] = lambda command: None
         self.skips = ALL  # the commands that a print without consoles may skip
+        self.left_out: frozenset[str] = frozenset()  # commands without effect here
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
         """Executes one command in program order, or counts it as unknown. Returns the wait that the
@@ -125,6 +129,8 @@ class Commands:
             return WaitForMoves(self._job.follow_tool) if self._job.bed_is_apart else None
         code = _key(command)
         command.check()
+        if code in self.left_out:
+            return None
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)
         if handler is not None:
             answers = reply or _Counted(self.omitted, command.line)

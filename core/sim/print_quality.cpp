@@ -1,0 +1,255 @@
+#include "sim/print_quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace passo::wire {
+
+namespace {
+
+constexpr double kQuietSeconds = 0.3;  // without a step nothing is measured any more
+constexpr double kAheadMm = 0.05;      // the place on the path may leap ahead by this
+constexpr double kLeapReach = 20;      // by this times the head's distance, if it is larger
+constexpr double kLeapCost = 0.05;     // mm of distance from the path that a leap by 1 mm is worth
+constexpr double kOnLineMm = 0.02;     // motors that are so near to a line are on it
+constexpr double kStraight = 0.9994;   // cosine of the largest bend of a line
+constexpr double kRelaxing = 5;        // time constants until a nozzle has its steady flow
+constexpr double kNearCornerMm = 1.0;  // the head's way is compared with a corner that far
+constexpr double kFarMm = 2.0;         // the head does not follow the path any more
+constexpr double kRecordSeconds = 0.15;  // of a picture, after its corner
+constexpr double kLastsSeconds = 0.1;    // a line is long enough for a picture
+constexpr size_t kPast = 120;            // samples of a picture before its corner
+
+double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double distance(const double a[3], const double b[3]) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+// The distance of a point from the line between two others.
+double from_line(const double point[3], const double a[3], const double b[3]) {
+  double d[3], p[3];
+  for (int i = 0; i < 3; ++i) d[i] = b[i] - a[i], p[i] = point[i] - a[i];
+  const double square = dot(d, d);
+  const double share = square > 0 ? std::clamp(dot(p, d) / square, 0.0, 1.0) : 0;
+  for (int i = 0; i < 3; ++i) p[i] -= share * d[i];
+  return std::sqrt(dot(p, p));
+}
+
+}  // namespace
+
+double PrintQuality::Spread::rms() const { return weight > 0 ? std::sqrt(square / weight) : 0; }
+
+void PrintQuality::begin(double clock) {
+  at_ = clock;
+  head_->run(clock);
+  stand();
+}
+
+void PrintQuality::add_path(const std::vector<PathSegment>& segments) {
+  for (const PathSegment& segment : segments) {
+    Segment s{segment, distance(segment.from, segment.to), {}};
+    if (s.length <= 0) continue;
+    for (int i = 0; i < 3; ++i) s.unit[i] = (s.to[i] - s.from[i]) / s.length;
+    path_.push_back(s);
+  }
+}
+
+void PrintQuality::run(double clock) {
+  head_->take(clock);
+  const double step = kSampleSeconds * hz_;
+  while (at_ + step <= clock) {
+    if (seconds(head_->last_step()) > kQuietSeconds && head_->next_step() > at_ + step) {
+      at_ = std::min(clock, head_->next_step() - step / 2);
+      head_->advance(at_);
+      stand();
+      continue;
+    }
+    at_ += step;
+    head_->advance(at_);
+    sample();
+  }
+}
+
+void PrintQuality::finish() {
+  end_rounding();
+  end_ringing();
+  end_recording();
+}
+
+void PrintQuality::stand() {
+  for (int i = 0; i < 3; ++i) position_[i] = head_->mm(i);
+  printed_ = false;
+}
+
+void PrintQuality::sample() {
+  double p[3];
+  for (int i = 0; i < 3; ++i) p[i] = head_->mm(i);
+  const double moved = distance(p, position_);
+  if (!path_.empty()) {
+    ++samples_;
+    const double before_mm = along_;
+    const size_t left = path_.size();
+    const double off = follow(p, moved);
+    const Segment& on = path_.front();
+    if (off > kFarMm) {
+      ++lost_;
+      printed_ = false;
+    } else {
+      if (on.prints && (path_.size() < left || along_ > before_mm)) off_path_.add(off, moved);
+      const double width = measure_width(moved);
+      round(position_, p);
+      ring(p);
+      record(p, width);
+    }
+  }
+  std::copy_n(p, 3, position_);
+}
+
+// Moves the place on the path to the point that is nearest to the head, and returns its distance. A
+// filter may cut off a detour that is shorter than itself: the place leaps over it, which costs.
+double PrintQuality::follow(const double p[3], double moved) {
+  const double near = 2 * moved + kAheadMm;
+  const double reach = near + kLeapReach * std::max(0.0, off_ - kAheadMm);
+  size_t best = 0;
+  double best_mm = along_, least = kInfinity, ahead = 0;
+  for (size_t k = 0; k < path_.size() && ahead <= reach; ++k) {
+    const Segment& s = path_[k];
+    const double begin = k == 0 ? along_ : 0, end = std::min(s.length, begin + reach - ahead);
+    double to[3], at[3];
+    for (int i = 0; i < 3; ++i) to[i] = p[i] - s.from[i];
+    const double mm = std::clamp(dot(to, s.unit), begin, end);
+    for (int i = 0; i < 3; ++i) at[i] = s.from[i] + mm * s.unit[i];
+    const double off = distance(p, at);
+    const double cost = off + kLeapCost * std::max(0.0, ahead + mm - begin - near);
+    if (cost < least) least = cost, best = k, best_mm = mm, off_ = off;
+    ahead += s.length - begin;
+  }
+  for (size_t k = 0; k < best; ++k) next_segment();
+  along_ = best_mm;
+  return off_;
+}
+
+void PrintQuality::next_segment() {
+  const Segment before = path_.front();
+  path_.pop_front();
+  // A nozzle that was filled at standstill relaxes first: a retraction is not what a line is about.
+  const Segment& after = path_.front();
+  if (after.after_filament && after.extruder < head_->nozzles())
+    settled_at_ = at_ + kRelaxing * head_->nozzle(after.extruder).time_constant_s() * hz_;
+  pass(before, after);
+}
+
+void PrintQuality::pass(const Segment& before, const Segment& after) {
+  if (ringing_now_ &&
+      after.unit[0] * ringing_now_->unit[0] + after.unit[1] * ringing_now_->unit[1] < kStraight)
+    end_ringing();
+  if (dot(before.unit, after.unit) > kSharp || !after.prints) return;
+  if (std::hypot(after.unit[0], after.unit[1]) < kStraight) return;
+  end_ringing();
+  ringing_now_ = Ringing{{after.from[0], after.from[1]}, {after.unit[0], after.unit[1]}};
+  if (!before.prints) return;
+  ringing_now_->corner = corners_;
+  end_recording();
+  if (!wanted_ || *wanted_ == corners_) {
+    recording_ = at_;
+    recorded_ = {corners_,
+                 after.line,
+                 {after.from[0], after.from[1]},
+                 {before.unit[0], before.unit[1]},
+                 {after.unit[0], after.unit[1]},
+                 0,
+                 false,
+                 {past_.begin(), past_.end()}};
+  }
+  if (rounding_now_) rounding_now_->left_at = at_;
+  ++corners_;
+}
+
+// The next corner, or the last one, and the way of the head.
+void PrintQuality::round(const double from[3], const double to[3]) {
+  if (rounding_now_ && rounding_now_->left_at >= 0 &&
+      (along_ > kNearCornerMm || seconds(rounding_now_->left_at) > kRingingSeconds))
+    end_rounding();
+  const Segment& on = path_.front();
+  if (!rounding_now_ && on.prints && on.length - along_ < kNearCornerMm && path_.size() > 1) {
+    const Segment& next = path_[1];
+    if (next.prints && dot(on.unit, next.unit) <= kSharp &&
+        std::hypot(next.unit[0], next.unit[1]) >= kStraight)
+      rounding_now_ = Rounding{{on.to[0], on.to[1], on.to[2]}, kInfinity, -1};
+  }
+  if (rounding_now_)
+    rounding_now_->nearest =
+        std::min(rounding_now_->nearest, from_line(rounding_now_->at, from, to));
+}
+
+void PrintQuality::end_rounding() {
+  if (rounding_now_ && rounding_now_->left_at >= 0) rounding_.add(rounding_now_->nearest, 1);
+  rounding_now_.reset();
+}
+
+// The head across the line after a corner, from the time when the motors are on that line.
+void PrintQuality::ring(const double p[3]) {
+  if (!ringing_now_) return;
+  Ringing& r = *ringing_now_;
+  if (!path_.front().prints) return end_ringing();
+  auto across = [&r](double x, double y) {
+    return (y - r.from[1]) * r.unit[0] - (x - r.from[0]) * r.unit[1];
+  };
+  const double motors = std::fabs(across(head_->motor_mm(0), head_->motor_mm(1)));
+  if (r.settled < 0 && motors <= kOnLineMm) r.settled = at_;
+  if (r.settled < 0) return;
+  if (motors > 1.5 * kOnLineMm || seconds(r.settled) > kRingingSeconds) return end_ringing();
+  const double off = std::fabs(across(p[0], p[1]));
+  r.peak = std::max(r.peak, off);
+  ringing_.add(off, 1);
+}
+
+void PrintQuality::end_ringing() {
+  if (ringing_now_ && ringing_now_->corner == recorded_.number)
+    recorded_.peak_mm = ringing_now_->peak;
+  ringing_now_.reset();
+}
+
+// The line between the last two samples, as a fraction of its nominal width; 0 if there is none.
+double PrintQuality::measure_width(double moved) {
+  const Segment& on = path_.front();
+  const bool goes_on = printed_ && on.prints && extruder_ == on.extruder && at_ >= settled_at_;
+  printed_ = on.prints && on.extruder < head_->nozzles();
+  if (!printed_) return 0;
+  extruder_ = on.extruder;
+  const double before = extruded_;
+  extruded_ = head_->nozzle(on.extruder).extruded();
+  if (!goes_on || moved <= 0) return 0;
+  const double line_mm = (extruded_ - before) * on.length / on.filament_mm;
+  width_error_mm_ += std::fabs(line_mm - moved);
+  printed_mm_ += moved;
+  return line_mm / moved;
+}
+
+void PrintQuality::record(const double p[3], double width) {
+  const Segment& on = path_.front();
+  const double across = (p[1] - on.from[1]) * on.unit[0] - (p[0] - on.from[0]) * on.unit[1];
+  Sample sample{0, {p[0], p[1]}, {head_->motor_mm(0), head_->motor_mm(1)}, across, width};
+  sample.s = at_;  // a clock until it is in a picture
+  if (recording_ >= 0) {
+    recorded_.samples.push_back(sample);
+    if (seconds(recording_) >= kRecordSeconds) end_recording();
+  }
+  past_.push_back(sample);
+  if (past_.size() > kPast) past_.pop_front();
+}
+
+void PrintQuality::end_recording() {
+  if (recording_ < 0) return;
+  if (ringing_now_ && ringing_now_->corner == recorded_.number)
+    recorded_.peak_mm = ringing_now_->peak;
+  recorded_.lasts = seconds(recording_) >= kLastsSeconds;
+  if (wanted_ || shown_.samples.empty() || recorded_.shows_more(shown_)) {
+    for (Sample& sample : recorded_.samples) sample.s = (sample.s - recording_) / hz_;
+    shown_ = std::move(recorded_);
+  }
+  recorded_ = {};
+  recording_ = -1;
+}
+
+}  // namespace passo::wire

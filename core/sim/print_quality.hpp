@@ -1,0 +1,132 @@
+// How well a simulated printer follows the lines of a file: ringing, corners, width of the lines.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "plan/path_segments.hpp"
+#include "sim/head_dynamics.hpp"
+
+namespace passo::wire {
+
+// Compares where the head really is, and what the nozzle really extrudes, with the path of a file,
+// in samples that are kSampleSeconds apart. Only positions are compared, never times: any stream of
+// steps that follows the path is measured alike. The head's place on the path is the nearest point
+// a little ahead of the last one.
+class PrintQuality {
+ public:
+  static constexpr double kSampleSeconds = 0.0005;
+  static constexpr double kRingingSeconds = 0.1;        // measured after a corner at most
+  static constexpr double kSharp = 0.8660254037844386;  // cosine of the smallest angle of a corner
+
+  PrintQuality(double clock_hz, std::shared_ptr<HeadDynamics> head)
+      : hz_(clock_hz), head_(std::move(head)) {}
+
+  // The measurement begins at a clock, at standstill.
+  void begin(double clock);
+  // The path, in its order, before the head gets there.
+  void add_path(const std::vector<PathSegment>& segments);
+  // Measures up to a clock. The boards must have run up to it.
+  void run(double clock);
+  // Ends the last corner.
+  void finish();
+
+  // A sum of squares with a weight, and the largest value.
+  struct Spread {
+    double square = 0, weight = 0, most = 0, sum = 0;
+    void add(double value, double by) {
+      square += value * value * by;
+      sum += value * by;
+      weight += by;
+      if (value > most) most = value;
+    }
+    double rms() const;
+    double mean() const { return weight > 0 ? sum / weight : 0; }
+  };
+  // Distances in mm. Deviation of the head across the line after a corner, once the motors are on
+  // the line; distance of the head's way from the corner; distance of the head from the path.
+  const Spread& ringing() const { return ringing_; }
+  const Spread& rounding() const { return rounding_; }
+  const Spread& off_path() const { return off_path_; }
+  // Error of the width of the printed lines, averaged over their length, as a fraction.
+  double width_error() const { return printed_mm_ > 0 ? width_error_mm_ / printed_mm_ : 0; }
+  double printed_mm() const { return printed_mm_; }
+  size_t corners() const { return corners_; }
+  // Fraction of the samples in which the head was far from the path, where nothing is measured.
+  double lost() const { return samples_ > 0 ? double(lost_) / double(samples_) : 0; }
+
+  // The course of things around one corner, for a picture.
+  struct Sample {
+    double s;          // since the corner was passed
+    double head[2];    // X and Y, mm
+    double motors[2];  // likewise
+    double across_mm;  // deviation of the head across its line, left positive
+    double width;      // of the line, as a fraction of what it should be; 0 where none is
+  };
+  struct Corner {
+    size_t number = 0;  // of all sharp corners between printed lines, from 0
+    uint32_t line = 0;  // of the file, after the corner
+    double at[2] = {}, before[2] = {}, after[2] = {};  // X and Y; directions of its lines
+    double peak_mm = 0;
+    bool lasts = false;  // the line after it is long enough for a picture
+    std::vector<Sample> samples;
+
+    // A long line shows more.
+    bool shows_more(const Corner& than) const {
+      return lasts != than.lasts ? lasts : peak_mm > than.peak_mm;
+    }
+  };
+  // The corner with the largest ringing before a line that lasts, or the one that was asked for.
+  const Corner& shown() const { return shown_; }
+  void show(size_t corner) { wanted_ = corner; }
+
+ private:
+  struct Segment : PathSegment {
+    double length, unit[3];
+  };
+  struct Rounding {
+    double at[3], nearest, left_at;
+  };
+  struct Ringing {
+    double from[2], unit[2], peak = 0, settled = -1;
+    std::optional<size_t> corner;
+  };
+  double hz_, at_ = 0;
+  std::shared_ptr<HeadDynamics> head_;
+  std::deque<Segment> path_;                // the head is on the first one
+  double along_ = 0;                        // mm of it
+  double off_ = 0;                          // the head's distance from there
+  double position_[3] = {}, extruded_ = 0;  // of the last sample
+  uint16_t extruder_ = 0;
+  bool printed_ = false;   // likewise
+  double settled_at_ = 0;  // the width of lines counts from this clock on
+  std::optional<Rounding> rounding_now_;
+  std::optional<Ringing> ringing_now_;
+  std::deque<Sample> past_;
+  Corner recorded_, shown_;
+  std::optional<size_t> wanted_;
+  double recording_ = -1;  // clock at which it has begun
+
+  Spread ringing_, rounding_, off_path_;
+  double width_error_mm_ = 0, printed_mm_ = 0;
+  size_t corners_ = 0, samples_ = 0, lost_ = 0;
+
+  double seconds(double from) const { return (at_ - from) / hz_; }
+  void stand();
+  void sample();
+  double follow(const double p[3], double moved);
+  void next_segment();
+  void pass(const Segment& before, const Segment& after);
+  void round(const double from[3], const double to[3]);
+  void end_rounding();
+  void ring(const double p[3]);
+  void end_ringing();
+  double measure_width(double moved);
+  void record(const double p[3], double width);
+  void end_recording();
+};
+
+}  // namespace passo::wire
