@@ -74,20 +74,25 @@ void bind_position(JobClass& job) {
           "pieces"_a, "end"_a = nb::none(), kPiecesText)
       .def(
           "set_axes",
-          [](JobView& self, const std::vector<std::pair<int, double>>& places, bool homed) {
+          [](JobView& self, const std::vector<std::pair<int, double>>& places, bool homed,
+             bool triggered) {
             Job& job = self.job;
             job.motion.flush();
             auto p = job.position();
+            unsigned found = 0;  // slots
             for (auto [axis, mm] : places) {
               p[size_t(slot_of_axis(axis))] = mm;
+              if (triggered) found |= 1u << slot_of_axis(axis);
               job.interpreter.set_axis(slot_of_axis(axis), mm, homed);
               job.interpreter.lock(slot_of_axis(axis), false);
             }
-            job.motion.set_position(p.data(), job.interpreter.extruder());
+            job.motion.set_position(p.data(), job.interpreter.extruder(), found);
           },
-          "places"_a, "homed"_a = false,
+          "places"_a, "homed"_a = false, "triggered"_a = false,
           "Sets the positions of these axes, by number, in mm, without motion. With `homed`, they "
-          "are homed there.")
+          "are homed there. `triggered`: an endstop has found the positions, so the gap of the "
+          "drives is "
+          "taken up in the direction of the last steps.")
       .def(
           "stand_at",
           [](JobView& self, const std::vector<std::pair<int, double>>& places) {

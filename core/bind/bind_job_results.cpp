@@ -109,7 +109,8 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
     d["steps_per_unit"] = motion.machine().steppers[i].steps_per_unit;
     d["steps"] = s.steps;
     d["net"] = s.net;
-    d["count"] = motion.stream().count(i);
+    d["count"] = motion.stream().count(i) - motion.stream().lead(i);
+    d["taken_up"] = motion.stream().taken_up(i);
     d["expected_net"] = motion.stream().expected_net(i);
     d["commands"] = s.commands;
     d["dropped_pairs"] = s.dropped_pairs;

@@ -110,6 +110,19 @@ void bind_job_settings(JobClass& job) {
           "Sets the time, in s, over which the position of each axis is averaged to limit jerk; 0: "
           "it is not averaged. Call it only at standstill.")
       .def(
+          "set_backlash",
+          [](JobView& self, int axis, double mm, double over_mm) {
+            if (axis < 0 || axis > 2) throw nb::index_error("only X, Y and Z");
+            if (!(mm >= 0 && mm <= over_mm && over_mm > 0 && over_mm < kInfinity))
+              throw nb::value_error("no such gap, or no such distance");
+            self.job.motion.flush();
+            self.job.motion.set_gap(axis, {mm, over_mm});
+          },
+          "axis"_a, "mm"_a, "over_mm"_a,
+          "The gap in the drive of X, Y or Z from now on, 0 for none, and the distance over which "
+          "it is taken up after a turn. The axis must have its own motors. Call it only at "
+          "standstill.")
+      .def(
           "set_smoothing",
           [](JobView& self, size_t extruder, double half_s) {
             check_extruder(self, extruder);

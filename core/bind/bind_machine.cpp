@@ -70,6 +70,10 @@ Machine machine_of(const nb::dict& spec) {
     const auto advance = get<std::vector<double>>(filters, "advance_s");
     for (size_t i = 0; i < m.extruders.size(); ++i) m.extruders[i].advance_s = advance.at(i);
   }
+  if (spec.contains("backlash")) {
+    const auto gaps = get<std::vector<std::pair<double, double>>>(spec, "backlash");
+    for (size_t j = 0; j < 3; ++j) m.filters.gaps[j] = {gaps.at(j).first, gaps.at(j).second};
+  }
   nb::dict limits = get<nb::dict>(spec, "limits");
   m.limits = {get<double>(limits, "print_accel"),
               get<double>(limits, "travel_accel"),

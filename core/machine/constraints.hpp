@@ -25,6 +25,7 @@ enum FixedLimit : LimitId {
   kLaserPower,
   kAdvance,
   kAdvanceJunction,
+  kBacklash,
 };
 
 struct Row {
@@ -50,7 +51,8 @@ struct Constraints {
                                  "link",
                                  "laser power",
                                  "pressure advance",
-                                 "pressure advance at junctions"};
+                                 "pressure advance at junctions",
+                                 "backlash"};
   std::vector<Row> rows;       // for XYZ and further axes
   std::vector<Row> extruders;  // one per extruder
   std::vector<Row> actuators;  // nonlinear geometries: limits of each actuator, c unused

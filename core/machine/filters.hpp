@@ -1,5 +1,5 @@
-// Motion filters of a machine: shapers of X, Y and Z, a limit of jerk, and pressure advance of the
-// extruders.
+// Motion filters of a machine: shapers of X, Y and Z, a limit of jerk, pressure advance of the
+// extruders, and backlash compensation.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -14,6 +14,12 @@ struct Impulse {
   double weight, at;  // the weights add up to 1; at: s, the first one 0, ascending
 };
 
+// The gap in the drive of a motor, which is taken up over a distance after each turn.
+struct Gap {
+  double mm = 0, over_mm = 1;
+  double share() const { return mm / over_mm; }  // by which the motor is faster meanwhile
+};
+
 // The filtered position depends on the past only: every motor follows the plan `delay` later, so
 // that the earliest impulse needs only positions that are planned already. A cut of the plan and of
 // the steps is then at one clock.
@@ -24,6 +30,7 @@ struct Filters {
   // The position of each axis and of the extruder is its mean over this time, s; 0: it is not. The
   // jerk of an axis is then its change of acceleration in this time, divided by it.
   double box_s = 0;
+  Gap gaps[3];             // of actuators that are linear; 0 mm: not compensated
   bool suspended = false;  // while homing and probing
 
   static double mean(const std::vector<Impulse>& shaper) {
@@ -36,7 +43,7 @@ struct Filters {
   }
   bool on() const {
     return !suspended &&
-           (box_s > 0 ||
+           (box_s > 0 || std::any_of(gaps, gaps + 3, [](const Gap& gap) { return gap.mm > 0; }) ||
             std::any_of(shapers, shapers + 3, [](const auto& s) { return !s.empty(); }) ||
             std::any_of(smooth_s.begin(), smooth_s.end(), [](double s) { return s > 0; }));
   }
@@ -47,12 +54,20 @@ struct Filters {
   double wide_s(size_t extruder) const { return std::max(smooth_s[extruder], box_s); }
   // Axes have different shapers, so the sum of their speeds differs from the plan.
   bool differ() const { return on() && (shapers[0] != shapers[1] || shapers[0] != shapers[2]); }
-  // Whole ticks, so that clocks of the plan and of the steps are rounded alike.
+  // The share by which a motor with this row of the axes is faster than the plan while it takes up
+  // the gap of its drive.
+  double share(const double* row) const {
+    double share = 0;
+    for (int j = 0; j < 3 && !suspended; ++j)
+      if (row[j] != 0) share = std::max(share, gaps[j].share());
+    return share;
+  }
+  // Whole ticks, one at least, so that clocks of the plan and of the steps are rounded alike.
   double delay(double hz) const {
     if (!on()) return 0;
     double s = 0.5 * box_s;
     for (const auto& shaper : shapers) s = std::max(s, 0.5 * box_s + mean(shaper));
-    return std::ceil(std::max(s, widest_half_s()) * hz);
+    return std::max(std::ceil(std::max(s, widest_half_s()) * hz), 1.0);
   }
   // Ticks from the end of a move until the last motor is at rest.
   double memory(double hz) const {

@@ -70,10 +70,11 @@ void Motion::flush() {
   process(true);
 }
 
-void Motion::set_position(const double* position, size_t extruder) {
+void Motion::set_position(const double* position, size_t extruder, unsigned found) {
   planner_.set_position(position, extruder);
   for (size_t i = 0; i < stream_.motors(); ++i) {
     const StepperSpec& s = machine_.steppers[i];
+    if (s.drive == Drive::actuator && s.index < 3 && (found >> s.index & 1)) stream_.lean(i);
     if (s.drive != Drive::extruder || size_t(s.index) == extruder)
       stream_.set_position(i, position);
   }
@@ -95,6 +96,7 @@ void Motion::set_steps_per_unit(size_t i, double value) {
   });
   bool own = s.drive == Drive::extruder;
   const auto p = position(own ? size_t(s.index) : machine_.extruders.size());
+  stream_.use_gaps();
   if (i < stream_.motors()) stream_.set_position(i, p.data());
 }
 
@@ -446,7 +448,7 @@ double Motion::cut(double ticks, std::vector<Move>& rest) {
     plan_.add(history_.divide(rest[0], ticks_of_cut_, speed2), machine_.clock_hz, 1);
   else if (!rest.empty())
     speed2 = rest[0].v0 * rest[0].v0;
-  if (delay() > 0) {
+  if (machine_.filters.on()) {
     settles_at_ = 0;
     const std::vector<Move> past = history_.before(ticks_of_cut_, memory());
     for (const Move& m : past)

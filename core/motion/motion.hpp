@@ -78,8 +78,9 @@ class Motion {
   // The machine rests until `ticks`. Only after flush.
   void wait_until(double ticks) { planner_.wait_until(ticks); }
 
-  // Sets where the machine is, without motion. Only after flush.
-  void set_position(const double* position, size_t extruder);
+  // Sets where the machine is, without motion. Only after flush. `found`: a bit for each slot whose
+  // position the last motion has found; this motion has taken up the gap of the drive.
+  void set_position(const double* position, size_t extruder, unsigned found = 0);
   // Where the plan ends; E is this extruder's, if the machine has it.
   std::array<double, kAxes> position(size_t extruder) const;
   // Changes the steps of motor i for a mm or degree; its maximum step rate stays.
@@ -109,6 +110,12 @@ class Motion {
   // The shaper of X, Y or Z from now on; none: the axis is not shaped. Only at rest.
   void set_shaper(int j, std::vector<Impulse> shaper) {
     machine_.filters.shapers[j] = std::move(shaper);
+    remember_nothing();
+  }
+  // The gap in the drive of actuator j from now on. Positions stay. Only at rest.
+  void set_gap(int j, Gap gap) {
+    machine_.filters.gaps[j] = gap;
+    stream_.use_gaps();
     remember_nothing();
   }
   // Half of the width in s over which the advance of an extruder is smoothed; 0: it has none. Only

@@ -75,7 +75,10 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
       for (int j = 0; j < 3; ++j) way += std::fabs(row.c[j] * delta[j]);
     }
     double lift = std::fabs(row.c[kZ]);
-    tighten(row, std::fabs(way) + lift * bed.slope * m.d, lift * bed.bend);
+    const double share = machine_.filters.share(row.c);  // of more speed, to take up a gap
+    const double part = std::fabs(way) * inverse;
+    tighten(row, (std::fabs(way) + lift * bed.slope * m.d) * (1 + share), lift * bed.bend);
+    if (share * part * v > row.jerk) v = row.jerk / (share * part), speed_id = kBacklash;
   }
   if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
   if (m.advance > 0 && machine_.filters.advances(m.extruder)) {

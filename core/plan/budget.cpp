@@ -57,6 +57,9 @@ inline void MoveBudget::charge(Move& m, double start2) {
   }
   double steps = m.curved_steps;
   for (Motor& motor : motors_) steps += motor.count(m, machine_.joints);
+  // Of the motors together: they may take up the gaps of their drives.
+  const double every[] = {1, 1, 1};
+  steps *= 1 + machine_.filters.share(every);
   m.steps = steps;
   double most = budget_.step_rate * m.d;  // at this, speed × steps
   if (m.vn2 * steps * steps > most * most) {

@@ -4,13 +4,15 @@
 
 namespace passo {
 
-Commits::Commits(const Machine& machine, int64_t period, size_t most)
+Commits::Commits(const Machine& machine, int64_t period, size_t most,
+                 const std::vector<StepSolver>& original,
+                 const std::deque<FilteredSolver>& filtered)
     : period_(period), most_(std::max<size_t>(most, 1)),
       widest_(std::max(kTailTolerance * machine.clock_hz, machine.widest_tolerance())),
-      machine_(machine), nozzle_(machine) {
+      machine_(machine), original_(original), nozzle_(machine) {
   for (size_t i = 0; i < machine.steppers.size(); ++i) {
     solvers_.emplace_back(machine, machine.steppers[i]);
-    filtered_.emplace_back(machine, machine.steppers[i], nozzle_);
+    filtered_.emplace_back(machine, machine.steppers[i], nozzle_, &filtered[i]);
     compressors_.emplace_back(machine, machine.steppers[i], uint16_t(i));
   }
 }
@@ -186,6 +188,7 @@ void Commits::tail(int64_t clock, const std::vector<int64_t>& origin, const Out&
     c.not_before(clock);
     c.renew(renew_[i]);
     solvers_[i].set_count(origin[i] + net_[i]);
+    solvers_[i].set_lead(original_[i].lead());
   }
   const double end = solve_tail(clock);
   for (Compressor& c : compressors_) {

@@ -30,7 +30,9 @@ class Commits {
   };
 
   // A commit spans `period` ticks, and fewer where more than `most` messages would be in it.
-  Commits(const Machine& machine, int64_t period, size_t most);
+  // `original`, `filtered`: what solves the steps up to each commit.
+  Commits(const Machine& machine, int64_t period, size_t most,
+          const std::vector<StepSolver>& original, const std::deque<FilteredSolver>& filtered);
 
   MessageQueue& waiting() { return waiting_; }
   const std::deque<Point>& points() const { return points_; }
@@ -68,6 +70,7 @@ class Commits {
   size_t most_;
   double widest_;
   const Machine& machine_;
+  const std::vector<StepSolver>& original_;
   std::deque<StepSolver> solvers_;
   NozzleLaw nozzle_;
   std::deque<FilteredSolver> filtered_;

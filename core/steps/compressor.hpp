@@ -37,6 +37,7 @@ class Compressor {
   std::vector<double>& ideal() { return ideal_; }
   void keep_ideal(bool on) { keeps_ideal_ = on; }
   int64_t last() const { return last_; }
+  int direction() const { return dir_; }  // of the last command; 0: none so far
 
   // Makes commands of all steps that can no longer change. All steps before `frontier` are known.
   // `still`: no further step follows until the machine has been at standstill. No step is scheduled

@@ -47,8 +47,17 @@ PASSO_SIMD void fit_quadratics(int n, double per_unit, double near_ticks,
 }  // namespace
 
 FilteredSolver::FilteredSolver(const Machine& machine, const StepperSpec& spec,
-                               const NozzleLaw& nozzle)
-    : machine_(machine), spec_(spec), hz_(machine.clock_hz), nozzle_(nozzle) {}
+                               const NozzleLaw& nozzle, const FilteredSolver* original)
+    : machine_(machine), spec_(spec), hz_(machine.clock_hz), nozzle_(nozzle),
+      original_(original ? original : this) {
+  use_gap();
+}
+
+void FilteredSolver::use_gap() {
+  if (spec_.drive != Drive::actuator || spec_.index > kZ) return;
+  const Gap& gap = machine_.filters.gaps[spec_.index];
+  backlash_.set(gap.mm * spec_.steps_per_unit, gap.over_mm * spec_.steps_per_unit);
+}
 
 // At rest: filters, scales and the height map may have changed since.
 void FilteredSolver::set_up() {
@@ -112,7 +121,7 @@ void FilteredSolver::add(const Move& m, double until) {
   if (idle && !going_) return;
   if (!going_) {
     begin(m);
-    start(m.start);
+    if (until == kNeverTicks) start(m.start, false);
   }
   for (int i = 0; i < axes_; ++i) {
     Phases& p = phases_[size_t(i)];
@@ -125,16 +134,16 @@ void FilteredSolver::add(const Move& m, double until) {
   tolerances_.add(m.start + delay_, m.tolerance);
 }
 
-void FilteredSolver::start(double clock) {
+void FilteredSolver::start(double clock, bool resumes) {
   owed_since_ = clock;
   if (advance_) {
     advance_->start(clock);
   } else if (smooth_) {
     smooth_->start(clock);
-    cubic_steps_->begin(smooth_->q());
+    cubic_steps_->begin(smooth_->q() + begin_lead(clock, smooth_->q(), resumes));
   } else if (taps_) {
     taps_->start(clock);
-    intervals_->begin(clock, taps_->q());
+    intervals_->begin(clock, taps_->q() + begin_lead(clock, taps_->q(), resumes));
   } else if (!raised_) {
     const Track& track = nozzle_.track();
     const double at[3] = {track.p[0][0], track.p[1][0], track.p[2][0]};
@@ -143,20 +152,33 @@ void FilteredSolver::start(double clock) {
   }
 }
 
+double FilteredSolver::begin_lead(double clock, double q, bool resumes) {
+  if (!backlash_.on()) return 0;
+  if (resumes)
+    backlash_.resume(clock, q, original_->backlash_);
+  else
+    backlash_.begin(clock, q);
+  return backlash_.lead();
+}
+
 int64_t FilteredSolver::law_count() const {
   if (smooth_) return cubic_steps_->count();
   return advance_ ? int64_t(advance_->count()) : intervals_->count();
 }
 
-void FilteredSolver::restart(double clock, const std::vector<Move>& past, const StepSolver& of) {
+void FilteredSolver::restart(double clock, const std::vector<Move>& past, StepSolver& of) {
   going_ = false;
   owed_ = 0;
   tolerances_ = {};
   for (const Move& m : past) add(m, clock);
-  if (!going_) return;
-  for (Phases& p : phases_) p.resume(clock);
-  start(clock);
-  if (!raised_) owed_ = law_count() - of.count();
+  if (going_) {
+    for (Phases& p : phases_) p.resume(clock);
+    start(clock, true);
+    if (!raised_) owed_ = law_count() - of.count();
+  } else {
+    backlash_.stand(clock, original_->backlash_);
+  }
+  if (backlash_.on()) of.set_lead(lead());
 }
 
 void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool last, StepSolver& of,
@@ -177,13 +199,25 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
     end = advance_->t();
   } else if (smooth_) {
     cubics_->into(to, tolerances_);
-    smooth_->advance(last ? kAllTicks : known + smooth_->earliest(), last, *cubic_steps_);
+    const double limit = last ? kAllTicks : known + smooth_->earliest();
+    if (backlash_.on()) {
+      Backlash::Onto<CubicSteps> leading{backlash_, *cubic_steps_};
+      smooth_->advance(limit, last, leading);
+    } else {
+      smooth_->advance(limit, last, *cubic_steps_);
+    }
     cubics_->flush();
     for (Phases& p : phases_) smooth_->dropped(&p, p.drop(smooth_->needed(&p)));
     end = smooth_->t();
   } else if (taps_) {
     intervals_->into(to, tolerances_);
-    taps_->advance(last ? kAllTicks : known + taps_->earliest(), last, *intervals_);
+    const double limit = last ? kAllTicks : known + taps_->earliest();
+    if (backlash_.on()) {
+      Backlash::Onto<IntervalSolver> leading{backlash_, *intervals_};
+      taps_->advance(limit, last, leading);
+    } else {
+      taps_->advance(limit, last, *intervals_);
+    }
     intervals_->flush();
     for (Phases& p : phases_) taps_->dropped(&p, p.drop(taps_->needed(&p)));
     end = taps_->t();
@@ -199,6 +233,7 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
       intervals_->flush();
     }
   }
+  if (backlash_.on()) of.set_lead(lead());
   if (!raised_) {
     if (owed_ != 0) pay(late_, out);
     of.set_count(law_count() - owed_);
@@ -206,12 +241,20 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
   if (!last) return;
   going_ = false;
   owed_ = 0;
+  if (backlash_.on() && (taps_ || smooth_)) of.set_lead(resting_lead(of));
   // Sums of several axes are rounded otherwise than the plan's position.
   const int64_t target = of.count_at(goal_), left = target - of.count();
   if (left == 0) return;
   const size_t n = size_t(std::abs(left));
   std::fill_n(out.extend(n, left > 0 ? 1 : -1), n, end);
   of.set_count(target);
+}
+
+int64_t FilteredSolver::resting_lead(StepSolver& of) const {
+  of.set_lead(0);
+  const int64_t low = int64_t(std::floor(backlash_.lead()));
+  const int64_t high = int64_t(std::ceil(backlash_.lead()));
+  return std::clamp(law_count() - of.count_at(goal_), low, high);
 }
 
 void FilteredSolver::fit(const Track& track, Fit& to) const {
@@ -263,7 +306,7 @@ void FilteredSolver::pay(Steps& steps, Steps& out) {
 
 void FilteredSolver::solve_raised(StepSolver& of, Steps& out) {
   const Track& track = nozzle_.track();
-  int64_t count = of.count();
+  int64_t count = of.count() - of.lead();
   for (size_t k = 0; k < track.n; ++k) {
     const double d = track.t[k + 1] - track.t[k];
     Piece p{};
@@ -281,7 +324,7 @@ void FilteredSolver::solve_raised(StepSolver& of, Steps& out) {
     tolerances_.apply(track.t[k], out);
     count = pieces_->solve(p, count, count, false, out);
   }
-  of.set_count(count);
+  of.set_count(count + of.lead());
 }
 
 }  // namespace passo

@@ -1,5 +1,6 @@
 // The steps of one motor along the filtered law of its axes.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "filters/advance.hpp"
+#include "filters/backlash.hpp"
 #include "filters/nozzle_law.hpp"
 #include "filters/smooth_law.hpp"
 #include "filters/taps.hpp"
@@ -26,8 +28,10 @@ namespace passo {
 // nozzle. At standstill, the number of steps equals that of the plan.
 class FilteredSolver {
  public:
-  // `nozzle` solves and restarts with the same moves, before.
-  FilteredSolver(const Machine& machine, const StepperSpec& spec, const NozzleLaw& nozzle);
+  // `nozzle` solves and restarts with the same moves, before. A restart continues the motion of
+  // `original`; null: its own.
+  FilteredSolver(const Machine& machine, const StepperSpec& spec, const NozzleLaw& nozzle,
+                 const FilteredSolver* original = nullptr);
 
   // Appends the steps of moves that follow the last ones, as far as they are certain when all moves
   // up to `known` are; `last`: none follows, and the motor comes to rest. `of` has the motor's
@@ -36,7 +40,17 @@ class FilteredSolver {
 
   // Continues at `clock` after the moves `past`, of which those are enough that end later than
   // `clock` less the filters' memory. Steps before `clock` are done, `of` has their count.
-  void restart(double clock, const std::vector<Move>& past, const StepSolver& of);
+  void restart(double clock, const std::vector<Move>& past, StepSolver& of);
+  // No restart is before `past` any more.
+  void forget(double past) { backlash_.forget(past); }
+
+  // The gap in the motor's drive may have changed. Only at rest.
+  void use_gap();
+  // Motion in this direction has taken up the gap. Only at rest.
+  void lean(int dir) { backlash_.lean(dir); }
+  int64_t lead_after(int dir) const { return int64_t(backlash_.lead_after(dir)); }
+  // Steps by which the motor is beyond its position.
+  int64_t lead() const { return int64_t(std::floor(backlash_.lead() + 0.5)); }
 
  private:
   const Machine& machine_;
@@ -51,6 +65,8 @@ class FilteredSolver {
   std::optional<Taps> taps_;
   std::optional<Advance> advance_;
   std::optional<SmoothLaw> smooth_;
+  Backlash backlash_;  // of taps_ or smooth_
+  const FilteredSolver* original_;
   const NozzleLaw& nozzle_;
   std::unique_ptr<IntervalSolver> intervals_;
   std::unique_ptr<CubicSolver> cubics_;
@@ -76,8 +92,12 @@ class FilteredSolver {
   void set_up();
   void begin(const Move& m);
   void add(const Move& m, double until);
-  void start(double clock);
+  void start(double clock, bool resumes);
+  // Returns the lead at the begin of motion.
+  double begin_lead(double clock, double q, bool resumes);
   int64_t law_count() const;
+  // At the end of motion, whole: the sum of position and lead is rounded.
+  int64_t resting_lead(StepSolver& of) const;
   // Fits quadratics to the motor's law along a track.
   void fit(const Track& track, Fit& to) const;
   // Passes them on; splits those that are too far from the law.

@@ -40,7 +40,7 @@ void StepSolver::solve(const Move& m, Steps& out) {
 
 void StepSolver::solve(const Piece& p, Steps& out) {
   out.set_tolerance(0);
-  count_ = pieces_.solve(p, count_, count_at(p.end), true, out);
+  count_ = lead_ + pieces_.solve(p, count_ - lead_, count_at(p.end) - lead_, true, out);
 }
 
 double StepSolver::position(const double* p) const {
@@ -53,7 +53,7 @@ double StepSolver::position(const double* p) const {
 }
 
 inline void StepSolver::solve_linear(const Move& m, Steps& out) {
-  double from = position(m.p0), to = position(m.p1);
+  double from = position(m.p0) + double(lead_), to = position(m.p1) + double(lead_);
   int64_t target = int64_t(std::floor(to + 0.5)), n = target - count_;
   if (n == 0) return;
   double dir = n > 0 ? 1 : -1;
@@ -69,7 +69,7 @@ inline void StepSolver::solve_linear(const Move& m, Steps& out) {
 
 void StepSolver::solve_raised(const Move& m, Steps& out) {
   int64_t target = count_at(m.p1);
-  if (target == count_ && pieces_.rests(m.p0, m.p1, count_)) return;
+  if (target == count_ && pieces_.rests(m.p0, m.p1, count_ - lead_)) return;
   double d_dec = m.d - m.d_acc - m.d_cru, begin[] = {0, m.d_acc, m.d_acc + m.d_cru};
   double ticks[] = {m.t_acc, m.t_cru, m.t_dec}, way[] = {m.d_acc, m.d_cru, d_dec};
   double speed[] = {m.v0, m.vc, m.vc}, accel[] = {m.a, 0, -m.b}, start = m.start;
@@ -86,7 +86,7 @@ void StepSolver::solve_raised(const Move& m, Steps& out) {
       p.c[j][1] = u * speed[i];
       p.c[j][2] = 0.5 * u * accel[i];
     }
-    count_ = pieces_.solve(p, count_, target, i == last, out);
+    count_ = lead_ + pieces_.solve(p, count_ - lead_, target - lead_, i == last, out);
   }
 }
 

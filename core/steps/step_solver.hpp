@@ -21,9 +21,12 @@ class StepSolver {
 
   int64_t count() const { return count_; }  // steps from the origin, after the moves solved so far
   void set_count(int64_t count) { count_ = count; }
+  // Steps by which the motor is beyond its position (backlash.hpp); its counts include them.
+  int64_t lead() const { return lead_; }
+  void set_lead(int64_t lead) { lead_ = lead; }
 
   // Step count at a position: the target of every move is rounded from the absolute position.
-  int64_t count_at(const double* p) const { return int64_t(std::floor(position(p) + 0.5)); }
+  int64_t count_at(const double* p) const { return int64_t(std::floor(position(p) + 0.5)) + lead_; }
 
   // Appends the steps of the move.
   void solve(const Move& m, Steps& out);
@@ -38,7 +41,7 @@ class StepSolver {
   bool linear_;
   int axis_ = -1;  // ≥ 0: of an axis or extruder, whose motor this is
   double c_[3];
-  int64_t count_ = 0;
+  int64_t count_ = 0, lead_ = 0;
   Crossings crossings_;
   std::vector<double> owed_;  // path positions
   PieceSolver pieces_;

@@ -46,6 +46,20 @@ void StepStream::set_position(size_t i, const double* position) {
   set_count(i, solvers_[i].count_at(position));
 }
 
+void StepStream::use_gaps() {
+  for (size_t i = 0; i < solvers_.size(); ++i) {
+    filtered_[i].use_gap();
+    const int64_t before = solvers_[i].lead();
+    solvers_[i].set_lead(filtered_[i].lead());
+    set_count(i, solvers_[i].count() + solvers_[i].lead() - before);
+  }
+}
+
+void StepStream::lean(size_t i) {
+  filtered_[i].lean(compressors_[i].direction());
+  solvers_[i].set_lead(filtered_[i].lead());
+}
+
 void StepStream::renew() {
   for (Compressor& c : compressors_) c.renew();
 }
@@ -162,10 +176,11 @@ void StepStream::revoke(int64_t at, double clock) {
 
 void StepStream::forget(int64_t past) {
   for (Compressor& c : compressors_) c.forget_resets(past);
+  for (FilteredSolver& filtered : filtered_) filtered.forget(double(past));
 }
 
 void StepStream::use_commits(int64_t period, size_t most, int64_t clock) {
-  commits_.emplace(machine_, period, most);
+  commits_.emplace(machine_, period, most, solvers_, filtered_);
   begin_commits(0, clock);
 }
 

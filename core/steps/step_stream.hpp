@@ -48,6 +48,16 @@ class StepStream {
   // Sets where motor i is, in steps, without motion.
   void set_count(size_t i, int64_t count);
   void set_position(size_t i, const double* position);
+  // Steps by which motor i is beyond its position, to take up the gap of its drive.
+  int64_t lead(size_t i) const { return solvers_[i].lead(); }
+  // Steps by which motor i, after its last steps, is less beyond its position than it should be.
+  int64_t taken_up(size_t i) const {
+    return solvers_[i].lead() - filtered_[i].lead_after(compressors_[i].direction());
+  }
+  // The gaps in the drives may have changed: positions stay. Only at rest.
+  void use_gaps();
+  // The last steps of motor i have taken up the gap of its drive. set_position must follow.
+  void lean(size_t i);
   // The machine has another geometry.
   void use_geometry() {
     for (StepSolver& solver : solvers_) solver.use_geometry();

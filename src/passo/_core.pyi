@@ -2084,9 +2084,9 @@ class Job:
         Adds motion that is planned already, after the moves pushed so far. Each piece has its duration in s and, for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces must join to 1e-6 mm. `end` is the exact end of the last piece; by default, the end of its polynomials. Raises ValueError.
         """
 
-    def set_axes(self, places: Sequence[tuple[int, float]], homed: bool = False) -> None:
+    def set_axes(self, places: Sequence[tuple[int, float]], homed: bool = False, triggered: bool = False) -> None:
         """
-        Sets the positions of these axes, by number, in mm, without motion. With `homed`, they are homed there.
+        Sets the positions of these axes, by number, in mm, without motion. With `homed`, they are homed there. `triggered`: an endstop has found the positions, so the gap of the drives is taken up in the direction of the last steps.
         """
 
     def stand_at(self, places: Sequence[tuple[int, float]]) -> None:
@@ -2158,6 +2158,11 @@ class Job:
     def set_jerk_box(self, box_s: float) -> None:
         """
         Sets the time, in s, over which the position of each axis is averaged to limit jerk; 0: it is not averaged. Call it only at standstill.
+        """
+
+    def set_backlash(self, axis: int, mm: float, over_mm: float) -> None:
+        """
+        The gap in the drive of X, Y or Z from now on, 0 for none, and the distance over which it is taken up after a turn. The axis must have its own motors. Call it only at standstill.
         """
 
     def set_smoothing(self, extruder: int, half_s: float) -> None:

@@ -367,7 +367,7 @@ def test_motion_that_no_machine_has(i3_text: str, key: str, value: str, limit: s
 def test_an_unknown_table_gets_the_list_of_tables(i3_text):
     with pytest.raises(ConfigError) as error:
         config.load_text(f'{i3_text}\n[bltouch]\npin = "D11"\n')
-    assert "bltouch is not a known key. Known tables: [accelerometer], [axes], " in str(error.value)
+    assert "Known tables: [accelerometer], [axes], [backlash], " in str(error.value)
     assert "[tools]." in str(error.value)
     assert "uuid" not in str(error.value)
 

@@ -9,7 +9,7 @@ from tests.support.disturbed_prints import disturb, shift_by_babysteps, steps, u
 from tests.support.scenario import Scenario
 
 from passo import config
-from passo.config.motion import Shaping
+from passo.config.motion import Backlash, Shaping
 
 _I3 = config.load("i3")
 FILTERED = _I3.model_copy(
@@ -24,6 +24,11 @@ FILTERED = _I3.model_copy(
 )
 SURVIVES = FILTERED.model_copy(
     update={"board": FILTERED.board.model_copy(update={"firmware": "passo"})}
+)
+
+
+GEARED = SURVIVES.model_copy(
+    update={"shaping": {}, "backlash": Backlash(x_mm=0.2, y_mm=0.1, z_mm=0.05, smooth_mm=1.0)}
 )
 
 
@@ -46,6 +51,15 @@ def filtered(name, jerk_mm_s3=None):
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     return undisturbed(tmp_path_factory.mktemp("card"))
+
+
+@pytest.fixture(scope="module")
+def geared_whole(whole, tmp_path_factory):
+    card, plain = whole
+    card, wanted = undisturbed(tmp_path_factory.mktemp("geared"), GEARED)
+    assert max(abs(wanted[name] - plain[name]) for name in "xyz") > 0
+    assert wanted["e"] == plain["e"]
+    return card, wanted
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -97,6 +111,25 @@ def test_late_host_resumes_filtered_print_where_board_stopped(whole, seed):
             assert not s.printer.halted
         assert any("braked to a stop" in line for line in s.host.heard)
         assert s.board.device.fault == ""
+        assert steps(s) == wanted
+
+
+def test_disturbed_print_takes_up_gaps_after_link_losses(geared_whole):
+    card, wanted = geared_whole
+    generator, breaks = random.Random(1), 0
+    with Scenario(GEARED, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(14)
+        while "Done printing file" not in s.host.heard:
+            s.host.ok(f"M220 S{generator.choice((50, 100, 200))}")
+            s.passes(generator.expovariate(0.5))
+            if "Done printing file" in s.host.heard:
+                break
+            break_link(s, generator.choice((0.02, 0.3, 2.0, 40.0)))
+            s.host.expect("The board is back", 10)
+            breaks += 1
+            assert not s.printer.halted
+        assert breaks > 3
         assert steps(s) == wanted
 
 

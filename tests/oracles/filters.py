@@ -119,6 +119,29 @@ def advanced(planned, half_s, delay_ticks, box_ticks=0.0):
     return position
 
 
+def led(position, start, end, gap_mm, over_mm, cuts=(), every=600):
+    """Position over ticks of a motor that takes up a gap: what it moves in each of many small
+    intervals counts, in proportion, until the gap is taken up in that direction. `cuts`: ticks at
+    which its speed may change at once."""
+    n = int((end - start) / every) + 1
+    ticks = sorted({*(start + (end - start) * i / n for i in range(n + 1)), *cuts})
+    places, leads = [position(ticks[0])], [0.0]
+
+    def after(lead, mm):
+        return min(max(lead + mm * gap_mm / over_mm, 0.0), gap_mm)
+
+    for tick in ticks[1:]:
+        places.append(position(tick))
+        leads.append(after(leads[-1], places[-1] - places[-2]))
+
+    def at(tick):
+        i = max(bisect_right(ticks, tick) - 1, 0)
+        here = position(tick)
+        return here + after(leads[i], here - places[i])
+
+    return at
+
+
 def steps(position, start, end, steps_per_mm, every):
     """(tick, direction) of each step between two ticks, sampled each so many ticks. Two turns
     within a sample are not seen."""

@@ -23,6 +23,8 @@ _SETTINGS = (
         for key, word in (("frequency_hz", "SHAPER_FREQ"), ("damping", "DAMPING_RATIO"))
     ),
     (re.compile(r"limits\.jerk_mm_s3"), "SET_JERK_LIMIT", "JERK="),
+    (re.compile(r"backlash\.([xyz])_mm"), "M425", ""),
+    (re.compile(r"backlash\.smooth_mm"), "M425", "S"),
     (re.compile(r"limits\.speed_mm_s"), "SET_VELOCITY_LIMIT", "VELOCITY="),
     (re.compile(r"limits\.minimum_cruise_ratio"), "SET_VELOCITY_LIMIT", "MINIMUM_CRUISE_RATIO="),
 )

@@ -17,6 +17,7 @@ from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import (
     SMOOTH_TIME_S,
     Axis,
+    Backlash,
     Extruder,
     Idle,
     Limits,
@@ -85,6 +86,8 @@ class MachineConfig(Model):
     """Limits of the path: accelerations, speed, corners."""
     shaping: dict[ShapedAxis, Shaping] = {}
     """The input shapers of X, Y and Z."""
+    backlash: Backlash = Field(default_factory=Backlash)
+    """The gaps in the drives of X, Y and Z."""
     homing: dict[Name, Homing] = {}
     """Homing of an axis, a carriage or an arm. An axis without this table has no endstop."""
     park: Park | None = Field(default_factory=Park)
@@ -128,6 +131,11 @@ class MachineConfig(Model):
     def all_boards(self) -> dict[str, Board]:
         """All boards by name: the main board, whose name is empty, and those of `boards`."""
         return {MAIN: self.board, **self.boards}
+
+    @property
+    def gaps_mm(self) -> dict[str, float]:
+        """The gaps in the drives of x, y and z."""
+        return {"x": self.backlash.x_mm, "y": self.backlash.y_mm, "z": self.backlash.z_mm}
 
     def pin(self, written: str) -> str:
         """The microcontroller's pin for a name, on any of the boards."""
@@ -286,6 +294,7 @@ class MachineConfig(Model):
             "steppers": self._steppers_spec(),
             "limits": self._limits_spec(),
             "filters": self._filters_spec(),
+            "backlash": [(mm, self.backlash.smooth_mm) for mm in self.gaps_mm.values()],
             "budget": self._budget_spec(),
             "laser": self._laser_spec(),
             "boards": 1 + len(self.boards),

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 # restart.
 _PATHS = {
     "Axis": "axes.x",
+    "Backlash": "backlash",
     "Extruder": "extruders.e",
     "Limits": "limits",
     "Shaping": "shaping.x",

@@ -37,6 +37,9 @@ MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S = 10.0, 0.04, (0.005, 0.2)
 Advance = Annotated[float, Field(ge=0, le=MAX_ADVANCE_S)]
 SmoothTime = Annotated[float, Field(ge=SMOOTH_TIMES_S[0], le=SMOOTH_TIMES_S[1])]
 JerkLimit = Annotated[float, Field(gt=0, le=MAX_JERK)]
+MAX_GAP_MM, SMOOTH_MM, SMOOTHS_MM = 2.0, 3.0, (0.1, 100.0)  # of backlash
+GapMm = Annotated[float, Field(ge=0, le=MAX_GAP_MM)]
+SmoothMm = Annotated[float, Field(ge=SMOOTHS_MM[0], le=SMOOTHS_MM[1])]
 Damping = Annotated[float, Field(ge=0, le=0.99)]
 
 
@@ -102,6 +105,21 @@ class Shaping(Model):
     """The frequency of the vibration."""
     damping: Damping = DEFAULT_DAMPING
     """The damping ratio of the vibration."""
+
+
+class Backlash(Model):
+    """The gaps in the drives of axes that have their own motors (M425). After a turn, the motor
+    moves further by the gap, before the carriage follows."""
+
+    x_mm: GapMm = 0.0
+    """The gap of X."""
+    y_mm: GapMm = 0.0
+    """The gap of Y."""
+    z_mm: GapMm = 0.0
+    """The gap of Z."""
+    smooth_mm: SmoothMm = SMOOTH_MM
+    """The distance over which the motor takes up a gap after each turn. Within it the motor is
+    faster than the axis by gap / distance, and stays within the limits of the axis."""
 
 
 class Tool(Model):

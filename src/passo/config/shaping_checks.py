@@ -1,4 +1,4 @@
-"""Checks the input shapers and the limit of jerk of a machine file."""
+"""Checks the input shapers, the limit of jerk and the backlash of a machine file."""
 
 from __future__ import annotations
 
@@ -34,3 +34,16 @@ def check_shaping(machine: MachineConfig) -> Iterator[Finding]:
     if machine.laser is not None:
         limit = "no limit of jerk on a machine with a laser, whose power follows the plan"
         yield Finding("config.conflict", key, jerk, limit)
+
+
+def check_backlash(machine: MachineConfig) -> Iterator[Finding]:
+    """Checks that each axis with a gap has its own motors, and that the gap is at most the distance
+    over which it is taken up."""
+    smooth_mm = machine.backlash.smooth_mm
+    for name, mm in machine.gaps_mm.items():
+        path = ("backlash", f"{name}_mm")
+        if mm > 0 and name not in machine.geometry.actuators:
+            limit = f"0, as no motor moves {name.upper()} alone on this machine"
+            yield Finding("config.conflict", path, mm, limit)
+        elif mm > smooth_mm:
+            yield Finding("config.value", path, mm, f"at most backlash.smooth_mm, {smooth_mm:g}")

@@ -68,6 +68,9 @@ class SettingsCommands:
         yield "Limit of jerk (units/s3)", [filters.jerk_line()]
         if self._printer.machine.extruders:
             yield "Pressure advance", filters.advance_lines()
+        backlash = self._printer.commands.backlash
+        if backlash.gaps_mm:
+            yield "Backlash compensation", [backlash.line()]
         yield "Home offset", [motion.home_offset_line()]
         if self._printer.machine.moves:
             yield "Predefined moves", list(self._printer.move_commands.setting_lines())

@@ -407,7 +407,7 @@ class Homer:
                     raise self._problem("machine.switch-missed", switch, far)
         overshoot.measure(switches)
         for way in ways:
-            self._place(way, way.home)
+            rig.job.set_axes([(way.axis, way.home)], triggered=True)
         rig.job.set_axes(overshoot.places())
 
     async def _go(self, by: Sequence[float], ways: Sequence[_HomingAxis]) -> None:

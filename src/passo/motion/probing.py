@@ -528,7 +528,7 @@ class Prober:
         point = self._machine.geometry.forward(overshoot.stopped())
         moved = {d.index for s in switch.steppers if (d := self._machine.driven_by(s))}
         axes = (Z,) if switch == self._switch and len(moved) == 1 else (X, Y, Z)
-        self._rig.job.set_axes([(axis, point[axis]) for axis in axes])
+        self._rig.job.set_axes([(axis, point[axis]) for axis in axes], triggered=True)
 
     async def _open(self, place: Place) -> None:
         """Makes sure that the probe is open before a descent, after a further lift if necessary."""

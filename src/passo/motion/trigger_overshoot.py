@@ -67,12 +67,13 @@ class TriggerOvershoot:
 
     def stopped(self) -> tuple[float, float, float]:
         """The actuator positions at which the motors have stopped, mm or degrees, from the counts
-        of their boards. Only for moves of the axes."""
+        of their boards. Their drives have taken up their gaps in the direction of the search. Only
+        for moves of the axes."""
         found: dict[int, float] = {}
         for row in self._rig.job.steppers():
             driven = self._machine.driven_by(row["name"])
             if driven is not None and driven.drive == "actuator":
-                steps = row["count"] - self._lost_steps(row["name"])
+                steps = row["count"] - self._lost_steps(row["name"]) + row["taken_up"]
                 found.setdefault(driven.index, steps / row["steps_per_unit"])
         a, b, c = (found[i] for i in range(3))
         return a, b, c

@@ -30,6 +30,13 @@ _OF_PRINTER = (
 )
 
 
+def _filters(commands: Commands) -> Iterator[str]:
+    """The motion filters and the backlash compensation of a job as commands."""
+    yield from commands.filters.lines()
+    if commands.backlash.gaps_mm:
+        yield commands.backlash.line()
+
+
 class _Observed(Commands):
     """The commands of a plan; each is passed to `observer` first."""
 
@@ -89,8 +96,8 @@ class PreambleScan:
         )
         while not self._read(pieces, settle):
             pass
-        held = list(printer.commands.filters.lines())
-        self.settings += (line for line in self.commands.filters.lines() if line not in held)
+        held = list(_filters(printer.commands))
+        self.settings += (line for line in _filters(self.commands) if line not in held)
 
     def _read(self, pieces: Iterator[bytes], settle: Settle) -> bool:
         """Reads to the end. Returns False at a failed line, at which the print was stopped and

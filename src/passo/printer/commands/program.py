@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Self, cast
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Role, commands_of, row_of
+from passo.printer.commands.backlash import BacklashCommands
 from passo.printer.commands.klipper_commands import KlipperCommands
 from passo.printer.commands.limits import Limits
 from passo.printer.commands.motion_filters import MotionFilters
@@ -46,6 +47,7 @@ _PARTS = {
     "outputs": Outputs,
     "limits": Limits,
     "filters": MotionFilters,
+    "backlash": BacklashCommands,
     "factors": SpeedAndFlow,
     "klipper": KlipperCommands,
     "tower": TuningTower,
@@ -107,6 +109,7 @@ class Commands:
         self.set_points = SetPoints(machine, job, heat)
         self.limits = Limits(machine, job, plan)
         self.filters = MotionFilters(machine, job)
+        self.backlash = BacklashCommands(machine, job)
         self.factors = SpeedAndFlow(machine, job, plan)
         self.klipper = KlipperCommands(machine, job)
         self.tower = TuningTower(machine, job)

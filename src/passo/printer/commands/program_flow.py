@@ -162,8 +162,8 @@ class ProgramFlow:
         Subject.DRILLING,
         When.EXCLUSIVE,
         "",
-        "Ends a sub-program, and in the main program the program. With axes: backlash compensation"
-        " is not supported.",
+        "Ends a sub-program, and in the main program the program. With axes it has no effect: M425"
+        " sets backlash compensation.",
         bare=ANY,
     )
     def _return(self, command: Command, reply: Reply) -> Wait | None:

@@ -1,0 +1,197 @@
+// Backlash compensation of one motor: its drive has a gap, so after a turn the motor moves further
+// by the gap before the carriage follows.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+namespace passo {
+
+// The motor's position is q + lead, with q from its filtered law. The lead is 0 after enough motion
+// in negative direction, and the gap after enough motion in positive direction. Behind a turn it
+// changes in proportion to the distance, within `over` steps. So a quadratic stays a quadratic,
+// with one more breakpoint, and a motor that turns again before `over` takes back what it has
+// added. The gap is a whole number of steps: at rest a complete lead changes no rounding.
+class Backlash {
+ public:
+  // In steps of the motor. At a change the motor keeps its part of the gap. Only at rest.
+  void set(double gap, double over) {
+    gap = std::floor(gap + 0.5);
+    if (gap == gap_ && over == over_) return;
+    const double part = gap_ > 0 ? lead_ / gap_ : 0;
+    gap_ = gap, over_ = over, per_ = gap > 0 ? gap / over : 0;
+    lead_ = part * gap;
+  }
+  bool on() const { return gap_ > 0; }
+  double lead() const { return lead_; }
+  // The drive rests against the side that motion in this direction leaves. Only at rest.
+  void lean(int dir) { lead_ = lead_after(dir); }
+  double lead_after(int dir) const { return dir > 0 ? gap_ : 0; }
+
+  // Motion begins at clock t and position q; unfiltered motion may have come before.
+  void begin(double t, double q) {
+    t_ = t, q_ = q;
+    turn(0);
+  }
+  // Motion continues at clock t, from position q, on the law of `of`, which may be this one.
+  void resume(double t, double q, const Backlash& of) {
+    lead_ = of.lead_at(t, q);
+    cut(t, of);
+    begin(t, q);
+  }
+  // As resume, at a standstill.
+  void stand(double t, const Backlash& of) {
+    lead_ = of.t_ <= t ? of.lead_ : of.before(t).lead;
+    cut(t, of);
+  }
+  // Motion is not continued at a clock before `past` any more.
+  void forget(double past) {
+    while (turns_.size() > 1 && turns_[1].at <= past) turns_.pop_front();
+  }
+
+  // Passes on an interval of the law, in parts. As Taps::Sink.
+  template <class Sink>
+  void pass(double t, double q, double v0, double v1, double a, Sink& sink) {
+    if (v0 * v1 < 0) {
+      const double u = -v0 / a;
+      leg(std::min(t_ + u, t), q_ + 0.5 * v0 * u, v0, 0, a, sink);
+      v0 = 0;
+    }
+    leg(t, q, v0, v1, a, sink);
+  }
+  // The same of a cubic with these derivatives at its begin; as SmoothLaw::Sink.
+  template <class Sink>
+  void pass_cubic(double t, double d, double q, double v, double a, double j, double end,
+                  double end_speed, Sink& sink) {
+    // Its turns, two at most.
+    double turns[2] = {d, d};
+    int n = 0;
+    const double disc = a * a - 2 * j * v;
+    if (disc > 0) {
+      const double r = -(a + (a < 0 ? -std::sqrt(disc) : std::sqrt(disc)));
+      double first = r / j, second = 2 * v / r;
+      if (!(first <= second)) std::swap(first, second);
+      if (first > 0 && first < d) turns[n++] = first;
+      if (second > 0 && second < d) turns[n++] = second;
+    }
+    Cubic rest{t, d, q, v, a, j, end, end_speed};
+    for (int i = 0; i < n; ++i) {
+      const double u = t + turns[i] - rest.t;
+      if (!(u > 0 && u < rest.d)) continue;
+      Cubic first = rest.take(u);
+      first.end_speed = rest.v = 0;
+      leg(first, sink);
+    }
+    leg(rest, sink);
+  }
+  template <class Sink>
+  struct Onto {
+    Backlash& backlash;
+    Sink& sink;
+    void cubic(double t, double d, double q, double v, double a, double j, double end,
+               double end_speed) {
+      backlash.pass_cubic(t, d, q, v, a, j, end, end_speed, sink);
+    }
+    void add(double t, double q, double v0, double v1, double a) {
+      backlash.pass(t, q, v0, v1, a, sink);
+    }
+  };
+
+ private:
+  struct Turn {
+    double at, q, lead;
+    int dir;  // of the motion that begins here; 0: none
+  };
+  double gap_ = 0, over_ = 0, per_ = 0;  // per_: steps of lead for each step of the law
+  double t_ = 0, q_ = 0, lead_ = 0;      // at the end of the last interval
+  int dir_ = 0;
+  std::deque<Turn> turns_;  // motion between two of them has one direction
+
+  struct Cubic {
+    double t, d, q, v, a, j, end, end_speed;
+
+    double way(double u) const { return u * (v + u * (0.5 * a + u * (j * (1.0 / 6)))); }
+    double speed(double u) const { return v + u * (a + 0.5 * u * j); }
+    // Cuts off the part up to u ticks after the begin.
+    Cubic take(double u) {
+      const Cubic first{t, u, q, v, a, j, q + way(u), speed(u)};
+      *this = {t + u, d - u, first.end, first.end_speed, a + j * u, j, end, end_speed};
+      return first;
+    }
+    // When it has moved this far in one direction.
+    double after(double distance, int dir) const {
+      double low = 0, high = d;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (low + high);
+        (way(middle) * dir < distance ? low : high) = middle;
+      }
+      return high;
+    }
+  };
+
+  void turn(int dir) {
+    turns_.push_back({t_, q_, lead_, dir});
+    dir_ = dir;
+  }
+  Turn before(double t) const {
+    for (auto turn = turns_.rbegin(); turn != turns_.rend(); ++turn)
+      if (turn->at <= t) return *turn;
+    return {t, q_, lead_, 0};
+  }
+  double lead_at(double t, double q) const {
+    const Turn turn = before(t);
+    if (turn.dir == 0) return turn.lead;
+    const double way = std::max((q - turn.q) * turn.dir, 0.0);
+    return std::min(std::max(turn.lead + turn.dir * per_ * way, 0.0), gap_);
+  }
+  void cut(double t, const Backlash& of) {
+    if (&of != this) turns_.clear();
+    while (!turns_.empty() && turns_.back().at > t) turns_.pop_back();
+  }
+  // Each in one direction.
+  template <class Sink>
+  void leg(Cubic c, Sink& sink) {
+    const int dir = c.end > c.q ? 1 : c.end < c.q ? -1 : 0;
+    const bool stands = c.v == 0 && c.a == 0 && c.j == 0;
+    if (stands ? dir_ != 0 : dir != 0 && dir != dir_) turn(stands ? 0 : dir);
+    const double left = dir > 0 ? gap_ - lead_ : dir < 0 ? lead_ : 0;
+    if (left > 0) {
+      const double way = std::fabs(c.end - c.q), all = left / per_, faster = 1 + per_;
+      Cubic first = way > all ? c.take(c.after(all, dir)) : c;
+      const double before = lead_;
+      lead_ = way > all ? lead_after(dir) : std::min(std::max(lead_ + dir * per_ * way, 0.0), gap_);
+      sink.cubic(first.t, first.d, first.q + before, faster * first.v, faster * first.a,
+                 faster * first.j, first.end + lead_, faster * first.end_speed);
+      if (!(way > all)) return close(c);
+    }
+    sink.cubic(c.t, c.d, c.q + lead_, c.v, c.a, c.j, c.end + lead_, c.end_speed);
+    close(c);
+  }
+  void close(const Cubic& c) { t_ = c.t + c.d, q_ = c.end; }
+  template <class Sink>
+  void leg(double t, double q, double v0, double v1, double a, Sink& sink) {
+    const int dir = v0 + v1 > 0 ? 1 : v0 + v1 < 0 ? -1 : 0;
+    if (dir != dir_) turn(dir);
+    const double left = dir > 0 ? gap_ - lead_ : dir < 0 ? lead_ : 0;
+    if (left > 0) {
+      const double way = std::max((q - q_) * dir, 0.0), all = left / per_, faster = 1 + per_;
+      if (way <= all) {
+        lead_ = std::min(std::max(lead_ + dir * per_ * way, 0.0), gap_);
+        v0 *= faster, v1 *= faster, a *= faster;
+      } else {
+        const double root = v0 * v0 + 2 * a * dir * all;
+        const double u = 2 * all / (std::fabs(v0) + std::sqrt(std::max(root, 0.0)));
+        const double speed = dir * std::max((v0 + a * u) * dir, 0.0);
+        lead_ = lead_after(dir);
+        sink.add(std::min(t_ + u, t), q_ + dir * all + lead_, faster * v0, faster * speed,
+                 faster * a);
+        v0 = speed;
+      }
+    }
+    sink.add(t, q + lead_, v0, v1, a);
+    t_ = t, q_ = q;
+  }
+};
+
+}  // namespace passo
