@@ -1,5 +1,6 @@
 """Marlin's Configuration.h becomes a machine file. The configurations here are our own."""
 
+import math
 import re
 from pathlib import Path
 
@@ -444,6 +445,37 @@ def test_delta(load) -> None:
     assert machine.bed.round
 
 
+MORGAN, MP = "#define MORGAN_SCARA\n", "#define MP_SCARA\n"
+ANGLES = "#define SCARA_OFFSET_THETA1 10\n#define SCARA_OFFSET_THETA2 80\n"
+
+
+@pytest.mark.parametrize(
+    ("more", "ends"),
+    [
+        # The shoulder is at X 20, Y -50. The arms, of 150 mm each, make a right angle where the
+        # end is 150 mm to one side of the shoulder, and 150 mm above.
+        (f"{MORGAN}#define MANUAL_X_HOME_POS 170\n#define MANUAL_Y_HOME_POS 100\n", (0, 90)),
+        (f"{MP}#define MANUAL_X_HOME_POS -130\n#define MANUAL_Y_HOME_POS 100\n", (90, 90)),
+        (f"{MORGAN}{ANGLES}", (10, 80)),
+    ],
+)
+def test_scara(load, more: str, ends: tuple[float, float]) -> None:
+    arms = "#define SCARA_LINKAGE_1 150\n#define SCARA_LINKAGE_2 150\n"
+    arms += "#define SCARA_OFFSET_X 20\n#define SCARA_OFFSET_Y -50\n"
+    draft, machine = load(more=f"{arms}{more}")
+    geometry = machine.geometry
+    assert (geometry.kind, geometry.arm1, geometry.arm2) == ("scara", 150, 150)
+    assert (geometry.x_offset, geometry.y_offset) == (20, -50)
+    assert geometry.external_motor == (MORGAN in more)
+    motor = machine.steppers["a"]
+    assert (motor.steps_per_degree, motor.speed_deg_s, motor.accel_deg_s2) == (80, 300, 3000)
+    assert (machine.steppers["z"].steps_per_mm, machine.axes["z"].speed_mm_s) == (400, 5)
+    assert machine.axes["y"].speed_mm_s == pytest.approx(250 * math.pi / 180 * 300, rel=1e-5)
+    homes = machine.homing["a"].position, machine.homing["b"].position
+    assert homes == pytest.approx(ends, abs=1e-4)
+    assert "min_deg and max_deg" in remarks(draft, "decide")[0]
+
+
 def test_core_belts(load) -> None:
     _, machine = load(more="#define COREYX\n")
     assert machine.geometry.kind == "corexy"
@@ -510,7 +542,7 @@ def test_comments_name_line_and_file(load, tmp_path: Path) -> None:
         ("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 666", "a sensor that Passo has"),
         ("TEMP_SENSOR_BED 1", "TEMP_SENSOR_BED EPCOS", "EPCOS is not defined"),
         ("BOARD_RAMPS_14_EFB", "BOARD_RAMPS_14_EBB", "Passo has no file of this board"),
-        ("#define EXTRUDERS 1", "#define MORGAN_SCARA", "MORGAN_SCARA"),
+        ("#define EXTRUDERS 1", "#define POLAR", "POLAR"),
         ("EXTRUDERS 1", "EXTRUDERS 1e9", "a whole number from 0 to 8"),
         ("EXTRUDERS 1", "EXTRUDERS 1.5", "a whole number from 0 to 8"),
         ("200\n", "1e999\n", "a number from -1e+12"),

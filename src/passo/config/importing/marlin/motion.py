@@ -7,6 +7,13 @@ from math import sqrt
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, bad
+from passo.config.importing.marlin.arms import (
+    ARMS,
+    FULL_TURN_DEG,
+    put_arms,
+    put_end_limits,
+    put_home,
+)
 from passo.config.importing.marlin.conversion import plain
 from passo.config.importing.marlin.drivers import put_driver
 from passo.errors import ConfigError
@@ -23,6 +30,7 @@ MOTORS = {
     "corexz": ("a", "y", "b"),
     "coreyz": ("x", "a", "b"),
     "delta": ("a", "b", "c"),
+    "scara": ("a", "b", "z"),
 }
 _KINDS = {  # by define; of the second three the motor that subtracts turns the other way
     "COREXY": "corexy",
@@ -32,6 +40,8 @@ _KINDS = {  # by define; of the second three the motor that subtracts turns the 
     "COREZX": "corexz",
     "COREZY": "coreyz",
     "DELTA": "delta",
+    "MORGAN_SCARA": "scara",
+    "MP_SCARA": "scara",
 }
 _BELTS = "reach_x_mm and reach_y_mm in [geometry]"
 _CARRIAGES = {  # the keys that skew needs: where its carriages get to
@@ -40,8 +50,6 @@ _CARRIAGES = {  # the keys that skew needs: where its carriages get to
 }
 _REVERSED = ("COREYX", "COREZX", "COREZY")
 _OTHER_KINDS = (
-    "MORGAN_SCARA",
-    "MP_SCARA",
     "AXEL_TPARA",
     "POLAR",
     "POLARGRAPH",
@@ -65,6 +73,8 @@ def put_motion(job: Job) -> None:
     put(("geometry", "kind"), job.kind, place)
     if job.kind == "delta":
         _put_delta(job)
+    elif job.kind == "scara":
+        put_arms(job, external=chosen == "MORGAN_SCARA")
     _put_skew(job)
     further = [f"{letter}_DRIVER_TYPE" for letter in _FURTHER]
     beyond = [name for name in further if defines.first(name)]
@@ -162,6 +172,8 @@ def _put_axes(job: Job) -> None:
             job.put((*path, "max_mm"), job.needed(f"{letter}_MAX_POS", f"{letter}_MAX_LENGTH"))
         job.put((*path, "speed_mm_s"), speeds[index])
         job.put((*path, "accel_mm_s2"), accels[index])
+    if job.kind == "scara":
+        put_end_limits(job)
 
 
 def _put_delta_axis(job: Job, axis: str) -> None:
@@ -183,10 +195,14 @@ def _put_motor(job: Job, index: int, letter: str, motor: str, subtracts: bool) -
     axis = letter.upper()
     steps = job.needed_list("DEFAULT_AXIS_STEPS_PER_UNIT")[index]
     names = [axis, *_further_motors(job, axis)]
+    turns = job.kind == "scara" and letter in ARMS
     for number, name in enumerate(names):
         stepper = motor if number == 0 else f"{motor}{number}"
         path = ("steppers", stepper)
-        job.put((*path, "steps_per_mm"), steps)
+        job.put((*path, "steps_per_degree" if turns else "steps_per_mm"), steps)
+        if turns:
+            job.put((*path, "speed_deg_s"), job.needed_list("DEFAULT_MAX_FEEDRATE")[index])
+            job.put((*path, "accel_deg_s2"), job.needed_list("DEFAULT_MAX_ACCELERATION")[index])
         _put_socket(job, path, name, axis)
         _put_inversion(job, path, axis, name if number else None, subtracts)
         put_driver(job, path, name, steps)
@@ -246,7 +262,8 @@ def _put_inversion(
 def _put_homing(job: Job, index: int, letter: str, motor: str) -> None:
     defines, put, axis = job.defines, job.draft.put, letter.upper()
     delta = job.kind == "delta"
-    path = ("homing", motor if delta else letter)
+    arm = job.kind == "scara" and letter in ARMS
+    path = ("homing", motor if delta or arm else letter)
     way = defines.number(f"{axis}_HOME_DIR")
     side = "max" if delta or (way is not None and way.value > 0) else "min"
     if defines.first(f"{axis}_STALL_SENSITIVITY") and defines.on("SENSORLESS_HOMING"):
@@ -265,7 +282,11 @@ def _put_homing(job: Job, index: int, letter: str, motor: str) -> None:
         _put_safe_home(job, path)
     else:
         _put_switch(job, path, axis, side)
-        _put_position(job, path, index, axis, side)
+        if arm:
+            put_home(job, path, letter)
+            put((*path, "max_travel"), FULL_TURN_DEG, None)
+        else:
+            _put_position(job, path, index, axis, side)
     _put_speeds(job, path, index, axis)
 
 

@@ -19,7 +19,16 @@ too. Other defines are named together in the report, or concern menus, texts and
 """
 TAKEN = (
     ("CUSTOM_MACHINE_NAME", "`name`"),
-    ("COREXY, COREXZ, COREYZ, COREYX, COREZX, COREZY, DELTA, MECHANISM", "`geometry.kind`"),
+    (
+        "COREXY, COREXZ, COREYZ, COREYX, COREZX, COREZY, DELTA, MORGAN_SCARA, MP_SCARA, MECHANISM",
+        "`geometry.kind`",
+    ),
+    ("SCARA_LINKAGE_1, SCARA_LINKAGE_2", "`geometry.arm1`, `geometry.arm2`"),
+    ("SCARA_OFFSET_X, SCARA_OFFSET_Y", "`geometry.x_offset`, `geometry.y_offset`"),
+    (
+        "SCARA_OFFSET_THETA1, SCARA_OFFSET_THETA2",
+        "`homing.a.position`, `homing.b.position`, of a Morgan",
+    ),
     ("DELTA_RADIUS", "`geometry.radius`"),
     ("DELTA_DIAGONAL_ROD, DELTA_DIAGONAL_ROD_TRIM_TOWER", "`geometry.rods`"),
     ("DELTA_TOWER_ANGLE_TRIM", "`geometry.angles`"),
