@@ -252,6 +252,29 @@ def test_shapers_and_pressure_advance(load) -> None:
     assert machine.extruders["e"].advance_smooth_s == 0.03
 
 
+def test_the_accelerometer_has_its_bus_point_and_directions(load) -> None:
+    rpi = "[mcu rpi]\nserial: /tmp/klipper_host_mcu\n"
+    chip = "[adxl345 head]\ncs_pin: rpi:None\nspi_bus: spidev0.0\naxes_map: -y, x, z\n"
+    tester = (
+        "[resonance_tester]\naccel_chip_x: adxl345 head\naccel_chip_y: lis2dw\n"
+        "probe_points:\n  110,115,20\naccel_per_hz: 75\nmax_smoothing: 0.2\n"
+    )
+    pins = "cs_pin: PE1\nspi_software_sclk_pin: PE2\nspi_software_mosi_pin: PE3\n"
+    pins += "spi_software_miso_pin: PE4\n"
+    draft, machine = load(more=f"{rpi}[lis2dw]\n{pins}{chip}{tester}")
+    part = machine.accelerometer
+    assert part is not None
+    assert (part.chip, part.spi_bus, part.cs_pin) == ("adxl345", "rpi:spidev0.0", None)
+    assert part.axes_map == ["-y", "x", "z"] and part.point_mm == [110, 115, 20]
+    assert (part.accel_per_hz, part.max_smoothing_mm) == (75, 0.2)
+    assert any("[lis2dw]: one accelerometer" in text for text in remarks(draft, "dropped"))
+    _, machine = load(more=f"[lis2dw]\n{pins}")
+    assert (machine.accelerometer.chip, machine.accelerometer.miso_pin) == ("lis2dw", "PE4")
+    draft, machine = load(more="[adxl345]\ncs_pin: PE1\n")
+    assert machine.accelerometer is None
+    assert any("the pins of its SPI bus" in text for text in remarks(draft, "decide"))
+
+
 def test_comments_name_line_file_and_default(load, tmp_path: Path) -> None:
     draft, _ = load()
     text = draft.text("From a test.")

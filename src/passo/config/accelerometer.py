@@ -31,7 +31,7 @@ class Accelerometer(Model):
     """The data to the chip (SDA of the chip)."""
     miso_pin: Pin | None = None
     """The data from the chip (SDO of the chip)."""
-    spi_bus: Annotated[str, Field(pattern=r"^([a-z][a-z0-9_-]*:)?[a-z0-9_.]+$")] | None = None
+    spi_bus: Annotated[str, Field(pattern=r"^([a-z][a-z0-9_-]*:)?[A-Za-z0-9_.]+$")] | None = None
     """The bus in the words of Klipper's firmware, such as `spi1` or `rpi:spidev0.0`, in place of
     the three pins."""
     axes_map: Annotated[list[Direction], Field(min_length=3, max_length=3)] = ["x", "y", "z"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from passo.config.importing.draft import Draft
+from passo.config.importing.klipper.accelerometer import put_accelerometer
 from passo.config.importing.klipper.bed import put_mesh, put_probe
 from passo.config.importing.klipper.boards import board_of_pins
 from passo.config.importing.klipper.cfg import Config
@@ -41,6 +42,7 @@ def imported(path: Path) -> Draft:
     put_levelling(job)
     put_shapers(job)
     _put_boards(job)
+    put_accelerometer(job)
     put_macros(job)
     _remark_on_the_rest(job)
     return draft

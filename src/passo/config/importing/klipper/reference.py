@@ -21,6 +21,7 @@ _TAKEN = (
     ("extruder, extruder1 …", "`steppers`, `extruders`, `heaters`, `tools`"),
     ("tmc2208, tmc2209, tmc2130, tmc5160", "`steppers.NAME.tmc`"),
     ("input_shaper", "`shaping`"),
+    ("adxl345, lis2dw, resonance_tester", "`accelerometer`; one measures all axes"),
     ("heater_bed, heater_generic", "`heaters`; a heater_generic obeys M141, as a chamber"),
     ("thermistor", "`heaters.NAME.sensor`"),
     ("verify_heater", "`heaters.NAME.protection`"),
