@@ -446,6 +446,10 @@ def test_delta(load) -> None:
 
 
 MORGAN, MP = "#define MORGAN_SCARA\n", "#define MP_SCARA\n"
+ARMS = (
+    "#define SCARA_LINKAGE_1 150\n#define SCARA_LINKAGE_2 150\n"
+    "#define SCARA_OFFSET_X 20\n#define SCARA_OFFSET_Y -50\n"
+)
 ANGLES = "#define SCARA_OFFSET_THETA1 10\n#define SCARA_OFFSET_THETA2 80\n"
 
 
@@ -460,9 +464,7 @@ ANGLES = "#define SCARA_OFFSET_THETA1 10\n#define SCARA_OFFSET_THETA2 80\n"
     ],
 )
 def test_scara(load, more: str, ends: tuple[float, float]) -> None:
-    arms = "#define SCARA_LINKAGE_1 150\n#define SCARA_LINKAGE_2 150\n"
-    arms += "#define SCARA_OFFSET_X 20\n#define SCARA_OFFSET_Y -50\n"
-    draft, machine = load(more=f"{arms}{more}")
+    draft, machine = load(more=f"{ARMS}{more}")
     geometry = machine.geometry
     assert (geometry.kind, geometry.arm1, geometry.arm2) == ("scara", 150, 150)
     assert (geometry.x_offset, geometry.y_offset) == (20, -50)
@@ -733,6 +735,7 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
         more="#define DELTA\n#define DELTA_RADIUS 120\n#define DELTA_DIAGONAL_ROD 200\n"
         "#define DELTA_HEIGHT 250\n#define PRINTABLE_RADIUS 90\n",
     )
+    load(more=f"{ARMS}{MORGAN}{ANGLES}")
     names = [name for row, _ in TAKEN for name in row.split(", ")]
     patterns = {name: re.escape(name).replace(r"\*", r"\w+") for name in names}
     missing = [n for n, p in patterns.items() if not any(re.fullmatch(p, one) for one in asked)]
