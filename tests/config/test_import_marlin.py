@@ -649,6 +649,9 @@ echo:  M851 X-41.00 Y11.00 Z-1.80
 echo:  M900 K0.08
 echo:  M593 X F44.00 D0.12
 echo:  M206 X0.00 Y1.00 Z0.00
+echo:  M281 P0 L66.00 U2.00
+echo:  M906 X620 E480
+echo:  M907 X3
 echo:  M145 S0 H185.00 B45.00 F255
 ok
 """
@@ -656,7 +659,8 @@ ok
 
 def test_stored_values_count_more(load, tmp_path: Path) -> None:
     more = f"{PROBE}#define BLTOUCH\n#define INPUT_SHAPING_X\n#define SHAPING_FREQ_X 40\n"
-    load(more=f"{more}#define LIN_ADVANCE\n#define ADVANCE_K 0\n")
+    _, before = load(more=f"{more}#define LIN_ADVANCE\n#define ADVANCE_K 0\n")
+    ends = before.homing
     dump = tmp_path / "m503.txt"
     dump.write_text(DUMP, encoding="utf-8")
     draft = imported(tmp_path / "Configuration.h", dump)
@@ -675,7 +679,8 @@ def test_stored_values_count_more(load, tmp_path: Path) -> None:
     assert (machine.shaping["x"].frequency_hz, machine.shaping["x"].damping) == (44, 0.12)
     dropped = [text for text in remarks(draft, "dropped") if text.startswith("m503.txt")]
     assert len(dropped) == 1
-    assert "M206 X0 Y1 Z0" in dropped[0]
+    assert "M907 X3" in dropped[0]
+    assert machine.homing["y"].position == ends["y"].position + 1
     assert "steps_per_mm = 80.5  # m503.txt:2" in draft.text("")
     for line, match in (
         ("M92 X8.0.5", "M92 X is '8.0.5'"),
@@ -685,6 +690,51 @@ def test_stored_values_count_more(load, tmp_path: Path) -> None:
         dump.write_text(f"{line}\n", encoding="utf-8")
         with pytest.raises(ConfigError, match=f"m503.txt:1: .*{match}"):
             imported(tmp_path / "Configuration.h", dump)
+
+
+def test_stored_servo_currents_and_nozzles(load, tmp_path: Path) -> None:
+    servo = f"{PROBE}#define Z_PROBE_SERVO_NR 0\n#define TMC_SW_SCK 65\n"
+    servo += "#define X_CURRENT 500\n#define X_SERIAL_RX_PIN 63\n"
+    changes = (("EXTRUDERS 1", "EXTRUDERS 2"), ("#define Z2_DRIVER_TYPE A4988\n", ""))
+    load(*changes, ("X_DRIVER_TYPE DRV8825", "X_DRIVER_TYPE TMC2209"), more=servo)
+    dump = tmp_path / "m503.txt"
+    dump.write_text(f"{DUMP}echo:  M218 T1 X25.00 Y-1.50\necho:  M218 T7 X1\n", encoding="utf-8")
+    draft = imported(tmp_path / "Configuration.h", dump)
+    machine = config.load_text(draft.text("From a test."), "printer.toml")
+    assert (machine.probe.deploy_deg, machine.probe.stow_deg) == (66, 2)
+    assert machine.steppers["x"].tmc.run_current_a == 0.62
+    assert machine.tools[1].offset_mm == [25, -1.5, 0]
+    assert any("M218 T7 X1" in text for text in remarks(draft, "dropped"))
+
+
+def test_stored_geometry_of_a_delta(load, tmp_path: Path) -> None:
+    load(
+        ("#define Z2_DRIVER_TYPE A4988\n", ""),
+        more="#define DELTA\n#define DELTA_RADIUS 100\n#define DELTA_DIAGONAL_ROD 190\n"
+        "#define DELTA_HEIGHT 240\n#define PRINTABLE_RADIUS 90\n"
+        "#define DELTA_ENDSTOP_ADJ { 0, -0.25, 0 }\n",
+    )
+    dump = tmp_path / "m503.txt"
+    rods = "L200.00 R120.00 H250.00 S80.00 X1.00 Y0.00 Z-0.50"
+
+    def machine(text: str) -> config.MachineConfig:
+        dump.write_text(f"{text}\n", encoding="utf-8")
+        draft = imported(tmp_path / "Configuration.h", dump)
+        return config.load_text(draft.text("From a test."), "printer.toml")
+
+    found = machine(f"echo:  M665 {rods} A0.00 B0.00 C0.00")
+    geometry = found.geometry
+    assert (geometry.radius, geometry.rods) == (120, [200, 200, 200])
+    assert geometry.angles == [211, 330, 89.5]
+    # The carriages are √(200² - 120²) = 160 mm above the nozzle, at 250 mm.
+    assert [found.homing[tower].position for tower in "abc"] == [410, 410.25, 410]
+    assert (found.axes["z"].max_mm, found.axes["z"].home_mm) == (250, 250)
+    found = machine(f"M666 X-0.10 Y-0.20 Z0.00\nM665 {rods} A1.00 B0.00 C0.00")
+    assert found.geometry.rods == [201, 200, 200]
+    ends = [found.homing[tower].position for tower in "abc"]
+    assert ends == pytest.approx([250 + (201**2 - 120**2) ** 0.5 + 0.1, 410.2, 410], abs=1e-5)
+    with pytest.raises(ConfigError, match="M665 L is '90'"):
+        machine("M665 L90 R120")
 
 
 def test_command_imports_by_the_ending(tmp_path: Path, capsys) -> None:

@@ -7,6 +7,8 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, bad
+from passo.config.importing.marlin.conversion import plain
+from passo.config.importing.marlin.stored_delta import put_delta, put_trims
 from passo.config.importing.numbers import NUMBER, Read, number_of
 
 if TYPE_CHECKING:
@@ -90,12 +92,32 @@ class _Line:
                 self._set(("extruders", self._extruder(), "advance_s"), self._words.get("K"))
             case "M593":
                 self._put_shaper()
+            case "M206":
+                self._put_home_offsets()
+            case "M218":
+                self._put_nozzle()
+            case "M281":
+                self._set_own(("probe", "deploy_deg"), self._words.get("L"))
+                self._set_own(("probe", "stow_deg"), self._words.get("U"))
+            case "M665" if self._is_delta():
+                put_delta(self._draft, self._words, self._place)
+            case "M666" if self._is_delta():
+                put_trims(self._draft, self._words, self._place)
+            case "M906":
+                self._put_currents()
             case code:
-                if code in _OTHERS:
-                    return
-                written = " ".join(f"{word}{value:g}" for word, value in self._words.items())
-                text = "not taken over: send it to Passo, and M500, if Passo has the command"
-                self._draft.dropped(self._place, f"{code} {written}".rstrip(), text)
+                if code not in _OTHERS:
+                    self._drop(self._words)
+
+    def _drop(self, words: Mapping[str, float]) -> None:
+        written = " ".join(f"{word}{value:g}" for word, value in words.items())
+        text = "not taken over: send it to Passo, and M500, if Passo has the command"
+        self._draft.dropped(self._place, f"{self._code} {written}".rstrip(), text)
+
+    def _is_delta(self) -> bool:
+        """Whether the draft is a delta whose carriages have endstops."""
+        ends = [self._has(("homing", tower, "position")) for tower in "abc"]
+        return self._has(("geometry", "kind")) == "delta" and None not in ends
 
     def _has(self, path: KeyPath) -> Value | None:
         return self._draft.keys.get(path, (None, None))[0]
@@ -103,6 +125,11 @@ class _Line:
     def _set(self, path: KeyPath, value: float | None) -> None:
         """Sets a key of a table that the draft has."""
         if value is not None and any(key[:-1] == path[:-1] for key in self._draft.keys):
+            self._draft.put(path, value, self._place)
+
+    def _set_own(self, path: KeyPath, value: float | None) -> None:
+        """Sets a key that the draft has."""
+        if value is not None and path in self._draft.keys:
             self._draft.put(path, value, self._place)
 
     def _extruder(self) -> str:
@@ -153,6 +180,51 @@ class _Line:
             self._set((*path, "low_mm"), round(low + height - old, 4))
         if isinstance(start, int | float) and start < height + _ABOVE_MM:
             self._set((*path, "start_mm"), round(height + _ABOVE_MM, 4))
+
+    def _put_home_offsets(self) -> None:
+        """Adds the offsets to the home positions, as M206 of Passo does."""
+        left: dict[str, float] = {}
+        for letter, offset in self._words.items():
+            path = ("homing", letter.lower(), "position")
+            if path in self._draft.keys:
+                at = round(self._draft.number(path) + offset, 4)
+                self._draft.put(path, at, self._place if offset else self._draft.keys[path][1])
+            elif offset:
+                left[letter] = offset
+        if left:
+            self._drop(left)
+
+    def _put_nozzle(self) -> None:
+        """Sets the offset of a tool."""
+        tools, place = self._draft.keys.get(("tools",), ([], None))
+        number = self._index("T")
+        assert isinstance(tools, list)
+        if number >= len(tools):
+            self._drop(self._words)
+            return
+        tool = tools[number]
+        assert isinstance(tool, dict)
+        own = tool.get("offset_mm", [0.0, 0.0, 0.0])
+        assert isinstance(own, list)
+        at = [self._words.get(axis, old) for axis, old in zip("XYZ", own, strict=True)]
+        new: list[Value] = [*tools]
+        new[number] = {**tool, "offset_mm": [*at]}
+        self._draft.put(("tools",), new, self._place if any(at) else place)
+
+    def _put_currents(self) -> None:
+        """Sets the currents of the drivers, which Marlin counts in mA. I 1 is the second motor of
+        an axis."""
+        further = self._words.get("I", 0.0)
+        suffix = f"{self._index('I')}" if further > 0 else ""
+        for letter, axis in _AXES.items():
+            path = ("steppers", f"{self._motors[axis]}{suffix}", "tmc", "run_current_a")
+            self._set_current(path, self._words.get(letter))
+        path = ("steppers", self._extruder(), "tmc", "run_current_a")
+        self._set_current(path, self._words.get("E"))
+
+    def _set_current(self, path: KeyPath, milliampere: float | None) -> None:
+        if milliampere is not None:
+            self._set_own(path, plain(milliampere / 1000))
 
     def _put_shaper(self) -> None:
         for letter in "xyz":
