@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from tests.support.edited_machine import edited
 
 from passo import config
 from passo.cli.main import main
@@ -88,6 +89,35 @@ def test_gains_shapers_advance_and_macros_come_back(tmp_path: Path) -> None:
     macro = other.macros["HELLO"]
     assert "M117 hi" in macro.gcode
     assert macro.variables == {"count": 3, "name": "a b"}
+
+
+@pytest.mark.parametrize(
+    "bus",
+    [
+        'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"\n',
+        'spi_bus = "rpi:spidev0.0"\n[boards.rpi]\nbase = "klipper"\nclock_hz = 50000000\n'
+        'link = "serial"\nport = "/tmp/rpi"\n',
+    ],
+)
+def test_an_accelerometer_comes_back(bus: str, tmp_path: Path) -> None:
+    board = ('base = "ramps"', 'base = "ramps"\nlink = "serial"\nport = "/dev/ttyUSB0"')
+    board = board if "rpi" in bus else ('base = "ramps"', 'base = "ramps"')
+    more = f'[accelerometer]\naxes_map = ["x", "-z", "y"]\naccel_per_hz = 75.0\n{bus}'
+    machine = edited("i3", board, more=more)
+    sections = exported(machine).sections
+    assert sections["adxl345"]["axes_map"] == "x, -z, y"
+    assert sections["resonance_tester"] == {
+        "accel_chip": "adxl345",
+        "probe_points": "125, 110, 20",
+        "accel_per_hz": "75",
+    }
+    if "rpi" in bus:
+        its = back(machine, tmp_path).accelerometer
+        assert its is not None and its.point_mm == [125, 110, 20]
+        own = machine.accelerometer.model_copy(update={"point_mm": its.point_mm})
+        assert its == own
+    else:  # the board is known to run Passo's firmware, and is an AVR
+        assert sections["adxl345"]["spi_software_sclk_pin"] == "PL7"
 
 
 def test_sensors_come_before_heaters_and_losses_are_named() -> None:

@@ -13,6 +13,7 @@ from passo.config.pin_names import placed, section
 from passo.config.types import Model, Pin, Point, Positive
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
+_HEIGHT_MM = 20.0  # of the nozzle above the bed, unless the file gives a point
 _WIRES = ("clock_pin", "mosi_pin", "miso_pin")
 
 
@@ -49,6 +50,17 @@ class Accelerometer(Model):
     def written_board(self) -> str:
         """The name of the board of the chip."""
         return placed(self.cs_pin or self.spi_bus or "")[0]
+
+    def point_of(
+        self, bed_mm: tuple[float, float, float, float], top_mm: float
+    ) -> tuple[float, float, float]:
+        """X, Y and Z of the nozzle during a measurement above this bed, mm; Z reaches up to
+        `top_mm`."""
+        if self.point_mm is not None:
+            x, y, z = self.point_mm
+            return x, y, z
+        x0, y0, x1, y1 = bed_mm
+        return (x0 + x1) / 2, (y0 + y1) / 2, min(_HEIGHT_MM, top_mm)
 
 
 def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from passo.config.exporting.cfg import Cfg
 from passo.config.exporting.heat import put_heat
 from passo.config.exporting.motors import put_stepper
+from passo.config.pin_names import placed
 from passo.errors import ConfigError
 from passo.geometry.delta import Delta
 from passo.geometry.skewable import SkewableModel
@@ -55,10 +56,40 @@ def exported(machine: MachineConfig) -> Cfg:
                 f"damping_ratio_{axis}": shaper.damping,
             },
         )
+    _put_accelerometer(cfg)
     _put_commands(cfg)
     _put_macros(cfg)
     _remark_on_the_rest(cfg)
     return cfg
+
+
+def _put_accelerometer(cfg: Cfg) -> None:
+    part = cfg.machine.accelerometer
+    if part is None:
+        return
+    board = part.written_board
+    pins = [
+        cfg.pin(pin) if pin else None
+        for pin in (part.cs_pin, part.clock_pin, part.mosi_pin, part.miso_pin)
+    ]
+    select, clock, mosi, miso = pins
+    cfg.put(
+        part.chip,
+        cs_pin=select or (f"{board}:None" if board else "None"),
+        spi_bus=placed(part.spi_bus)[1] if part.spi_bus else None,
+        spi_software_sclk_pin=clock,
+        spi_software_mosi_pin=mosi,
+        spi_software_miso_pin=miso,
+        axes_map=", ".join(part.axes_map),
+    )
+    x, y, z = part.point_of(cfg.machine.bed_area_mm, cfg.machine.axes["z"].max_mm)
+    cfg.put(
+        "resonance_tester",
+        accel_chip=part.chip,
+        probe_points=f"{x:g}, {y:g}, {z:g}",
+        accel_per_hz=part.accel_per_hz,
+        max_smoothing=part.max_smoothing_mm,
+    )
 
 
 def _put_printer(cfg: Cfg, kind: str) -> None:

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 NO_ACCELEROMETER = "The machine file has no [accelerometer]."
 _QUERY_S, _NOISE_S = 0.5, 2.0
-_HEIGHT_MM = 20.0  # of the nozzle above the bed, unless the file gives a point
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _OUTPUTS = ("resonances", "raw_data")
 _LEAST_SHARE = 0.2  # of the motors' acceleration: a chip that feels less is not on the moved part
@@ -247,10 +246,8 @@ class ResonanceCommands:
                     "command.value", axis="POINT", value=shown, limit="X,Y,Z in mm"
                 ) from None
             return x, y, z
-        if self._part.point_mm is not None:
-            return self._part.point_mm
-        x0, y0, x1, y1 = self._rig.machine.bed_area_mm
-        return (x0 + x1) / 2, (y0 + y1) / 2, min(_HEIGHT_MM, self._rig.machine.axes["z"].max_mm)
+        machine = self._rig.machine
+        return self._part.point_of(machine.bed_area_mm, machine.axes["z"].max_mm)
 
 
 def _within(pairs: dict[str, str], key: str, default: float, low: float, high: float) -> float:
