@@ -4,6 +4,7 @@ import pytest
 from tests.web.fake_bridge import FakeBridge
 from tests.web.local_site import local_client
 
+from passo.config.load import shipped_text
 from passo.config.thermistor import Ntc
 from passo.levelling.correction import Correction
 from passo.levelling.fits import Fit
@@ -46,6 +47,19 @@ def web(bridge):
 def test_task_becomes_commands(web, bridge, method, path, body, script):
     assert web.request(method, f"{API}/{path}", json=body).status_code < 300
     assert bridge.asked == [script]
+
+
+def test_a_shaper_is_measured_where_there_is_an_accelerometer(tmp_path):
+    web = local_client(FakeBridge(machine="i3"))
+    assert web.post(f"{API}/shaper", json={"axis": "y"}).status_code == 404
+    pins = 'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"'
+    file = tmp_path / "mine.toml"
+    file.write_text(f"{shipped_text('i3')}\n[accelerometer]\n{pins}\n", encoding="utf-8")
+    bridge = FakeBridge(machine=str(file))
+    web = local_client(bridge)
+    assert web.get("/api/v1/machine").json()["accelerometer"] is True
+    assert web.post(f"{API}/shaper", json={"axis": "y"}).status_code == 200
+    assert bridge.asked == ["G28\nSHAPER_CALIBRATE AXIS=Y"]
 
 
 @pytest.mark.parametrize(

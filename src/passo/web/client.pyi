@@ -460,6 +460,14 @@ class Calibration:
         to turn the bed screws (G35), or calibrates the geometry of a delta (G33).
         `calibration.bed` lists the procedures that the machine allows."""
         ...
+    def measure_shaper(
+        self,
+        axis: typing.Literal['x', 'y', 'z'],
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, vibrates an axis for about two minutes, chooses its input shaper,
+        and uses it until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get`
+        tells whether the machine has an accelerometer."""
+        ...
     def bed(
         self,
     ) -> passo.web.endpoints.calibration.BedMap:
@@ -1145,6 +1153,14 @@ class AsyncCalibration:
         """Homes all axes, and then levels the gantry by its motors (G34), reports how far
         to turn the bed screws (G35), or calibrates the geometry of a delta (G33).
         `calibration.bed` lists the procedures that the machine allows."""
+        ...
+    async def measure_shaper(
+        self,
+        axis: typing.Literal['x', 'y', 'z'],
+    ) -> passo.web.endpoints.console.Answer:
+        """Homes all axes, vibrates an axis for about two minutes, chooses its input shaper,
+        and uses it until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get`
+        tells whether the machine has an accelerometer."""
         ...
     async def bed(
         self,

@@ -538,7 +538,7 @@ export interface LogRecord {
 }
 
 /** The machine as described by its file. `fans` are those that commands set; `tools` are those
- * that T0, T1, … select. */
+ * that T0, T1, … select; `accelerometer`: it has one, which measures resonances. */
 export interface Machine {
   name: string;
   description: string;
@@ -546,6 +546,7 @@ export interface Machine {
   heaters: Record<string, HeaterOfMachine>;
   fans: string[];
   tools: ToolOfMachine[];
+  accelerometer: boolean;
 }
 
 /** The text of the machine file. `path` is null if there is no file to change: for a shipped
@@ -785,6 +786,11 @@ export interface Readings {
 export interface Refusal {
   error: Fault;
   others: Fault[];
+}
+
+/** An axis to measure with the accelerometer. */
+export interface Resonance {
+  axis: "x" | "y" | "z";
 }
 
 /** The last measurement of a bed screw. `height_mm` is the height of the bed at the screw.

@@ -104,6 +104,7 @@ export const setValue = ({ command, word }: Pick<SettingValue, "command" | "word
   call("PUT", "settings", { command, word, value });
 export const tuneHeater = (heater: string, celsius: number, method: "pid" | "model") =>
   call("POST", "calibration/heater", { heater, celsius, method });
+export const measureShaper = (axis: string) => call("POST", "calibration/shaper", { axis });
 export const measureBed = () => call("POST", "calibration/bed");
 export const level = (procedure: BedMap["procedures"][number]) => call("POST", "calibration/level", { procedure });
 export const repeatProbe = () => call("POST", "calibration/probe");

@@ -11,6 +11,8 @@ class Machine {
   /** The fans that commands set. */
   fans = $state.raw<Parts["fans"]>([]);
   tools = $state.raw<Parts["tools"]>([]);
+  /** It measures resonances. */
+  accelerometer = $state(false);
 
   async load(): Promise<void> {
     const read = await call<Parts>("GET", "machine");
@@ -18,6 +20,7 @@ class Machine {
     this.heaters = read.heaters;
     this.fans = read.fans;
     this.tools = read.tools;
+    this.accelerometer = read.accelerometer;
   }
 }
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from passo.catalogue import codes_of
 from passo.config.heater_numbers import number_of
 from passo.config.thermistor import Ntc
 from passo.errors import InputError, WebError
@@ -86,6 +87,12 @@ class Levelling(Struct, forbid_unknown_fields=True):
     """A levelling procedure that uses the probe."""
 
     procedure: Procedure
+
+
+class Resonance(Struct, forbid_unknown_fields=True):
+    """An axis to measure with the accelerometer."""
+
+    axis: Literal["x", "y", "z"]
 
 
 class BedMap(Struct):
@@ -194,6 +201,22 @@ async def level(call: Call, body: Levelling) -> Answer:
     if body.procedure not in _procedures(call.bridge.machine):
         raise WebError.of("web.not-found", value=f"procedure {body.procedure} of this machine")
     return Answer(list(await call.run(f"G28\n{_PROCEDURES[body.procedure]}")))
+
+
+@operation(
+    "calibration.measure_shaper",
+    "POST",
+    "/calibration/shaper",
+    Role.OPERATOR,
+    errors=(*codes_of("resonance"), *_ERRORS),
+)
+async def measure_shaper(call: Call, body: Resonance) -> Answer:
+    """Homes all axes, vibrates an axis for about two minutes, chooses its input shaper, and uses it
+    until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get` tells whether the
+    machine has an accelerometer."""
+    if call.bridge.machine.accelerometer is None:
+        raise WebError.of("web.not-found", value="accelerometer of this machine")
+    return Answer(list(await call.run(f"G28\nSHAPER_CALIBRATE AXIS={body.axis.upper()}")))
 
 
 @operation("calibration.bed", "GET", "/calibration/bed", Role.VIEWER)

@@ -28,7 +28,7 @@ class ToolOfMachine(Struct):
 
 class Machine(Struct):
     """The machine as described by its file. `fans` are those that commands set; `tools` are those
-    that T0, T1, … select."""
+    that T0, T1, … select; `accelerometer`: it has one, which measures resonances."""
 
     name: str
     description: str
@@ -36,6 +36,7 @@ class Machine(Struct):
     heaters: dict[str, HeaterOfMachine]
     fans: list[str]
     tools: list[ToolOfMachine]
+    accelerometer: bool
 
 
 @operation("machine.get", "GET", "/machine", Role.VIEWER)
@@ -55,4 +56,5 @@ async def machine(call: Call) -> Machine:
             ToolOfMachine(tool.extruder, heater_of(config, "hotend", number))
             for number, tool in enumerate(config.all_tools)
         ],
+        accelerometer=config.accelerometer is not None,
     )
