@@ -74,8 +74,6 @@ def test_drivers_become_part_of_the_board():
          "is 0: expected an address of its own: it belongs to steppers.x.tmc (m.toml:"),
         ('uart_pin = "D42"', 'uart_pin = "PG1"', "steppers.z.tmc.uart_pin",
          "expected a pin of its own: it belongs to steppers.x.tmc"),
-        ('driver = "TMC2209"', 'driver = "TMC2208"', "steppers.y.tmc.uart_pin",
-         "expected a pin of its own: it belongs to steppers.x.tmc"),
         ("address = 1", 'address = 1, tx_pin = "D32"', "steppers.y.tmc.tx_pin",
          "is 'D32': expected D40, on which this wire sends at steppers.x.tmc (m.toml:"),
         ('100, uart_pin = "^D40"', '100, uart_pin = "^D40", tx_pin = "D32"',
@@ -95,6 +93,15 @@ def test_mistakes(old, new, key, sentence):
     found = problems(changed(old, new))
     assert [k for k, _ in found] == [key]
     assert sentence in found[0][1]
+
+
+def test_tmc2208_is_address_0_of_its_wire():
+    board = board_description(config.load_text(changed('"TMC2209"', '"TMC2208"')))
+    assert [(d.settings.chip, d.address) for d in board.drivers[:2]] == [
+        ("TMC2208", 0),
+        ("TMC2209", 1),
+    ]
+    assert board.drivers[0].wire == board.drivers[1].wire
 
 
 def test_two_wires_share_no_pin_to_send_on():

@@ -484,6 +484,11 @@ def test_includes_and_saved_values_count(tmp_path: Path) -> None:
         ("rotation_distance: 8", "rotation_distance: nan", "'nan': expected a number from -1e+12"),
         ("gear_ratio: 80:20", "gear_ratio: 1e999:1", "expected pairs of teeth"),
         ("microsteps: 16\nrotation", "microsteps: 16.5\nrotation", "a whole number from 1 to 256"),
+        (
+            "heater_pin: PB1",
+            "heater_pin: multi_pin:both",
+            "does not switch several outputs together",
+        ),
         ("resistance2: 1641.9", "resistance2: 100000", "points of one falling curve"),
         ("rotation_distance: 8", "rotation_distance: 0", "expected a number greater than 0"),
         ("gear_ratio: 80:20", "gear_ratio: 80:0", "expected pairs of teeth"),

@@ -57,19 +57,19 @@ def check_drivers(data: Raw) -> Iterator[Finding]:
 
 
 def _check_uarts(data: Raw, uarts: list[tuple[Path, ChipName, Raw]]) -> Iterator[Finding]:
-    """Checks that drivers on one UART are TMC2209, have equal descriptions of it, and different
-    addresses."""
+    """Checks that drivers on one UART have equal descriptions of it, and different addresses. That
+    of a TMC2208 is 0."""
     wires: dict[tuple[str, str], _Wire] = {}
     senders: dict[tuple[str, str], _Wire] = {}
-    addresses: dict[tuple[tuple[str, str], float], Path] = {}
+    addresses: dict[tuple[tuple[str, str], float], _Wire] = {}
     for path, chip, tmc in uarts:
         own = _wire(data, path, chip, tmc)
         first = wires.setdefault(own.receives, own)
         sender = senders.setdefault(own.sends, own) if "tx_pin" in tmc else own
-        owner = addresses.setdefault((own.receives, number(tmc, "address") or 0), path)
-        if first is not own and "TMC2208" in (chip, first.chip):
+        owner = addresses.setdefault((own.receives, number(tmc, "address") or 0), own)
+        if owner is not own and "TMC2208" in (chip, owner.chip):
             limit, value = "a pin of its own: it belongs to", tmc["uart_pin"]
-            yield Finding("config.conflict", (*path, "uart_pin"), value, limit, owner=first.path)
+            yield Finding("config.conflict", (*path, "uart_pin"), value, limit, owner=owner.path)
         elif first.sends != own.sends:
             code = "config.conflict" if "tx_pin" in tmc else "config.missing-key"
             limit, value = f"{first.sent_on}, on which this wire sends at", tmc.get("tx_pin")
@@ -78,9 +78,9 @@ def _check_uarts(data: Raw, uarts: list[tuple[Path, ChipName, Raw]]) -> Iterator
             limit = "a pin of its own: it belongs to the wire of"
             value = tmc["tx_pin"]
             yield Finding("config.conflict", (*path, "tx_pin"), value, limit, owner=sender.path)
-        elif owner is not path:
+        elif owner is not own:
             limit, value = "an address of its own: it belongs to", tmc.get("address", 0)
-            yield Finding("config.conflict", (*path, "address"), value, limit, owner=owner)
+            yield Finding("config.conflict", (*path, "address"), value, limit, owner=owner.path)
 
 
 def _wire(data: Raw, path: Path, chip: ChipName, tmc: Raw) -> _Wire:
@@ -103,7 +103,7 @@ def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -
         if key not in tmc and not (key == "cs_pin" and "select" in socket):
             yield Finding("config.missing-key", (*path, key), None, f"a pin, for a {chip}")
     if chip == "TMC2208" and "address" in tmc:
-        limit = "no address: a TMC2208 has a wire of its own"
+        limit = "no address: that of a TMC2208 is 0"
         yield Finding("config.conflict", (*path, "address"), tmc["address"], limit)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.draft import bad, plain_name
 from passo.config.importing.klipper.cfg import Section
+from passo.config.importing.klipper.pins import JOINED
 from passo.config.sensor_names import values_of
 from passo.config.thermistor import ZERO_C, Ntc
 from passo.errors import ConfigError
@@ -67,7 +68,10 @@ def _put_heater(job: Import, section: Section, name: str) -> None:
         if found is None:
             raise _needed(section, option)
         if pin is None:
-            raise bad(found.place, f"{option} in [{section.name}]", found.text, "a pin of a board")
+            limit = "a pin of a board"
+            if found.text.startswith(JOINED):
+                limit = "one pin of a board: Passo does not switch several outputs together"
+            raise bad(found.place, f"{option} in [{section.name}]", found.text, limit)
         put((*path, key), pin, found.place)
     _put_sensor(job, section, path)
     for option, key in (("min_temp", "min_c"), ("max_temp", "max_c")):

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from passo.config.importing.draft import Draft
 
 MAIN = "mcu"
+JOINED = "multi_pin"  # in place of a board: several outputs under one name
 _ALIAS = re.compile(r"\s*([^\s=,]+)\s*=\s*([^\s,]+)\s*")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_./-]*")
 # The clock of Klipper's firmware, in Hz, by a chip name in the comments of a file; the first match
@@ -91,11 +92,10 @@ class Pins:
         if not colon:
             board, rest = MAIN, body
         if board not in self._boards:
-            self._draft.dropped(
-                found.place,
-                f"[{section.name}] {name}",
-                f"{found.text} is a pin of {board}, which is not a board that Passo drives",
-            )
+            text = f"{found.text} is a pin of {board}, which is not a board that Passo drives"
+            if board == JOINED:
+                text = "Passo does not switch several outputs together"
+            self._draft.dropped(found.place, f"[{section.name}] {name}", text)
             return None
         pin = self._aliases.get((board, rest), rest)
         marks, pin = marks + pin[: len(pin) - len(bare(pin))], bare(pin)
