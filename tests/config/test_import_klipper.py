@@ -485,7 +485,7 @@ def test_includes_and_saved_values_count(tmp_path: Path) -> None:
         ("gear_ratio: 80:20", "gear_ratio: 1e999:1", "expected pairs of teeth"),
         ("microsteps: 16\nrotation", "microsteps: 16.5\nrotation", "a whole number from 1 to 256"),
         (
-            "heater_pin: PB1",
+            "heater_pin: PA1",
             "heater_pin: multi_pin:both",
             "does not switch several outputs together",
         ),
