@@ -10,14 +10,17 @@ namespace {
 constexpr uint8_t kRead = 0x80, kAddress = 0x3f;
 
 // Registers of an ADXL345 (Analog Devices, rev. G) and of a LIS2DW12 (ST, DocID030836).
-constexpr uint8_t kAdxlPower = 0x2d, kAdxlData = 0x32, kAdxlFifo = 0x39;
+constexpr uint8_t kAdxlRate = 0x2c, kAdxlPower = 0x2d, kAdxlData = 0x32, kAdxlFifo = 0x39;
 constexpr uint8_t kLisOdr = 0x20, kLisData = 0x28, kLisFifo = 0x2f;
 constexpr uint8_t kAdxlId = 0xe5, kLisId = 0x44;
 
 }  // namespace
 
 double AccelerometerChip::interval() const {
-  return hz_ / ((kind_ == Kind::adxl345 ? 3200 : 1600) * (1 + rate_error));
+  // Each step of the register doubles the rate.
+  const int adxl = (registers_[kAdxlRate] & 0x0f) - 15, lis = (registers_[kLisOdr] >> 4) - 9;
+  const double rate = kind_ == Kind::adxl345 ? std::ldexp(3200, adxl) : std::ldexp(1600, lis);
+  return hz_ / (rate * (1 + rate_error));
 }
 
 Bytes AccelerometerChip::answer(Ticks clock) {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 from typing import TYPE_CHECKING
@@ -29,16 +29,17 @@ Acceleration = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Chip:
-    """A kind of accelerometer: the register and the value of its identity, the samples a second,
-    the bytes of a sample on the wire, mm/s² in a unit of each axis, the registers for its setup,
-    and the register that starts and stops it."""
+    """A kind of accelerometer: the register and the value of its identity, its rates in samples a
+    second with the register and the value of each, the bytes of a sample on the wire, mm/s² in a
+    unit of each axis, the registers for its setup, and the register and the value that stop it. Its
+    rate or `measure` starts it."""
 
     identity: tuple[int, int]
-    rate_hz: float
+    rates: Mapping[int, tuple[int, int]]
     sample_bytes: int
     units: Acceleration
     setup: tuple[tuple[int, int], ...]
-    start: tuple[int, int]
+    measure: tuple[tuple[int, int], ...]
     stop: tuple[int, int]
 
     @property
@@ -48,25 +49,25 @@ class Chip:
 
 
 # ADXL345: POWER_CTL 0x2D, DATA_FORMAT 0x31 (full resolution, 16 g), FIFO_CTL 0x38 (stream), BW_RATE
-# 0x2C (3200 Hz); Analog Devices, rev. G. LIS2DW: CTRL1 0x20 (1600 Hz, high performance), CTRL2 0x21
-# (addresses count on), CTRL6 0x25 (16 g, low noise), FIFO_CTRL 0x2E (continuous); ST, DocID030836.
+# 0x2C; Analog Devices, rev. G. LIS2DW: CTRL1 0x20 (rate, high performance), CTRL2 0x21 (addresses
+# count on), CTRL6 0x25 (16 g, low noise), FIFO_CTRL 0x2E (continuous); ST, DocID030836.
 CHIPS: dict[AccelerometerChip, Chip] = {
     "adxl345": Chip(
         (0x00, 0xE5),
-        3200.0,
+        {3200: (0x2C, 0x0F), 1600: (0x2C, 0x0E), 800: (0x2C, 0x0D)},
         5,
         (0.003774 * _GRAVITY_MM_S2, 0.003774 * _GRAVITY_MM_S2, 0.003906 * _GRAVITY_MM_S2),
-        ((0x2D, 0x00), (0x31, 0x0B), (0x38, 0x00), (0x2C, 0x0F), (0x38, 0x90)),
-        (0x2D, 0x08),
+        ((0x2D, 0x00), (0x31, 0x0B), (0x38, 0x00), (0x38, 0x90)),
+        ((0x2D, 0x08),),
         (0x2D, 0x00),
     ),
     "lis2dw": Chip(
         (0x0F, 0x44),
-        1600.0,
+        {1600: (0x20, 0x94), 800: (0x20, 0x84)},
         6,
         (_LIS_UNIT, _LIS_UNIT, _LIS_UNIT),
         ((0x20, 0x00), (0x21, 0x04), (0x25, 0x34), (0x2E, 0x00), (0x2E, 0xC0)),
-        (0x20, 0x94),
+        (),
         (0x20, 0x00),
     ),
 }
@@ -133,6 +134,7 @@ class AccelerometerReader:
     def __init__(self, connection: Connection, part: Accelerometer, base: int) -> None:
         self._connection, self._part, self._base = connection, part, base
         self._chip = CHIPS[part.chip]
+        self._rate_hz = part.rate_hz or max(self._chip.rates)
         self._oid = connection.oids.accelerometers[part.spi]
         self._spi = connection.oids.spi_devices[part.spi]
         self._blocks: list[bytes] = []
@@ -157,9 +159,13 @@ class AccelerometerReader:
             self._write(register, value)
         self._connection.take_responses("sensor_bulk_data", "sensor_bulk_status")
         self._blocks, self._points, self.lost = [], [], 0
-        rest = round(_RESTS / self._chip.rate_hz * self._connection.board.clock_hz)
-        self._connection.command(f"query_{self._part.chip} oid={self._oid} rest_ticks={rest}")
-        self._write(*self._chip.start)
+        *first, last = (self._chip.rates[self._rate_hz], *self._chip.measure)
+        for register, value in first:
+            self._write(register, value)
+        # The chip starts before the board reads it: an empty FIFO would give a sample that is none.
+        self._send(*last)
+        self._query(round(_RESTS / self._rate_hz * self._connection.board.clock_hz))
+        self._check(*last)
 
     def poll(self) -> None:
         """Takes what has arrived, and asks for the state of the chip's clock."""
@@ -169,7 +175,7 @@ class AccelerometerReader:
     def stop(self) -> Measurement:
         """Stops the chip, and returns its samples. Raises CommandError for fewer than two."""
         self._write(*self._chip.stop)
-        self._connection.command(f"query_{self._part.chip} oid={self._oid} rest_ticks=0")
+        self._query(0)
         self._take()
         data = b"".join(self._blocks)
         count = len(data) // self._chip.sample_bytes
@@ -180,7 +186,15 @@ class AccelerometerReader:
 
     def cancel(self) -> None:
         """Stops the board's reports, if the board still takes commands."""
-        self._connection.command(f"query_{self._part.chip} oid={self._oid} rest_ticks=0")
+        self._query(0)
+
+    def _query(self, rest_ticks: int) -> None:
+        """Lets the board read the chip each `rest_ticks`; 0: no more."""
+        name = f"query_{self._part.chip}"
+        at = ""
+        if self._connection.dictionary.takes(name, "clock"):  # Klipper's firmware of 2023
+            at = f" clock={self._connection.clock_after(0.0) & 0xFFFFFFFF}"
+        self._connection.command(f"{name} oid={self._oid}{at} rest_ticks={rest_ticks}")
 
     def _take(self) -> None:
         names = ("sensor_bulk_data", "sensor_bulk_status")
@@ -233,8 +247,15 @@ class AccelerometerReader:
         assert isinstance(response, bytes)
         return response[1]
 
-    def _write(self, register: int, value: int) -> None:
+    def _send(self, register: int, value: int) -> None:
         self._connection.command(f"spi_send oid={self._spi} data={register:02x}{value:02x}")
+
+    def _write(self, register: int, value: int) -> None:
+        self._send(register, value)
+        self._check(register, value)
+
+    def _check(self, register: int, value: int) -> None:
+        """Raises CommandError if the chip does not have a value in a register."""
         found = self._register(register)
         if found != value:
             raise CommandError.of(

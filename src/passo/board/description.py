@@ -133,11 +133,13 @@ class Setting:
 @dataclass(frozen=True, slots=True)
 class Accelerometer:
     """An accelerometer on an SPI bus. `axes` has, for X, Y and Z of the machine, the axis of the
-    chip (0 to 2) and its sign."""
+    chip (0 to 2) and its sign. `rate_hz` is the number of samples a second; 0: as many as it
+    can."""
 
     chip: AccelerometerChip
     spi: SpiPins
     axes: tuple[tuple[int, int], ...] = ((0, 1), (1, 1), (2, 1))
+    rate_hz: int = 0
 
 
 @dataclass(frozen=True, slots=True)

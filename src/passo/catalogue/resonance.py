@@ -27,7 +27,7 @@ RESONANCE: Mapping[str, Entry] = {
     ),
     "resonance.lost": _resonance(
         "{value} of {all} samples of the accelerometer were lost, of at most {limit}",
-        "Use a faster link for its board, shorter wires, or a chip with fewer samples a second",
+        "Lower rate_hz in [accelerometer], or use a faster link for its board or shorter wires",
     ),
     "resonance.still": _resonance(
         "the accelerometer measured {value:.0f} mm/s² while it was to vibrate, of at least"

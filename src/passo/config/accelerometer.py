@@ -13,6 +13,7 @@ from passo.config.pin_names import placed, section
 from passo.config.types import Model, Pin, Point, Positive
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
+_ADXL_HZ = 3200
 _HEIGHT_MM = 20.0  # of the nozzle above the bed, unless the file gives a point
 _WIRES = ("clock_pin", "mosi_pin", "miso_pin")
 
@@ -22,7 +23,10 @@ class Accelerometer(Model):
     on an SPI bus: of three pins, or of `spi_bus` on a board with Klipper's firmware."""
 
     chip: Literal["adxl345", "lis2dw"] = "adxl345"
-    """The chip. An ADXL345 measures 3200 times a second, a LIS2DW 1600 times."""
+    """The chip. An ADXL345 measures up to 3200 times a second, a LIS2DW 1600 times."""
+    rate_hz: Literal[800, 1600, 3200] | None = None
+    """Samples a second. If not given, as many as the chip can; a serial line of 250 000 baud
+    carries 1600."""
     cs_pin: Pin | None = None
     """The chip select. Its board is the board of the chip. Only a bus with one device, as that of a
     Raspberry Pi, needs none."""
@@ -69,6 +73,9 @@ def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:
     part, path = table(data, "accelerometer"), ("accelerometer",)
     if "accelerometer" not in data:
         return
+    rate = part.get("rate_hz")
+    if part.get("chip") == "lis2dw" and rate == _ADXL_HZ:
+        yield Finding("config.conflict", (*path, "rate_hz"), rate, "800 or 1600, as of a LIS2DW")
     bus = part.get("spi_bus")
     if bus is None:
         for key in ("cs_pin", *_WIRES):

@@ -104,6 +104,5 @@ def accelerometers(machine: MachineConfig, on: str) -> Iterator[Accelerometer]:
     )
     bus = placed(part.spi_bus)[1] if part.spi_bus else ""
     axes = tuple(("xyz".index(d[-1]), -1 if d[0] == "-" else 1) for d in part.axes_map)
-    yield Accelerometer(
-        part.chip, SpiPins(select, clock, mosi, miso, 3, ACCELEROMETER_HZ, bus), axes
-    )
+    spi = SpiPins(select, clock, mosi, miso, 3, ACCELEROMETER_HZ, bus)
+    yield Accelerometer(part.chip, spi, axes, part.rate_hz or 0)
