@@ -69,6 +69,12 @@ Machine machine_of(const nb::dict& spec) {
     if (filters.contains("box_s")) m.filters.box_s = get<double>(filters, "box_s");
     const auto advance = get<std::vector<double>>(filters, "advance_s");
     for (size_t i = 0; i < m.extruders.size(); ++i) m.extruders[i].advance_s = advance.at(i);
+    if (filters.contains("knees"))
+      for (const auto& knees :
+           get<std::vector<std::vector<std::pair<double, double>>>>(filters, "knees")) {
+        m.filters.knees.emplace_back();
+        for (auto [mm_s, share] : knees) m.filters.knees.back().push_back({mm_s, share});
+      }
   }
   if (spec.contains("backlash")) {
     const auto gaps = get<std::vector<std::pair<double, double>>>(spec, "backlash");

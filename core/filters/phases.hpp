@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 #include <vector>
 
+#include "machine/filters.hpp"
 #include "plan/move.hpp"
 
 namespace passo {
@@ -23,7 +25,8 @@ class Phases {
     Two place;  // of q and of v
     Two rate;   // of a; 1 if the new phase is a standstill, else 0
   };
-  // The pressure advance of an extruder: the speed times the advance of its moves in seconds.
+  // The pressure advance of an extruder: the speed times the advance of its moves in seconds. With
+  // knees the speed counts less above each of them: a polyline through 0.
   struct Advanced {
     double y, slope;     // at the begin of the phase
     double dy, d_slope;  // difference from the end of the phase before
@@ -33,7 +36,26 @@ class Phases {
   std::vector<Advanced> advanced;  // empty if it has no advance
   std::vector<uint8_t> stands;
 
-  explicit Phases(bool advances = false) : advances_(advances) { reserve(kSmallest); }
+  // Above `speed` in steps and ticks each step a tick counts `share`; at it, `all` in sum.
+  struct Bend {
+    double speed, share, all;
+  };
+
+  explicit Phases(bool advances = false, std::vector<Bend> bends = {})
+      : advances_(advances), bends_(std::move(bends)) {
+    reserve(kSmallest);
+  }
+  // For motion in steps and ticks.
+  static std::vector<Bend> bends(const std::vector<Knee>& knees, double steps_per_mm, double hz) {
+    std::vector<Bend> bends;
+    Bend before{0, 1, 0};
+    for (const Knee& knee : knees) {
+      const double speed = knee.mm_s * steps_per_mm / hz;
+      before = {speed, knee.share, before.all + before.share * (speed - before.speed)};
+      bends.push_back(before);
+    }
+    return bends;
+  }
 
   // The axis is at rest at q0, and always was. A breakpoint of an axis at rest is left out if it is
   // more than `span` ticks after the one before it.
@@ -91,7 +113,9 @@ class Phases {
 
  private:
   static constexpr size_t kSmallest = 256, kDropped = 2048;
-  bool advances_, fresh_ = false;  // fresh_: the next phase is the first one of its move
+  bool advances_;
+  std::vector<Bend> bends_;
+  bool fresh_ = false;  // fresh_: the next phase is the first one of its move
   size_t n_ = 0;
   double span_ = 0, end_ = 0, at_end_ = 0, advance_ = 0;
 
@@ -116,6 +140,12 @@ class Phases {
     const bool idle = v_ == 0 && a_ == 0 && stands[n_ - 1];
     if (!(idle && (!fresh_ || at - t[n_ - 1] > span_))) write(at, q_, v_, a_);
     fresh_ = false;
+    if (advance_ == 0 || a_ == 0) return;
+    for (size_t i = 0; i < bends_.size(); ++i) {
+      const double speed = bends_[a_ > 0 ? i : bends_.size() - 1 - i].speed, u = (speed - v_) / a_;
+      if (u > 0 && u < ticks && at + u < until)
+        write(at + u, q_ + u * (v_ + 0.5 * a_ * u), speed, a_);
+    }
   }
   void write(double at, double q_, double v_, double a_) {
     if (n_ + 2 > t.size()) reserve(2 * t.size());
@@ -128,7 +158,12 @@ class Phases {
                   Two{a_ - a[b], double(rests)}};
     if (advances_) {
       const Advanced& before = advanced[b];
-      const double y = advance_ * v_, slope = advance_ * a_;
+      double y = advance_ * v_, slope = advance_ * a_;
+      for (const Bend& bend : bends_)
+        if (v_ > bend.speed || (v_ == bend.speed && a_ > 0)) {
+          y = advance_ * (bend.all + bend.share * (v_ - bend.speed));
+          slope = advance_ * bend.share * a_;
+        }
       advanced[n_] = {y, slope, y - (before.y + before.slope * d), slope - before.slope};
     }
     end_with_never(n_ + 1);

@@ -14,6 +14,11 @@ struct Impulse {
   double weight, at;  // the weights add up to 1; at: s, the first one 0, ascending
 };
 
+// Faster filament than this is advanced by this share of the advance for each further mm/s.
+struct Knee {
+  double mm_s, share;  // share: 0 to 1, at most that of the knee before it
+};
+
 // The gap in the drive of a motor, which is taken up over a distance after each turn.
 struct Gap {
   double mm = 0, over_mm = 1;
@@ -24,9 +29,10 @@ struct Gap {
 // that the earliest impulse needs only positions that are planned already. A cut of the plan and of
 // the steps is then at one clock.
 struct Filters {
-  std::vector<Impulse> shapers[3];  // of X, Y and Z; empty: none
-  std::vector<double> smooth_s;     // by extruder: half of the width over which the advance is
-                                    // smoothed; 0: the extruder has no advance
+  std::vector<Impulse> shapers[3];       // of X, Y and Z; empty: none
+  std::vector<double> smooth_s;          // by extruder: half of the width over which the advance is
+                                         // smoothed; 0: the extruder has no advance
+  std::vector<std::vector<Knee>> knees;  // by extruder, ascending; none: advanced in proportion
   // The position of each axis and of the extruder is its mean over this time, s; 0: it is not. The
   // jerk of an axis is then its change of acceleration in this time, divided by it.
   double box_s = 0;

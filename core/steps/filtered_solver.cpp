@@ -86,7 +86,10 @@ void FilteredSolver::set_up() {
       if (c[j] != 0) axis(j, c[j] * spec_.steps_per_unit);
   const bool advances = spec_.drive == Drive::extruder && filters.advances(size_t(spec_.index));
   phases_.reserve(3);
-  for (int i = 0; i < axes_; ++i) phases_.emplace_back(advances);
+  std::vector<Phases::Bend> bends;
+  if (advances && size_t(spec_.index) < filters.knees.size())
+    bends = Phases::bends(filters.knees[size_t(spec_.index)], spec_.steps_per_unit, hz_);
+  for (int i = 0; i < axes_; ++i) phases_.emplace_back(advances, bends);
   if (axes_ > 0 && filters.boxed()) {
     smooth_.emplace();
     for (int i = 0; i < axes_; ++i) boxed(filters, hz_, slots_[i], &phases_[size_t(i)], *smooth_);

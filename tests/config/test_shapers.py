@@ -65,6 +65,24 @@ def test_impulses_are_those_of_the_tables(kind):
         assert residual(found, frequency, 0.1) * 100 == pytest.approx(percent, abs=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("keys", "reason"),
+    [
+        ("advance_knees = [[1.0, 0.02]]", "expected an advance_s above 0"),
+        (
+            "advance_s = 0.05\nadvance_knees = [[1.0, 0.06]]",
+            "a speed above 0 mm/s, and at most",
+        ),
+        ("advance_s = 0.05\nadvance_knees = [[2.0, 0.03], [1.0, 0.02]]", "a speed above 2 mm/s"),
+    ],
+)
+def test_knees_that_are_not_a_falling_curve_are_refused(keys, reason):
+    text = shipped_text("i3").replace("[extruders.e]\n", f"[extruders.e]\n{keys}\n")
+    with pytest.raises(ConfigError) as refused:
+        config.load_text(text)
+    assert reason in str(refused.value)
+
+
 @pytest.mark.parametrize("kind", SHAPER_TYPES)
 def test_weights_and_times_are_the_same_on_every_computer(kind):
     for weight, seconds in impulses(kind, 37.3, 0.07):

@@ -84,6 +84,18 @@ def test_command_limits_jerk():
         assert s.printer.commands.filters.delay_s == 0
 
 
+def test_commands_report_the_knees_of_the_advance():
+    """M900 scales them."""
+    knees = "advance_s = 0.1\nadvance_knees = [[2.0, 0.05]]\n"
+    text = shipped_text("i3").replace("[extruders.e]\n", "[extruders.e]\n" + knees)
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("M900 K0.08")
+        above = "above 2 mm/s of filament: 0.04 s"
+        assert s.host.ok("M900") == ["Advance K=0.08", above, "ok"]
+        assert s.host.ok("M572 D0")[1:] == [above, "ok"]
+        assert s.host.ok("SET_PRESSURE_ADVANCE")[2:] == [above, "ok"]
+
+
 REFUSED = {
     "SET_JERK_LIMIT JERK=100": "JERK is 100: expected 0 (no limit), or 40000 to 1e+09 mm/s³",
     "SET_JERK_LIMIT JERK=nan": "JERK is nan: expected a number",

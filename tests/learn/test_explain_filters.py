@@ -41,6 +41,16 @@ def test_effects_of_filters_on_a_line_are_shown(path):
     assert "all motors follow the plan 20.00 ms later" in shown
 
 
+def test_knees_below_the_speed_of_the_filament_are_shown(path):
+    knees = "advance_s = 0.1\nadvance_knees = [[1.0, 0.06], [2.0, 0.02], [50.0, 0.0]]\n"
+    text = shipped_text("i3").replace("[extruders.e]\n", "[extruders.e]\n" + knees)
+    told = explain(config.load_text(text), path, 5, Policy())
+    mm = 0.05 * 1.0 + 0.03 * 1.0 + 0.01 * (told.moves[0].cruise_speed / 20 - 2.0)
+    shown = "\n".join(told.filters)
+    assert "E: an advance of 0.05 s, 0.03 s above 1 mm/s, 0.01 s above 2 mm/s pushes" in shown
+    assert f"pushes {mm:.4f} mm of filament ahead" in shown
+
+
 def test_only_filters_of_axes_that_move_are_shown(path):
     assert explained(path, 7).filters == ("all motors follow the plan 20.00 ms later",)
     assert explained(path, 7, "").filters == ("all motors follow the plan 20.00 ms later",)

@@ -25,12 +25,13 @@ SCALES = {0: 80.0, 1: 80.0, 2: 400.0, 3: 95.5}
 NONE: list[tuple[float, float]] = []
 
 
-def filtered(spec=None, x=NONE, y=NONE, z=NONE, smooth=0.0, advance=0.0, box=0.0):
+def filtered(spec=None, x=NONE, y=NONE, z=NONE, smooth=0.0, advance=0.0, box=0.0, knees=()):
     filters = {
         "shapers": [x, y, z],
         "smooth_s": [smooth / 2],
         "advance_s": [advance],
         "box_s": box,
+        "knees": [list(knees)],
     }
     return (spec or machines.cartesian()) | {"filters": filters}
 
@@ -143,6 +144,23 @@ def test_steps_of_limited_jerk_are_those_of_the_oracle(box):
         wanted = oracle.steps(law, 0, motion.clock, SCALES[slot], 4000)
         assert len(wanted) > 10
         executed.assert_within_bound(executed.executed_ticks(messages, slot), wanted)
+
+
+KNEES = [(1.0, 0.6), (2.5, 0.2), (4.0, 0.0)]  # mm/s, share of the advance
+
+
+@pytest.mark.parametrize("box", [0, BOX])
+def test_advance_with_knees_is_that_of_the_oracle(box):
+    """The polyline acts before the smoothing, at speeds below and above each knee."""
+    motion, moves = plan(
+        filtered(smooth=0.04, advance=0.3, box=box, knees=KNEES), print_path(3, 12)
+    )
+    planned = oracle.Planned(moves, 3, advance_of(0.3), KNEES)
+    fastest = max(m.cruise_speed * abs(m.end_mm[3] - m.start_mm[3]) / m.length for m in moves)
+    assert fastest > KNEES[-1][0]
+    law = oracle.advanced(planned, 0.02, delay_of(NONE, half=0.02, box=box), box * HZ)
+    wanted = oracle.steps(law, 0, motion.clock, SCALES[3], 3000)
+    executed.assert_within_bound(executed.executed_ticks(motion.take_messages(), 3), wanted)
 
 
 def test_filters_end_at_the_counts_of_the_plan():

@@ -23,12 +23,13 @@ _GAUSS_2 = (-sqrt(1 / 3), sqrt(1 / 3))  # exact to degree 3, both of the weight 
 
 
 class Planned:
-    """Position of one slot over ticks, and of filament its advance times its speed, from moves."""
+    """Position of one slot over ticks, and of filament its advance times its speed, from moves.
+    Above the speed of each of the `knees` the speed counts less, by a share."""
 
-    def __init__(self, moves, slot, advance=lambda move: 0.0):
+    def __init__(self, moves, slot, advance=lambda move: 0.0, knees=()):
         self.moves = [m for m in moves if m.kind != "dwell"]
         self.starts = [m.start_ticks for m in self.moves]
-        self.slot, self.advance = slot, advance
+        self.slot, self.advance, self.knees = slot, advance, knees
         self.breaks = sorted(
             m.start_ticks + ticks
             for m in self.moves
@@ -37,8 +38,21 @@ class Planned:
                 m.accelerate_ticks,
                 m.accelerate_ticks + m.cruise_ticks,
                 m.accelerate_ticks + m.cruise_ticks + m.decelerate_ticks,
+                *self._bends(m),
             )
         )
+
+    def _bends(self, m):
+        """Ticks of the move at which its filament has the speed of a knee."""
+        part = (m.end_mm[self.slot] - m.start_mm[self.slot]) / m.length
+        for knee, _ in self.knees if part > 0 else ():
+            if m.acceleration != 0:
+                ticks = (knee / part - m.start_speed) / m.acceleration * HZ
+                if 0 < ticks < m.accelerate_ticks:
+                    yield ticks
+            ticks = (m.cruise_speed - knee / part) / m.deceleration * HZ
+            if 0 < ticks < m.decelerate_ticks:
+                yield m.accelerate_ticks + m.cruise_ticks + ticks
 
     def _move(self, tick):
         return self.moves[max(bisect_right(self.starts, tick) - 1, 0)]
@@ -59,7 +73,12 @@ class Planned:
             speed = m.start_speed + m.acceleration * t
         else:
             speed = m.cruise_speed - m.deceleration * max(t - t0 - t1, 0.0)
-        return self.advance(m) * speed * (m.end_mm[self.slot] - m.start_mm[self.slot]) / m.length
+        speed *= (m.end_mm[self.slot] - m.start_mm[self.slot]) / m.length
+        counts, share = speed, 1.0
+        for knee, less in self.knees:
+            counts -= (share - less) * max(speed - knee, 0.0)
+            share = less
+        return self.advance(m) * counts
 
     def cuts(self, low, high):
         """Ticks at which the law of the speed changes."""

@@ -38,7 +38,7 @@ from passo.config.predefined_move_checks import check_moves
 from passo.config.probing_checks import check_probe
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
-from passo.config.shaping_checks import check_backlash, check_shaping
+from passo.config.shaping_checks import check_advance, check_backlash, check_shaping
 from passo.config.toml_lines import Path, line_of
 from passo.errors import ConfigError, Problem
 
@@ -177,6 +177,7 @@ def _machine(text: str, file: str) -> Loaded:
             *check_scales(machine),
             *check_probe(machine),
             *check_shaping(machine),
+            *check_advance(machine),
             *check_backlash(machine),
         ]
         findings += check_sensors(machine)

@@ -392,6 +392,11 @@ class MachineConfig(Model):
             "shapers": [impulses(s.type, s.frequency_hz, s.damping) if s else [] for s in shapers],
             "smooth_s": [half_smooth_s(extruder) for extruder in extruders],
             "advance_s": [extruder.advance_s or 0.0 for extruder in extruders],
+            "knees": [
+                [(speed, advance / (extruder.advance_s or 1.0)) for speed, advance in knees]
+                for extruder in extruders
+                for knees in [extruder.advance_knees]
+            ],
             "box_s": box_s(self.largest_accel_mm_s2, self.limits.jerk_mm_s3 or 0.0),
         }
 

@@ -36,6 +36,8 @@ MICROSTEPS = 16
 MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S = 10.0, 0.04, (0.005, 0.2)
 Advance = Annotated[float, Field(ge=0, le=MAX_ADVANCE_S)]
 SmoothTime = Annotated[float, Field(ge=SMOOTH_TIMES_S[0], le=SMOOTH_TIMES_S[1])]
+Knee = Annotated[list[NotNegative], Field(min_length=2, max_length=2)]
+Knees = Annotated[list[Knee], Field(max_length=4)]
 JerkLimit = Annotated[float, Field(gt=0, le=MAX_JERK)]
 MAX_GAP_MM, SMOOTH_MM, SMOOTHS_MM = 2.0, 3.0, (0.1, 100.0)  # of backlash
 GapMm = Annotated[float, Field(ge=0, le=MAX_GAP_MM)]
@@ -94,6 +96,11 @@ class Extruder(Model):
     advance_smooth_s: SmoothTime | None = None
     """The time over which the advance is smoothed, as Klipper's smooth time: the width of a
     triangle. If not given, 0.04 s."""
+
+    advance_knees: Knees = []
+    """Less advance at high flow: from each speed of the filament (mm/s) on, a further mm/s leads by
+    this many s, as in `[[2.0, 0.03], [5.0, 0.01]]`. The speeds rise, and the values fall from
+    `advance_s` on. M900 scales the values."""
 
 
 class Shaping(Model):

@@ -1,4 +1,4 @@
-"""Checks the input shapers, the limit of jerk and the backlash of a machine file."""
+"""Checks the input shapers, the limit of jerk, the advance and the backlash of a machine file."""
 
 from __future__ import annotations
 
@@ -34,6 +34,22 @@ def check_shaping(machine: MachineConfig) -> Iterator[Finding]:
     if machine.laser is not None:
         limit = "no limit of jerk on a machine with a laser, whose power follows the plan"
         yield Finding("config.conflict", key, jerk, limit)
+
+
+def check_advance(machine: MachineConfig) -> Iterator[Finding]:
+    """Checks that the knees of the advance of each extruder begin below its advance, that their
+    speeds rise and that their values fall."""
+    for name, extruder in machine.extruders.items():
+        path = ("extruders", name, "advance_knees")
+        speed, advance = 0.0, extruder.advance_s or 0.0
+        if extruder.advance_knees and not advance:
+            yield Finding("config.value", path, extruder.advance_knees, "an advance_s above 0")
+            continue
+        for knee in extruder.advance_knees:
+            if knee[0] <= speed or knee[1] > advance:
+                limit = f"a speed above {speed:g} mm/s, and at most {advance:g} s"
+                yield Finding("config.value", path, knee, limit)
+            speed, advance = knee
 
 
 def check_backlash(machine: MachineConfig) -> Iterator[Finding]:

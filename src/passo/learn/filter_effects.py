@@ -49,9 +49,12 @@ def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple
     if advanced:
         move = max(advanced, key=lambda m: m.advance_s * _part(m, _E) * m.cruise_speed)
         speed, accel = _part(move, _E) * move.cruise_speed, _part(move, _E) * _hardest(move)
+        knees = filters.knees(move.extruder, move.advance_s)
+        above = "".join(f", {less:g} s above {knee:g} mm/s" for knee, less in knees if knee < speed)
         lines.append(
-            f"E: an advance of {move.advance_s:g} s pushes {move.advance_s * speed:.4f} mm of"
-            f" filament ahead at {speed:.2f} mm/s, smoothed over"
+            f"E: an advance of {move.advance_s:g} s{above} pushes"
+            f" {filters.advanced_mm(move.extruder, move.advance_s, speed):.4f} mm of filament"
+            f" ahead at {speed:.2f} mm/s, smoothed over"
             f" {filters.smooth_s[move.extruder] * 1e3:g} ms; while the move speeds up the extruder"
             f" does up to {speed + move.advance_s * accel:.2f} mm/s"
         )

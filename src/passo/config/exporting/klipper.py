@@ -191,6 +191,8 @@ def _put_extruder(cfg: Cfg, name: str, section: str) -> None:
         pressure_advance=extruder.advance_s,
         pressure_advance_smooth_time=extruder.advance_smooth_s,
     )
+    if extruder.advance_knees:
+        cfg.left_out.append(f"extruders.{name}.advance_knees: Klipper's advance has one value")
 
 
 def _put_probe(cfg: Cfg) -> None:

@@ -59,6 +59,7 @@ class MotionFilters:
         for name, given in machine.shaping.items():
             self.shapers[name.upper()] = Shaper(given.type, given.frequency_hz, given.damping)
         self._extruders = list(machine.extruders)
+        self._made = list(machine.extruders.values())
         halves = [half_smooth_s(extruder) for extruder in machine.extruders.values()]
         self.smooth_s = [2 * half or SMOOTH_TIME_S for half in halves]
         self._smooths = [half > 0 for half in halves]
@@ -200,6 +201,7 @@ class MotionFilters:
         if "K" not in words:
             if extruder is not None:
                 reply.say(f"Advance K={self._job.pressure_advance(extruder):g}")
+                self._say_knees(extruder, reply)
             return None
         # a slicer may send the K of Linear Advance 1.0 as well as that of 1.5
         if words["K"] > MAX_ADVANCE_S:
@@ -223,6 +225,7 @@ class MotionFilters:
         if "S" not in words:
             advance = self._job.pressure_advance(int(drive))
             reply.say(f"Extruder {int(drive)} pressure advance: {advance:g} s")
+            self._say_knees(int(drive), reply)
             return None
         _within("S", words["S"], 0.0, MAX_ADVANCE_S, _ADVANCES)
         return self._set_advance(int(drive), words["S"])
@@ -249,10 +252,30 @@ class MotionFilters:
         if advance is None and smooth is None:
             reply.say(f"pressure_advance: {self._job.pressure_advance(extruder):.6f}")
             reply.say(f"pressure_advance_smooth_time: {self.smooth_s[extruder]:.6f}")
+            self._say_knees(extruder, reply)
             return None
         if advance is None:
             advance = self._job.pressure_advance(extruder)
         return self._set_advance(extruder, advance, smooth)
+
+    def knees(self, extruder: int, advance_s: float) -> list[tuple[float, float]]:
+        """The knees of an extruder whose advance is `advance_s`: the speed of the filament in mm/s,
+        and the s by which each further mm/s leads."""
+        made = self._made[extruder]
+        scale = advance_s / (made.advance_s or 1.0)
+        return [(speed, value * scale) for speed, value in made.advance_knees]
+
+    def advanced_mm(self, extruder: int, advance_s: float, speed: float) -> float:
+        """The mm by which the filament leads at a speed in mm/s."""
+        mm, slope = advance_s * speed, advance_s
+        for knee, less in self.knees(extruder, advance_s):
+            mm -= (slope - less) * max(speed - knee, 0.0)
+            slope = less
+        return mm
+
+    def _say_knees(self, extruder: int, reply: Reply) -> None:
+        for speed, value in self.knees(extruder, self._job.pressure_advance(extruder)):
+            reply.say(f"above {speed:g} mm/s of filament: {value:g} s")
 
     def _set_advance(
         self, extruder: int, advance: float, smooth: float | None = None
