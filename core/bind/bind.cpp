@@ -9,6 +9,7 @@ void bind_board(nanobind::module_& m);
 void bind_nozzle_gap(nanobind::module_& m);
 void bind_head_dynamics(nanobind::module_& m);
 void bind_print_quality(nanobind::module_& m);
+void bind_step_recording(nanobind::module_& m);
 void bind_wire(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
@@ -24,6 +25,7 @@ NB_MODULE(_core, m) {
   bind_nozzle_gap(m);
   bind_head_dynamics(m);
   bind_print_quality(m);
+  bind_step_recording(m);
   bind_wire(m);
   bind_chips(m);
   bind_geometry(m);

@@ -64,6 +64,8 @@ void bind_print_quality(nb::module_& m) {
             q.finish();
           },
           "job"_a, "Call this at the end of the print.")
+      .def("keep_path", &PrintQuality::keep_path,
+           "Keeps the path, for `StepRecording.measure`. Call it before `begin`.")
       .def("show", &PrintQuality::show, "corner"_a,
            "The corner of `shown`; without a call, the one with the largest ringing.")
       .def_prop_ro("shown", &shown,

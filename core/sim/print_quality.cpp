@@ -46,6 +46,7 @@ void PrintQuality::begin(double clock) {
 }
 
 void PrintQuality::add_path(const std::vector<PathSegment>& segments) {
+  if (keeps_) kept_.insert(kept_.end(), segments.begin(), segments.end());
   for (const PathSegment& segment : segments) {
     Segment s{segment, distance(segment.from, segment.to), {}};
     if (s.length <= 0) continue;

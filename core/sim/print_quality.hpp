@@ -29,6 +29,9 @@ class PrintQuality {
   void begin(double clock);
   // The path, in its order, before the head gets there.
   void add_path(const std::vector<PathSegment>& segments);
+  // Keeps the whole path from now on, to measure another stream by it.
+  void keep_path() { keeps_ = true; }
+  const std::vector<PathSegment>& path() const { return kept_; }
   // Measures up to a clock. The boards must have run up to it.
   void run(double clock);
   // Ends the last corner.
@@ -96,7 +99,9 @@ class PrintQuality {
   };
   double hz_, at_ = 0;
   std::shared_ptr<HeadDynamics> head_;
-  std::deque<Segment> path_;                // the head is on the first one
+  std::deque<Segment> path_;  // the head is on the first one
+  bool keeps_ = false;
+  std::vector<PathSegment> kept_;
   double along_ = 0;                        // mm of it
   double off_ = 0;                          // the head's distance from there
   double position_[3] = {}, extruded_ = 0;  // of the last sample

@@ -1101,6 +1101,9 @@ class PrintQuality:
     def end(self, job: Job) -> None:
         """Call this at the end of the print."""
 
+    def keep_path(self) -> None:
+        """Keeps the path, for `StepRecording.measure`. Call it before `begin`."""
+
     def show(self, corner: int) -> None:
         """
         The corner of `shown`; without a call, the one with the largest ringing.
@@ -1143,6 +1146,33 @@ class PrintQuality:
     def lost(self) -> float:
         """
         Fraction of the time in which the head was more than 2 mm from the path.
+        """
+
+def actuator_ranges(quality: PrintQuality, geometry: dict[str, Any]) -> list[list[float]]:
+    """
+    For each actuator, on a path that was kept: first and last, lowest and highest position, mm or degrees.
+    """
+
+class StepRecording:
+    """The steps of a recorded stream of commands for one board."""
+
+    def __init__(self, commands: Formats, data: bytes) -> None:
+        """Raises ValueError if `data` is not a stream of `commands`."""
+
+    @property
+    def motors(self) -> list[tuple[int, int]]:
+        """
+        The step pin and the number of steps of each motor, in the order of their configuration.
+        """
+
+    def range(self, motor: int, steps: int) -> tuple[int, int, int]:
+        """
+        Net steps, lowest and highest count within the last `steps` steps of a motor, from where these begin.
+        """
+
+    def measure(self, quality: PrintQuality, clock_hz: float, geometry: dict[str, Any], masses: Sequence[tuple[float, float]], nozzles: Sequence[float], motors: Sequence[tuple[int, int, float, float]], corner: int | None) -> tuple[PrintQuality, float, int]:
+        """
+        Plays the stream on a printer without boards, and measures it by the path that `quality` has kept. `motors` are those of the actuators and then those of the extruders: index, number of last steps that count, mm or degrees per step, position before these; an extruder counts from 1 s before the actuators on. Returns the measurement, the duration in s, and the number of commands.
         """
 
 class Stop(enum.Enum):

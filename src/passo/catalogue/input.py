@@ -13,6 +13,26 @@ INPUT: Mapping[str, Entry] = {
     "input.pipe": bad_input(
         "file", "can be read only once, and not again", "Save it to a file first"
     ),
+    "input.stream": bad_input(
+        "file",
+        "is not a stream of Klipper's batch mode for this dictionary: {value}",
+        "Give the file of klippy.py -o, and the dictionary that was its -d",
+    ),
+    "input.stream-dictionary": bad_input(
+        "file",
+        "is not the data dictionary of a board: {value}",
+        "Give the file that was the -d of klippy.py, as --dictionary",
+    ),
+    "input.stream-motors": bad_input(
+        "file",
+        "moves {value} motors, and the machine has {limit}",
+        "Choose the machine that printer.cfg describes",
+    ),
+    "input.stream-path": bad_input(
+        "file",
+        "moves the motor {axis} over {value:.1f} mm or degrees, and the print over {limit:.1f}",
+        "Give the stream of the same G-code file, of a machine with the same steps per mm",
+    ),
     "input.empty": bad_input("file", "holds no command", "Slice the model again"),
     "input.no-known-command": bad_input(
         "file", "holds no command that is known", "Give a sliced file, not a model or a text"

@@ -31,6 +31,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"what matters most for the best setting. {words}; default: balance",
     )
     parser.add_argument(
+        "--compare",
+        metavar="STREAM",
+        help="also measure the output of Klipper's batch mode for the same file (klippy.py -o)",
+    )
+    parser.add_argument(
+        "--dictionary",
+        metavar="DICT",
+        help="the data dictionary of that stream (klippy.py -d); default: its name with .dict",
+    )
+    parser.add_argument(
         "--output", metavar="PAGE.html", help="also write a page with pictures; default: none"
     )
     parser.add_argument(
@@ -56,9 +66,14 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"\r\033[K{number} of {of}: {name}", end="", file=sys.stderr, flush=True)
 
     machine = config.load(arguments.machine)
+    compared = None
+    if arguments.compare is not None:
+        from passo.job.batch.recorded_stream import RecordedStream
+
+        compared = RecordedStream(arguments.compare, arguments.dictionary)
     policy = replace(policy_of(arguments), skips=skips_of(arguments))
     try:
-        found = run_laboratory(machine, arguments.file, arguments.weight, policy, begun)
+        found = run_laboratory(machine, arguments.file, arguments.weight, policy, begun, compared)
     except PassoError as error:
         if arguments.json:
             print(json.dumps({"errors": [str(problem) for problem in error.problems]}))

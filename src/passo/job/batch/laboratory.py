@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from passo.config.motion import JUNCTIONS, Junction, Shaping
@@ -13,6 +14,7 @@ from passo.config.shapers import MAX_HZ, MIN_HZ, SHAPER_TYPES, ShaperType
 from passo.config.simulated_motion import simulated_masses
 from passo.job.batch.policy import Policy
 from passo.job.batch.quality_watch import Quality, QualityWatch, ShownCorner
+from passo.job.batch.recorded_stream import RecordedStream
 from passo.job.batch.simulated_print import Print
 
 if TYPE_CHECKING:
@@ -101,9 +103,9 @@ def _shaping(machine: MachineConfig, kind: ShaperType) -> dict[str, Shaping]:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What came out of one setting. `off_tune_rms_um` is the ringing if everything vibrates 10 %
-    slower than the shapers expect, as a heavier print does. `corner` is the same corner in all
-    trials."""
+    """What came out of one setting. The time is that without heating. `off_tune_rms_um` is the
+    ringing if everything vibrates 10 % slower than the shapers expect, as a heavier print does.
+    `corner` is the same corner in all trials."""
 
     name: str
     print_time_s: float
@@ -208,10 +210,11 @@ def run_laboratory(
     weight: Weight = "balance",
     policy: Policy | None = None,
     begun: Callable[[str, int, int], None] = lambda name, number, of: None,
+    compared: RecordedStream | None = None,
 ) -> Laboratory:
     """Prints the file under each setting, and, if the best shaper is another than that, once more
-    with the best shaper and advance. `begun` is called before each print. Raises InputError and
-    MachineError."""
+    with the best shaper and advance; then plays the stream that is compared. `begun` is called
+    before each print. Raises InputError and MachineError."""
     found = Laboratory(str(path), machine.name, weight)
     policy = replace(policy or Policy(), own_filters=True)
     settings = settings_for(machine)
@@ -225,7 +228,33 @@ def run_laboratory(
         last = replace(best, advance=True)
         begun(last.name, len(settings) + 1, len(settings) + 1)
         found.trials.append(_trial(found, machine, path, policy, last))
+    if compared is not None:
+        plain = found.trials[0].corner
+        found.trials.append(_played(machine, path, policy, compared, plain))
     return found
+
+
+def _played(
+    machine: MachineConfig,
+    path: str | os.PathLike[str],
+    policy: Policy,
+    stream: RecordedStream,
+    corner: ShownCorner | None,
+) -> Trial:
+    """Plays the stream by the path and the steps of the file without filters."""
+    plain = Setting().on(machine)
+    result, watch = _printed(plain, path, policy, corner, keep_path=True)
+    played = stream.play(plain, watch.measured, result.steps, corner)
+    off_tune = stream.play(_slower(plain), watch.measured, result.steps, corner)
+    return Trial(
+        Path(stream.name).name,
+        played.print_time_s,
+        played.quality,
+        off_tune.quality.ringing_rms_um,
+        played.steps,
+        played.commands,
+        played.corner,
+    )
 
 
 def _trial(
@@ -242,7 +271,7 @@ def _trial(
     found.warnings += [line for line in result.warnings if line not in found.warnings]
     return Trial(
         setting.name,
-        result.print_time_s,
+        result.print_time_s - result.heat_time_s,
         watch.quality,
         off_tune.quality.ringing_rms_um,
         sum(result.steps.values()),
@@ -256,9 +285,12 @@ def _printed(
     path: str | os.PathLike[str],
     policy: Policy,
     shown: ShownCorner | None,
+    *,
+    keep_path: bool = False,
 ) -> tuple[PrintResult, QualityWatch]:
     job = Print(machine, policy)
-    watch = QualityWatch(machine, job, shown.number if shown else None)
+    corner = shown.number if shown else None
+    watch = QualityWatch(machine, job, corner, keep_path=keep_path)
     job.watch_steps(watch)
     return job.run(path), watch
 

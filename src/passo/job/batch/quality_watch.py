@@ -105,22 +105,26 @@ class QualityWatch:
         machine: MachineConfig,
         followed: Print,
         corner: int | None = None,
+        *,
+        keep_path: bool = False,
     ) -> None:
         """`corner` is the number of the corner that is shown; None: the one with the largest
-        ringing."""
+        ringing. `keep_path` keeps the path of the file for a recorded stream."""
         self._job, self._device, self._base = followed.job, followed.board.device, 0
         self._motors = motors_of_actuators(machine)
         self._head = head_dynamics(machine, followed.board)
-        self._measured = _core.PrintQuality(machine.board.clock_hz, self._head)
+        self.measured = _core.PrintQuality(machine.board.clock_hz, self._head)
+        if keep_path:
+            self.measured.keep_path()
         if corner is not None:
-            self._measured.show(corner)
+            self.measured.show(corner)
 
     def begin(self, base: int) -> None:
         """Call this when the job begins, at the home position; `base` is the main board's clock."""
         self._base = base
         self._head.follow(True)
         self.placed()
-        self._measured.begin(self._job, base)
+        self.measured.begin(self._job, base)
 
     def placed(self, errors_mm: Mapping[str, float] | None = None) -> None:
         """Call this after homing, which changes the position at the end of the plan without a move.
@@ -130,20 +134,20 @@ class QualityWatch:
 
     def look(self) -> None:
         """Measures the motion that the boards have executed since."""
-        self._measured.run(self._job, self._device.now)
+        self.measured.run(self._job, self._device.now)
 
     def end(self) -> None:
         """Call this at the end of the print."""
         self.look()
-        self._measured.end(self._job)
+        self.measured.end(self._job)
         self._head.follow(False)
 
     @property
     def quality(self) -> Quality:
         """The result, after the end."""
-        return quality_of(self._measured)
+        return quality_of(self.measured)
 
     @property
     def corner(self) -> ShownCorner | None:
         """The corner that is shown; None in a print without sharp corners."""
-        return shown_corner(self._measured)
+        return shown_corner(self.measured)
