@@ -103,8 +103,15 @@ void accelerometer_task(void) {
   }
 }
 
+// Some hosts give the SPI device its bus later: it is needed from the first transfer on.
+static bool check_bus(const struct accelerometer *it) {
+  if (it->spi->has_bus) return true;
+  shut_down(SHUTDOWN_SPI_NO_BUS);
+  return false;
+}
+
 static void configure(const uint32_t *args, bool lis2dw) {
-  const struct spi *spi = spi_get(args[1]);
+  const struct spi *spi = object_get(args[1], OBJECT_SPI);
   if (spi == NULL) return;
   struct accelerometer *it = object_add(args[0], &kind, sizeof *it);
   if (it == NULL) return;
@@ -121,7 +128,7 @@ static void query(const uint32_t *args) {
   it->size = 0;
   it->sequence = it->overflows = 0;
   it->rest_ticks = args[1];
-  if (args[1] == 0) return;
+  if (args[1] == 0 || !check_bus(it)) return;
   if (args[1] < HAL_SHORTEST_PERIOD) {
     shut_down(SHUTDOWN_PERIOD_TOO_SHORT);
     return;
@@ -134,7 +141,7 @@ static void query(const uint32_t *args) {
 
 static void tell_state(const uint32_t *args) {
   const struct accelerometer *it = object_get(args[0], OBJECT_ACCELEROMETER);
-  if (it == NULL) return;
+  if (it == NULL || !check_bus(it)) return;
   uint32_t clock = hal_clock();
   uint8_t waiting =
       it->lis2dw ? register_of(it, LIS_FIFO) & 0x3f : register_of(it, ADXL_FIFO) & 0x7f;

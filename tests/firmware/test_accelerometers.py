@@ -42,6 +42,21 @@ def test_a_disturbed_answer_is_marked_and_its_place_kept(high: bool) -> None:
     assert board.wait(10 * REST) == []
 
 
+def test_the_bus_may_come_after_the_chip_but_must_come() -> None:
+    """Kalico tells the chip first."""
+    board = RawBoard()
+    for line in (
+        "allocate_oids count=2",
+        f"config_spi oid=0 pin={PINS['select']} cs_active_high=0",
+        "config_adxl345 oid=1 spi_oid=0",
+        "query_adxl345 oid=1 rest_ticks=0",
+    ):
+        board.tell(line)
+    assert board.device.fault == ""
+    board.tell("query_adxl345_status oid=1")
+    assert board.device.fault == "SPI device without a bus"
+
+
 @pytest.mark.parametrize(
     ("name", "values", "fault"),
     [

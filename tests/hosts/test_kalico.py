@@ -22,11 +22,17 @@ from tests.hosts.boards import AvrOnPty, Moved, ProcessBoard, PtyBoard
 from tests.hosts.kalico import Kalico
 from tests.hosts.shared_clock import SharedClock, SharedLine
 from tests.support.driver_machine import machine_text
+from tests.support.edited_machine import edited
 
 from passo import config
 from passo.board.trinamic import registers as r
 from passo.config.machine import MachineConfig
-from passo.printer.setup.boards import board_description, simulated_board
+from passo.printer.setup.boards import (
+    board_description,
+    board_descriptions,
+    simulated_board,
+    simulated_machine,
+)
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
 from passo.toolchain import avr
@@ -79,6 +85,28 @@ spi_software_mosi_pin: PA5
 spi_software_miso_pin: PA7
 sense_resistor: 0.075
 run_current: 1.2
+"""
+
+ACCELEROMETER = """
+[accelerometer]
+cs_pin = "D40"
+clock_pin = "D42"
+mosi_pin = "D59"
+miso_pin = "D64"
+[simulated.masses.x]
+frequency_hz = 48.0
+damping = 0.1
+"""
+TESTER = """
+[adxl345]
+cs_pin: PG1
+spi_software_sclk_pin: PL7
+spi_software_mosi_pin: PF5
+spi_software_miso_pin: PK2
+
+[resonance_tester]
+accel_chip: adxl345
+probe_points: 100, 100, 20
 """
 
 
@@ -227,3 +255,47 @@ class TestDrivers:
         assert "IOIN" in kalico.tell("DUMP_TMC STEPPER=stepper_z")
         clock.pass_s(1)  # until it has asked
         assert re.search(r"T0:25\.\d /0\.0", kalico.tell("M105"))
+
+
+class TestAccelerometer:
+    """Kalico measures the simulated head with its own analysis, through the firmware and the SPI
+    bus that the firmware makes."""
+
+    @pytest.fixture
+    def machine(self) -> MachineConfig:
+        board = ('base = "ramps"', 'base = "ramps"\nfirmware = "passo"')
+        return edited("i3", board, more=ACCELEROMETER)
+
+    @pytest.fixture
+    def configuration(self) -> str:
+        return (HERE / "kalico.cfg").read_text(encoding="utf-8") + TESTER
+
+    @pytest.fixture
+    def line(
+        self,
+        tmp_path: Path,
+        machine: MachineConfig,
+        clock: SharedClock,
+        monkeypatch: pytest.MonkeyPatch,
+    ) -> Iterator[SharedLine]:
+        library = library_for_older_hosts(tmp_path)
+        monkeypatch.setattr(simulated, "firmware_library", lambda: library)
+        monkeypatch.setattr("passo.simulator.board.firmware_library", lambda: library)
+        printer = simulated_machine(machine, board_descriptions(machine))
+        line = SharedLine(clock, printer.device, machine.board.clock_hz)
+        yield line
+        line.close()
+
+    def test_kalico_finds_the_frequency_of_the_head(
+        self, hosts, tmp_path, clock, line, configuration
+    ) -> None:
+        with Kalico(hosts, tmp_path, line.path, configuration, clock) as kalico:
+            (found,) = re.findall(r"\(x, y, z\): (.*)", kalico.tell("ACCELEROMETER_QUERY"))
+            values = [float(value) for value in found.split(",")]
+            assert values == pytest.approx([0, 0, 9806.65], abs=300)
+            kalico.tell("G28")
+            line = "SHAPER_CALIBRATE AXIS=X FREQ_START=40 FREQ_END=56 HZ_PER_SEC=2 NAME=passo"
+            answer = kalico.tell(line)
+        (hz,) = re.findall(r"Recommended shaper_type_x = mzv, shaper_freq_x = ([\d.]+)", answer)
+        assert float(hz) == pytest.approx(48, abs=1)
+        Path("/tmp/calibration_data_x_passo.csv").unlink()  # where Kalico always writes it
