@@ -389,6 +389,59 @@ def test_delta_has_towers_and_carriage_heights(load) -> None:
     assert machine.geometry.model_dump()["rods"] == [218, 218, 218]
 
 
+ARMS = "upper_arm_length: 170\nlower_arm_length: 320\nposition_endstop: 252\nhoming_speed: 17\n"
+ROTARY = [
+    (
+        "kinematics: cartesian",
+        "kinematics: rotary_delta\nshoulder_radius: 34\nshoulder_height: 413",
+    ),
+    ("stepper: stepper_x, stepper_z1", "stepper: stepper_a"),
+]
+
+
+def rotary_delta() -> str:
+    head, rest = BASE.split("[stepper_x]")[0], BASE[BASE.index("[extruder]") :]
+    motor = "enable_pin: !PC3\nmicrosteps: 16\ngear_ratio: 107:16, 60:16\n"
+    arms = "".join(
+        f"[stepper_{n}]\nstep_pin: PE{i}\ndir_pin: {'!' * (i == 2)}PG{i}\n"
+        f"endstop_pin: ^PF{i}\n{motor}"
+        for i, n in enumerate("abc", 1)
+    )
+    return head + arms.replace("[stepper_b]", f"{ARMS}[stepper_b]") + rest
+
+
+def test_rotary_delta_counts_angles_downward(load) -> None:
+    _, machine = load(*ROTARY, text=rotary_delta())
+    geometry = machine.geometry
+    assert (geometry.arm_length, geometry.rod_length, geometry.z_offset) == (170, 320, 413)
+    inward = (geometry.base_length - geometry.effector_length) / math.sqrt(12)
+    assert inward == pytest.approx(34, abs=1e-6)
+    # Klipper's arms at 30, 150 and 270 degrees are those of Passo's motors b, c and a.
+    assert [machine.steppers[name].step_pin for name in "bca"] == ["PE1", "PE2", "PE3"]
+    assert [machine.steppers[name].invert for name in "bca"] == [True, False, True]
+    assert machine.steppers["a"].steps_per_degree == pytest.approx(3200 * 107 * 60 / 256 / 360)
+    # An elbow at its endstop, 320 mm from the nozzle at 252 mm.
+    up = math.radians(-machine.homing["a"].position)
+    elbow = 34 + 170 * math.cos(up), 413 + 170 * math.sin(up) - 252
+    assert math.hypot(*elbow) == pytest.approx(320, abs=1e-3)
+    assert up > 0
+    assert (machine.axes["z"].max_mm, machine.axes["x"].max_mm) == (252, 204)
+    assert machine.homing["a"].fast == pytest.approx(math.degrees(0.1), abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("[stepper_c]", "[stepper_c]\nangle: 280", "Passo's arms are 120 degrees apart"),
+        ("[stepper_c]", "[stepper_c]\nupper_arm_length: 171", "Passo's arms have one length"),
+        ("position_endstop: 252", "position_endstop: 950", "a height in reach: arm A and its rod"),
+    ],
+)
+def test_arms_that_passo_does_not_have(load, old: str, new: str, sentence: str) -> None:
+    with pytest.raises(ConfigError, match=sentence):
+        load(*ROTARY, (old, new), text=rotary_delta())
+
+
 def test_corexy_motors(load) -> None:
     _, machine = load(("cartesian", "corexy"), ("stepper: stepper_x", "stepper: stepper_y"))
     assert machine.steppers["a"].step_pin == "PC2"

@@ -78,6 +78,20 @@ class Section:
         value = self.number(name)
         return None if value is None else Read(value, f"{name} in [{self.name}]", self.at(name))
 
+    def needed(self, name: str) -> float:
+        """The number of an option. Raises ConfigError if there is none."""
+        value = self.number(name)
+        if value is None:
+            raise self.missing(name)
+        return value
+
+    def missing(self, name: str) -> ConfigError:
+        """The error of an option that Klipper needs."""
+        key, limit = f"{name} in [{self.name}]", "the option that Klipper needs"
+        return ConfigError.of(
+            "config.missing-key", self.place.file, self.place.line, key=key, limit=limit
+        )
+
     def flag(self, name: str, default: bool) -> bool:
         """Whether an option is true."""
         return self.text(name, str(default)).lower() in ("true", "yes", "on", "1")

@@ -10,6 +10,7 @@ from passo.config.importing.draft import bad
 from passo.config.importing.klipper.bed import pair
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.filters import put_advance
+from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
 from passo.config.importing.numbers import NUMBER, in_range, number_of
 from passo.errors import ConfigError
 
@@ -27,29 +28,39 @@ _ANGLES = (210.0, 330.0, 90.0)
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
 _LONGEST_MM = 1e6
-_WHOLE = {"full_steps_per_rotation": 10_000, "microsteps": 256}  # of a stepper, with the maximum
+_ROTARY = "rotary_delta"
+_WHOLE = {  # of a stepper, with the maximum and the usual value
+    "full_steps_per_rotation": (10_000, 200),
+    "microsteps": (256, 16),
+}
 
 
 def put_motion(job: Import) -> None:
     """Imports geometry, axes, motors, limits, homing and extruders. Raises ConfigError."""
     printer = job.required("printer")
     kind = printer.text("kinematics")
-    if kind not in _ACTUATORS:
+    if kind not in (*_ACTUATORS, _ROTARY):
         place = printer.at("kinematics")
         raise ConfigError.of(
             "import.kinematics",
             place.file,
             place.line,
             value=kind[:40],
-            limit=", ".join(_ACTUATORS),
+            limit=", ".join((*_ACTUATORS, _ROTARY)),
         )
     speed, accel = _positive(printer, "max_velocity"), _positive(printer, "max_accel")
     corner = printer.number("square_corner_velocity", 5.0) or 0.0
     deviation = max(corner**2 * (math.sqrt(2) - 1) / accel, 1e-4)
     job.draft.put(("geometry", "kind"), kind, printer.at("kinematics"))
-    _put_axes(job, printer, kind, speed, accel)
-    for letter, motor in _ACTUATORS[kind].items():
-        _put_motors(job, job.required(f"stepper_{letter}"), letter, motor)
+    if kind == _ROTARY:
+        z_speed = printer.number("max_z_velocity", speed) or speed
+        put_rotary_delta(job, printer, (speed, z_speed, accel))
+        for letter, (_, motor) in ARMS.items():
+            _put_arm(job, job.required(f"stepper_{letter}"), motor)
+    else:
+        _put_axes(job, printer, kind, speed, accel)
+        for letter, motor in _ACTUATORS[kind].items():
+            _put_motors(job, job.required(f"stepper_{letter}"), letter, motor)
     job.draft.put(("limits", "speed_mm_s"), speed, printer.at("max_velocity"))
     job.draft.put(("limits", "junction"), "deviation", None)
     place = printer.at("square_corner_velocity")
@@ -77,7 +88,7 @@ def _put_axes(job: Import, printer: Section, kind: str, speed: float, accel: flo
             stepper = job.required(f"stepper_{axis}")
             low = stepper.number("position_min", 0.0)
             job.draft.put((*path, "min_mm"), low, stepper.at("position_min"))
-            high = _needed(stepper, "position_max")
+            high = stepper.needed("position_max")
             if high > _LONGEST_MM:
                 text = f"an axis of Passo ends at {_LONGEST_MM:g} mm at most"
                 job.draft.changed(
@@ -103,7 +114,7 @@ def _put_delta_axis(job: Import, printer: Section, axis: str) -> None:
         job.draft.put((*path, "max_mm"), top, first.at("position_endstop"))
         job.draft.put((*path, "home_mm"), top, first.at("position_endstop"))
         return
-    radius = printer.number("print_radius", _needed(printer, "delta_radius"))
+    radius = printer.number("print_radius", printer.needed("delta_radius"))
     assert radius is not None
     place = printer.at("print_radius")
     job.draft.put((*path, "min_mm"), -radius, place)
@@ -112,9 +123,9 @@ def _put_delta_axis(job: Import, printer: Section, axis: str) -> None:
 
 
 def _put_delta(job: Import, printer: Section) -> None:
-    radius = _needed(printer, "delta_radius")
+    radius = printer.needed("delta_radius")
     towers = [job.required(f"stepper_{letter}") for letter in "abc"]
-    first = _needed(towers[0], "arm_length")
+    first = towers[0].needed("arm_length")
     rods = [tower.number("arm_length", first) or first for tower in towers]
     angles = [tower.number("angle", usual) for tower, usual in zip(towers, _ANGLES, strict=True)]
     put, limit = job.draft.put, printer.number("print_radius", radius)
@@ -135,6 +146,20 @@ def _put_motors(job: Import, section: Section, letter: str, motor: str) -> None:
     _put_homing(job, sections, names, letter, motor)
 
 
+def _put_arm(job: Import, section: Section, name: str) -> None:
+    """Imports the motor of an arm, whose scale follows from its gears. Klipper counts its angle the
+    other way round."""
+    first = job.required("stepper_a")
+    steps = _put_whole(job, section, name, first)
+    ratio = _gear_ratio(section if "gear_ratio" in section.options else first)
+    path, place = ("steppers", name), section.at("gear_ratio")
+    job.draft.put((*path, "steps_per_degree"), float(f"{steps * ratio / 360:.10g}"), place)
+    _put_pins(job, section, name, first)
+    inverted = (*path, "invert") not in job.draft.keys
+    job.draft.keys.pop((*path, "invert"), None)
+    job.draft.put((*path, "invert"), inverted or None, section.at("dir_pin"))
+
+
 def put_stepper(job: Import, section: Section, name: str, first: Section) -> None:
     """Imports a motor with its pins, scale and driver. A further motor of an axis takes missing
     options from the `first`."""
@@ -142,19 +167,35 @@ def put_stepper(job: Import, section: Section, name: str, first: Section) -> Non
     put = job.draft.put
     distance = section.number("rotation_distance") or first.number("rotation_distance")
     if distance is None:
-        raise _missing(section, "rotation_distance")
+        raise section.missing("rotation_distance")
     put((*path, "rotation_distance_mm"), distance, section.at("rotation_distance"))
-    for option, maximum in _WHOLE.items():
-        source = section if option in section.options else first
-        section.used.add(option)
-        put((*path, option), source.whole(option, 1, maximum), source.at(option))
+    _put_whole(job, section, name, first)
     ratio = _gear_ratio(section if "gear_ratio" in section.options else first)
     if ratio != 1.0:
         put((*path, "gear_ratio"), ratio, section.at("gear_ratio"))
+    _put_pins(job, section, name, first)
+
+
+def _put_whole(job: Import, section: Section, name: str, first: Section) -> int:
+    """Imports the steps of a motor, and returns how many a rotation has."""
+    steps = 1
+    for option, (maximum, usual) in _WHOLE.items():
+        source = section if option in section.options else first
+        section.used.add(option)
+        value = source.whole(option, 1, maximum)
+        job.draft.put(("steppers", name, option), value, source.at(option))
+        steps *= value or usual
+    return steps
+
+
+def _put_pins(job: Import, section: Section, name: str, first: Section) -> None:
+    """Imports the pins and the driver of a motor."""
+    path: KeyPath = ("steppers", name)
+    put = job.draft.put
     direction = job.pins.of(section, "dir_pin")
     step = job.pins.of(section, "step_pin")
     if step is None or direction is None:
-        raise _missing(section, "step_pin" if step is None else "dir_pin")
+        raise section.missing("step_pin" if step is None else "dir_pin")
     put((*path, "step_pin"), step, section.at("step_pin"))
     put((*path, "direction_pin"), direction.replace("!", ""), section.at("dir_pin"))
     put((*path, "invert"), "!" in direction or None, section.at("dir_pin"))
@@ -237,7 +278,7 @@ def _put_homing(
         return
     found = first.option("endstop_pin")
     if found is None:
-        raise _missing(first, "endstop_pin")
+        raise first.missing("endstop_pin")
     pin = job.pins.pin(first, "endstop_pin", found)
     if pin is None:
         return
@@ -245,7 +286,7 @@ def _put_homing(
     towers = (job.config.get("stepper_a") or first) if letter in "abc" else first
     position = first.number("position_endstop", towers.number("position_endstop"))
     if position is None:
-        raise _missing(first, "position_endstop")
+        raise first.missing("position_endstop")
     put((*path, "direction"), _direction(job, first, letter, position), place)
     if letter in "abc":
         position = _carriage_mm(job, first, position)
@@ -300,7 +341,7 @@ def _direction(job: Import, section: Section, letter: str, position: float) -> s
         return "max"
     if "homing_positive_dir" in section.options:
         return "max" if section.flag("homing_positive_dir", False) else "min"
-    low, high = section.number("position_min", 0.0), _needed(section, "position_max")
+    low, high = section.number("position_min", 0.0), section.needed("position_max")
     assert low is not None
     return "min" if position <= (low + high) / 2 else "max"
 
@@ -309,8 +350,8 @@ def _carriage_mm(job: Import, section: Section, height: float) -> float:
     """The height of a carriage at its endstop, mm: the nozzle height plus the rise of the rod with
     the nozzle in the middle."""
     first = job.required("stepper_a")
-    rod = section.number("arm_length", _needed(first, "arm_length"))
-    radius = _needed(job.required("printer"), "delta_radius")
+    rod = section.number("arm_length", first.needed("arm_length"))
+    radius = job.required("printer").needed("delta_radius")
     assert rod is not None
     if rod <= radius:
         raise bad(section.at("arm_length"), "arm_length", f"{rod:g}", f"more than {radius:g}")
@@ -368,23 +409,8 @@ def _gear_ratio(section: Section) -> float:
     return ratio
 
 
-def _needed(section: Section, name: str) -> float:
-    value = section.number(name)
-    if value is None:
-        raise _missing(section, name)
-    return value
-
-
 def _positive(section: Section, name: str) -> float:
-    value = _needed(section, name)
+    value = section.needed(name)
     if value <= 0:
         raise bad(section.at(name), f"{name} in [{section.name}]", f"{value:g}", "more than 0")
     return value
-
-
-def _missing(section: Section, name: str) -> ConfigError:
-    place = section.place
-    key = f"{name} in [{section.name}]"
-    return ConfigError.of(
-        "config.missing-key", place.file, place.line, key=key, limit="the option that Klipper needs"
-    )
