@@ -3,6 +3,7 @@
 # make test   every test             make check  linters, types, layers, formatting
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make soak   memory over a day, in scaled time
+# make faults 200 power cuts and 200 lost links with motion filters on
 # make corpus DIR=...                print a folder of real files
 # make import DIR=...                import a folder of configurations of other firmwares
 # make web    builds the page             make wheel  a wheel with the page, in dist/
@@ -29,7 +30,7 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo serve web wheel test check bench soak fuzz corpus import sizes reference stub format clean
+.PHONY: demo serve web wheel test check bench soak faults fuzz corpus import sizes reference stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -86,6 +87,9 @@ bench: .venv/.built .venv/.dev
 
 soak: .venv/.built
 	$(BIN)/python bench/soak.py
+
+faults: .venv/.built
+	$(BIN)/python bench/faults.py
 
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
+from tests.support.disturbed_prints import steps
 from tests.support.scenario import Scenario
 
 from passo import config
@@ -177,3 +178,19 @@ def test_m900_in_mid_print_stops_nothing(machine):
     without = "\n".join(line for line in PART.splitlines() if not line.startswith("M900"))
     plain = moves("G1 X50 Y50 F6000\n" + without + "\n")
     assert [speed > 0 for speed in with_advances] == [speed > 0 for speed in plain]
+
+
+def test_shapers_changed_in_mid_print_shift_nothing():
+    def ends(*changes):
+        with Scenario("i3") as s:
+            s.host.ok("G28", 60)
+            for i, change in enumerate(changes):
+                s.host.ok(f"G1 X{20 + i % 2 * 60} Y{30 + i * 7} F9000")
+                s.host.ok(f"G1 X{30 + i % 2 * 60}")
+                s.host.ok(change)
+                s.host.ok(f"G1 X{40 + i % 2 * 20} Y{20 + i * 7}")
+            s.host.ok("M400", 60)
+            return steps(s), s.host.ok("M114")
+
+    changes = ("M593 F45", "M593 X F30", 'M593 Y P"ei"', "M900 K0.1", "M593 F0", "M593 Z F60")
+    assert ends(*changes) == ends(*["M400"] * len(changes))

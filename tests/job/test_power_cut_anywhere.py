@@ -7,6 +7,7 @@ import shutil
 from bisect import bisect_right
 
 import pytest
+from tests.job.test_filtered_prints import DELAY_S, FILTERED
 from tests.job.test_journal import journal_of
 from tests.support.scenario import Scenario
 
@@ -16,7 +17,7 @@ from passo.motion.motion_queue import TICK_S
 
 # Power cuts of each machine: while it homes and warms up, and while it prints. What the file itself
 # makes different is found on the first; the others add their geometry, or their tools.
-CUTS = {"i3": (10, 50), "corexy": (5, 15), "delta": (5, 15), "dual-extruder": (5, 15)}
+CUTS = {"i3": (10, 40), "corexy": (5, 15), "delta": (5, 15), "dual-extruder": (5, 15)}
 HORIZON_S = EVERY_S + 2 * TICK_S  # between two records, each noticed a tick late at most
 SPEED_MM_S = 50.0
 Z_MM_S = 10.0
@@ -60,10 +61,13 @@ TEXT, ENDS = rings()
 
 class Cuts:
     """One print of a machine, and what the power would leave of it at random instants: what is on
-    the disk, and where the motors are."""
+    the disk, and where the motors are. `counts`: instants while it homes and warms up, and while it
+    prints. With filters the motors follow the plan `delay_s` later, and the filament leads by up to
+    `lead_mm`."""
 
-    def __init__(self, name, directory):
-        self.machine, self.directory = config.load(name), directory
+    def __init__(self, machine, counts, seed, directory, delay_s=0.0, lead_mm=0.0):
+        self.machine, self.directory = machine, directory
+        self.delay_s, self.lead_mm = delay_s, lead_mm
         (directory / "card").mkdir()
         (directory / "card" / "rings.gcode").write_text(TEXT)
         self.starts, self.clocks, self.left = [], [], []
@@ -74,8 +78,8 @@ class Cuts:
             prints, ends = s.loop.time() - begun, self.ended(s) - begun
             self.end = self.nozzle(s)
             self.targets = {n: h.target for n, h in s.printer.connection.heaters.items()}
-        generator = random.Random(name)
-        before, printing = CUTS[name]
+        generator = random.Random(seed)
+        before, printing = counts
         instants = [generator.uniform(0, prints) for _ in range(before)]
         instants += [generator.uniform(prints, ends) for _ in range(printing)]
         with self.printer("cut") as s:
@@ -114,9 +118,9 @@ class Cuts:
 
     def z_off_mm(self, number):
         """How far Z may be from where it is kept: what it goes from one look at it to the next."""
-        under_way = {self.line_at(number, ago) for ago in (0, 2 * TICK_S)}
+        under_way = {self.line_at(number, ago) for ago in (0, 2 * TICK_S + self.delay_s)}
         moves = any("Z" in TEXT.split("\n")[line - 1] for line in under_way)
-        return 0.03 + (Z_MM_S * TICK_S if moves else 0.0)
+        return 0.03 + (Z_MM_S * (TICK_S + self.delay_s) if moves else 0.0)
 
     def line_at(self, number, ago_s):
         """The line whose move was under way so long before a cut; 0: none."""
@@ -140,7 +144,8 @@ def goes_on(cuts, number):
         answer = s.host.expect("echo:Printing rings.gcode from", 100)
         found = re.search(r" from line (\d+)$", answer)
         line = int(found[1]) if found else 0
-        assert cuts.line_at(number, HORIZON_S) <= line <= cuts.line_at(number, 0), number
+        earliest = cuts.line_at(number, HORIZON_S + cuts.delay_s)
+        assert earliest <= line <= cuts.line_at(number, 0), number
         begins, primed, z_off_mm = 0.0, 0.0, 0.03
         if line:
             *place, begins = ENDS.get(line - 1, (*cuts.machine.home_point, 0.0))
@@ -148,7 +153,7 @@ def goes_on(cuts, number):
             reached(s, place, z_off_mm)
             again = pushed - begins
             most = max(abs(mm) for mm in SIDES_MM) + HORIZON_S * SPEED_MM_S
-            assert -STEP_MM <= again <= most * FILAMENT, number
+            assert -STEP_MM <= again <= most * FILAMENT + cuts.lead_mm, number
             assert s.board.temperature("hotend") > 43
         assert cuts.filament(s) == pytest.approx(primed, abs=STEP_MM), number
         cuts.ended(s)
@@ -160,11 +165,29 @@ def goes_on(cuts, number):
     return line
 
 
+def filtered_cuts(machine, seed, printing, directory):
+    """Cuts of a print with all filters of FILTERED."""
+    advance_s = next(iter(machine.extruders.values())).advance_s
+    lead_mm = advance_s * SPEED_MM_S * FILAMENT
+    return Cuts(machine, (2, printing), seed, directory, DELAY_S, lead_mm)
+
+
+def all_resumed(cuts):
+    """The lines with which the print continues after each cut."""
+    lines = [goes_on(cuts, number) for number in range(len(cuts.left))]
+    assert lines == sorted(lines)
+    return lines
+
+
 @pytest.mark.parametrize("machine", CUTS)
 def test_resume_skips_nothing_and_repeats_at_most_a_horizon(machine, tmp_path):
-    cuts = Cuts(machine, tmp_path)
-    before, printing = CUTS[machine]
-    lines = [goes_on(cuts, number) for number in range(before + printing)]
-    assert lines == sorted(lines)
+    _, printing = CUTS[machine]
+    lines = all_resumed(Cuts(config.load(machine), CUTS[machine], machine, tmp_path))
     assert lines[0] == 0
     assert len(set(lines)) > printing / 4
+
+
+def test_filtered_print_resumes_where_it_was_cut(tmp_path):
+    """With shaped axes and an advanced extruder; bench/faults.py makes more cuts."""
+    lines = all_resumed(filtered_cuts(FILTERED, 1, 5, tmp_path))
+    assert len(set(lines)) > 2

@@ -190,6 +190,40 @@ def test_axis_without_a_filter_is_only_delayed():
         assert all(abs(b + delay - a) <= 64 for (b, _), (a, _) in zip(wanted, found, strict=True))
 
 
+def test_smoothing_alone_does_not_move_the_filament():
+    path = list(print_path(7, 40))
+    plain, _ = plan(machines.cartesian(), path)
+    smoothed, _ = plan(filtered(smooth=0.2), path)
+    wanted = executed.executed_ticks(plain.take_messages(), 3)
+    found = executed.executed_ticks(smoothed.take_messages(), 3)
+    delay = delay_of(NONE, half=0.1)
+    assert [d for _, d in wanted] == [d for _, d in found]
+    assert all(abs(b + delay - a) <= 64 for (b, _), (a, _) in zip(wanted, found, strict=True))
+
+
+def test_motors_of_one_extruder_are_advanced_alike():
+    spec = filtered(smooth=0.04, advance=0.05, knees=KNEES)
+    spec["steppers"] = [*spec["steppers"], machines.stepper("e_2", "extruder", 0, SCALES[3])]
+    motion, _ = plan(spec, print_path(4, 20))
+    messages = motion.take_messages()
+    first = executed.executed_ticks(messages, 3)
+    assert len(first) > 100
+    assert executed.executed_ticks(messages, 4) == first
+
+
+def test_wipe_while_retracting_is_not_advanced():
+    """With an advance far too large for the extruder, which is as fast as it may be."""
+    spec = machines.cartesian()
+    spec["extruders"][0] |= {"speed": 8.0, "accel": 500.0}
+    line, wipe = [40.0, 0.0, 0.0, 2.0], [36.0, 1.0, 0.0, 1.0]
+    path = [(line, 100.0, "print", 0.0), (wipe, 100.0, "print", 0.0)]
+    motion, moves = plan(filtered(spec, smooth=0.04, advance=1.5), path)
+    assert [m.advance_s for m in moves] == [1.5, 0.0]
+    ticks = executed.executed_ticks(motion.take_messages(), 3)
+    closest = min(b - a for (a, d), (b, e) in pairwise(ticks) if d == e)
+    assert closest > 0.95 * HZ / (8.0 * SCALES[3])
+
+
 EVERY = {
     "x": impulses("mzv", 40.0, 0.1),
     "y": impulses("3hump_ei", 30.0, 0.05),
