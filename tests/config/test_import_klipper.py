@@ -666,6 +666,12 @@ def test_stored_skew_is_a_command_of_the_report(load) -> None:
     assert any("M852 I-0.017 J0 K0" in text for text in remarks(draft, "decide"))
 
 
+def test_board_on_a_can_bus_needs_usb(tmp_path: Path) -> None:
+    path = tmp_path / "printer.cfg"
+    path.write_text(f"{BASE}[mcu head]\ncanbus_uuid: 0e0d81e4210c\n", encoding="utf-8")
+    assert any("does not use CAN" in text for text in remarks(imported(path), "decide"))
+
+
 def test_board_is_known_by_its_pins(load) -> None:
     """BASE without its second motor of Z is wired as a board of Creality."""
     second = BASE[BASE.index("[stepper_z1]") : BASE.index("[extruder]")]

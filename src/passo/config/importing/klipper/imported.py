@@ -19,6 +19,12 @@ from passo.config.importing.klipper.others import OPTIONS, OTHERS
 from passo.config.importing.klipper.pins import MAIN, Pins, clock_hz
 
 _BAUD = 250_000
+_CAN = "canbus_uuid"
+_NO_PORT = {  # what to do, by whether the board is on a CAN bus
+    False: "Passo reaches a board over a serial port or TCP: set link and port by hand",
+    True: "Passo does not use CAN: flash Klipper's firmware for USB to this board, connect its USB "
+    "port to the computer, and set link and port",
+}
 # Options with values that Passo determines itself, or that have no meaning in Passo.
 _SILENT = {
     "printer": {"max_accel_to_decel"},
@@ -67,8 +73,7 @@ def _put_boards(job: Import) -> None:
             baud = section.whole("baud", 1200, 4_000_000) or _BAUD
             draft.put((*path, "baud"), baud, section.at("baud"))
         else:
-            text = "Passo reaches a board over a serial port or TCP: set link and port by hand"
-            draft.decide(section.place, f"[{section.name}]", text)
+            draft.decide(section.place, f"[{section.name}]", _NO_PORT[_CAN in section.options])
             section.used.update(section.options)
         if known:
             continue
