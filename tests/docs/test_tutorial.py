@@ -1,4 +1,4 @@
-"""What docs/tutorial/one-line.md shows is what its commands print, one after the other."""
+"""What the pages of docs/tutorial/ show is what their commands print, one after the other."""
 
 from __future__ import annotations
 
@@ -8,8 +8,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tutorial" / "one-line.md").read_text(encoding="utf-8")
-BLOCK = re.compile(r"`([\w.]+)`[^`]*?```(?:gcode|python)\n(.*?)```|```console\n(.*?)```", re.DOTALL)
+import pytest
+
+PAGES = Path(__file__).parents[2] / "docs" / "tutorial"
+BLOCK = re.compile(
+    r"`([\w.]+)`[^`]*?```(?:gcode|python|toml)\n(.*?)```|```console\n(.*?)```", re.DOTALL
+)
 
 
 def commands(block: str) -> list[tuple[str, list[str]]]:
@@ -23,7 +27,16 @@ def commands(block: str) -> list[tuple[str, list[str]]]:
     return found
 
 
-def test_each_command_prints_what_is_shown(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("page", "written", "lines_shown"),
+    [
+        ("one-line.md", ["first.gcode", "first.py", "talk.gcode"], 29),
+        ("ringing.md", ["spring.toml", "corner.gcode", "compare.py"], 10),
+    ],
+)
+def test_each_command_prints_what_is_shown(
+    page: str, written: list[str], lines_shown: int, tmp_path: Path
+) -> None:
     for word, module in (("passo", "-m passo"), ("python", "")):
         script = tmp_path / word
         script.write_text(f'#!/bin/sh\nexec "{sys.executable}" {module} "$@"\n')
@@ -31,7 +44,7 @@ def test_each_command_prints_what_is_shown(tmp_path: Path) -> None:
     environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "PYTHONUTF8": "1"}
     files: list[str] = []
     shown = 0
-    for name, text, block in BLOCK.findall(PAGE):
+    for name, text, block in BLOCK.findall((PAGES / page).read_text(encoding="utf-8")):
         if text:
             (tmp_path / name).write_text(text, encoding="utf-8")
             files.append(name)
@@ -50,5 +63,5 @@ def test_each_command_prints_what_is_shown(tmp_path: Path) -> None:
             for line in lines:
                 assert line in printed, (command, line, told.stdout)
                 shown += 1
-    assert files == ["first.gcode", "first.py", "talk.gcode"]
-    assert shown == 29
+    assert files == written
+    assert shown == lines_shown

@@ -173,7 +173,7 @@ def _corner(found: Laboratory, plain: ShownCorner) -> str:
 
 
 def _trade(found: Laboratory) -> str:
-    """Each trial as a point: corners rounded, ringing on the mean of on and off tune."""
+    """Each shaper as a point: corners rounded, the mean of ringing on tune and off tune."""
     points = [
         (
             trial.quality.rounding_um,
@@ -181,7 +181,7 @@ def _trade(found: Laboratory) -> str:
             trial.name,
         )
         for trial in found.trials
-        if "advance" not in trial.name
+        if "advance" not in trial.name and "junction" not in trial.name
     ]
     x_step = round_step(max(x for x, _, _ in points) or 1.0, 5)
     y_step = round_step(max(y for _, y, _ in points) or 1.0, 5)
@@ -204,17 +204,15 @@ def _trade(found: Laboratory) -> str:
         f"{label(v, x_step)}</text>"
         for v in ticks(0, x_most, x_step)
     )
-    dots, taken = "", list[tuple[float, float]]()
-    for x, y, name in sorted(points, key=lambda p: -p[1]):
-        px, py = at(x, y)
-        text_y = py - 8
-        while any(abs(px - qx) < 90 and abs(text_y - qy) < 13 for qx, qy in taken):
-            text_y -= 13
-        taken.append((px, text_y))
-        side = "end" if px > left + 0.7 * wide else "start"
+    placed = [at(x, y) for x, y, _ in points]
+    taken = [(px - 5, py - 5, px + 5, py + 5) for px, py in placed]
+    dots = ""
+    for (px, py), (_, _, name) in zip(placed, points, strict=True):
+        text_x, text_y, anchor, box = _free_place(px, py, name, taken, left + wide)
+        taken.append(box)
         dots += (
             f'<circle class="c0" cx="{px:.1f}" cy="{py:.1f}" r="4.5"/>'
-            f'<text class="name" x="{px:.1f}" y="{text_y:.1f}" text-anchor="{side}">'
+            f'<text class="name" x="{text_x:.1f}" y="{text_y:.1f}" text-anchor="{anchor}">'
             f"{escape(name)}</text>"
         )
     under = (
@@ -231,6 +229,35 @@ def _trade(found: Laboratory) -> str:
         f"{drawing}\n<p>Near the lower left corner is best. Ringing is the mean of that on tune and"
         " 10 % off tune.</p>\n",
     )
+
+
+_Box = tuple[float, float, float, float]
+
+
+def _free_place(
+    x: float, y: float, text: str, taken: Sequence[_Box], most_x: float
+) -> tuple[float, float, str, _Box]:
+    """Where a label next to a point covers nothing: X, Y, anchor, and the box that it takes."""
+    wide = 6.8 * len(text)
+    places = [
+        (x + across, y + down, anchor, (left, y + down - 11, left + wide, y + down + 3))
+        for across, anchor, down, left in (
+            (8, "start", 4, x + 8),
+            (0, "middle", -9, x - wide / 2),
+            (0, "middle", 18, x - wide / 2),
+            (-8, "end", 4, x - 8 - wide),
+            (6, "start", -20, x + 6),
+            (6, "start", 30, x + 6),
+            (-6, "end", -20, x - 6 - wide),
+        )
+    ]
+
+    def covers(box: _Box) -> int:
+        x0, y0, x1, y1 = box
+        hits = sum(x0 < b[2] and x1 > b[0] and y0 < b[3] and y1 > b[1] for b in taken)
+        return hits + (x1 > most_x + 20)
+
+    return min(places, key=lambda place: covers(place[3]))
 
 
 # -- small charts, one for each trial -------------------------------------------------------------

@@ -32,7 +32,7 @@ WEIGHTS: dict[Weight, str] = {
 """What a user may want most, in words."""
 
 _HEAVY = 4.0  # the wanted criterion counts as much as this many others
-_LONGER = 10.0  # a print that is 1/10 longer costs as much as the worst ringing of all
+_LONGER = 0.5  # a print that is longer by this fraction costs as much as the worst ringing of all
 _SLOWER = 0.9
 _ADVANCED: ShaperType = "mzv"  # is also printed with advance
 
@@ -129,15 +129,15 @@ class Laboratory:
     def scores(self) -> list[float]:
         """The cost of each trial; the least is best. Ringing (the mean of that on tune and off
         tune), rounding of corners and width error count as fractions of the largest one of all
-        trials, and time by how much longer a print is than the shortest one: a tenth counts 1. The
-        wanted criterion counts four times."""
+        trials, and time by how much longer a print is than the shortest one: half as long again
+        counts 1, as does more. The wanted criterion counts four times."""
         shortest = min(trial.print_time_s for trial in self.trials) or 1.0
         ringing = [t.quality.ringing_rms_um + t.off_tune_rms_um for t in self.trials]
         columns: dict[Weight, list[float]] = {
             "ringing": _relative(ringing),
             "corners": _relative([t.quality.rounding_um for t in self.trials]),
             "lines": _relative([t.quality.width_error for t in self.trials]),
-            "time": [_LONGER * (t.print_time_s / shortest - 1) for t in self.trials],
+            "time": [min((t.print_time_s / shortest - 1) / _LONGER, 1.0) for t in self.trials],
         }
         factors = {name: _HEAVY if name == self.weight else 1.0 for name in columns}
         counted = ([factors[n] * value for value in column] for n, column in columns.items())
