@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.support.raw_board import RawBoard
 
-from passo.board.accelerometers import decoded
+from passo.resonance.measurement import decoded
 
 PINS = {"select": "PB4", "miso": "PE5", "mosi": "PH5", "clock": "PH6"}
 REST = 20_000

@@ -129,7 +129,7 @@ def test_the_firmware_measures_as_the_model_of_the_board(chip: str, files: Path)
     assert max(abs(float(row[2])) for row in rows[1:]) < 300
 
 
-def test_what_is_wrong_is_told() -> None:
+def test_what_is_wrong_is_told(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Scenario(machine(50, 35)) as s:
         chip = s.printer.board.boards[""].accelerometers[0]
         (text,) = answers(s, "TEST_RESONANCES AXIS=X")
@@ -144,6 +144,10 @@ def test_what_is_wrong_is_told() -> None:
         assert "the accelerometer ADXL345 at " in text and "does not answer" in text
         assert "Check that it is plugged in" in text
         chip.plugged = True
+        (files / "numpy.py").write_text("raise ModuleNotFoundError(name='numpy')")
+        monkeypatch.setenv("PYTHONPATH", str(files))
+        (text,) = answers(s, "MEASURE_AXES_NOISE")
+        assert "pip install 'passo[resonance]'" in text
         x, y, z = s.positions()["x"], s.positions()["y"], s.positions()["z"]
         s.host.send("TEST_RESONANCES AXIS=1,1 NAME=c")
         s.host.expect("Testing axis axis=0.707,0.707,0.000", 60)

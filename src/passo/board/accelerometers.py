@@ -2,50 +2,37 @@
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from statistics import fmean
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
+from passo.resonance.measurement import SAMPLE_BYTES, AccelerometerChip, Measurement
 
 if TYPE_CHECKING:
     from passo.board.connection import Connection
-    from passo.board.description import Accelerometer, AccelerometerChip
+    from passo.board.description import Accelerometer
     from passo.board.exchange import Values
 
-_GRAVITY_MM_S2 = 9806.65
-_LIS_UNIT = 0.001952 / 4 * _GRAVITY_MM_S2
 _READ = 0x80
 _RESTS = 4  # the board empties the FIFO of the chip each time it has this number of samples
 _SEQUENCES = 1 << 16
 _BLOCK_BYTES = 51
 _SLOW = 2.0  # a status that took this many times as long as the quickest one has no exact clock
 
-Axes = Sequence[tuple[int, int]]
-Acceleration = tuple[float, float, float]
-
 
 @dataclass(frozen=True, slots=True)
 class Chip:
     """A kind of accelerometer: the register and the value of its identity, its rates in samples a
-    second with the register and the value of each, the bytes of a sample on the wire, mm/s² in a
-    unit of each axis, the registers for its setup, and the register and the value that stop it. Its
-    rate or `measure` starts it."""
+    second with the register and the value of each, the registers for its setup, and the register
+    and the value that stop it. Its rate or `measure` starts it."""
 
     identity: tuple[int, int]
     rates: Mapping[int, tuple[int, int]]
-    sample_bytes: int
-    units: Acceleration
     setup: tuple[tuple[int, int], ...]
     measure: tuple[tuple[int, int], ...]
     stop: tuple[int, int]
-
-    @property
-    def block_samples(self) -> int:
-        """The number of samples in a block."""
-        return _BLOCK_BYTES // self.sample_bytes
 
 
 # ADXL345: POWER_CTL 0x2D, DATA_FORMAT 0x31 (full resolution, 16 g), FIFO_CTL 0x38 (stream), BW_RATE
@@ -55,8 +42,6 @@ CHIPS: dict[AccelerometerChip, Chip] = {
     "adxl345": Chip(
         (0x00, 0xE5),
         {3200: (0x2C, 0x0F), 1600: (0x2C, 0x0E), 800: (0x2C, 0x0D)},
-        5,
-        (0.003774 * _GRAVITY_MM_S2, 0.003774 * _GRAVITY_MM_S2, 0.003906 * _GRAVITY_MM_S2),
         ((0x2D, 0x00), (0x31, 0x0B), (0x38, 0x00), (0x38, 0x90)),
         ((0x2D, 0x08),),
         (0x2D, 0x00),
@@ -64,66 +49,11 @@ CHIPS: dict[AccelerometerChip, Chip] = {
     "lis2dw": Chip(
         (0x0F, 0x44),
         {1600: (0x20, 0x94), 800: (0x20, 0x84)},
-        6,
-        (_LIS_UNIT, _LIS_UNIT, _LIS_UNIT),
         ((0x20, 0x00), (0x21, 0x04), (0x25, 0x34), (0x2E, 0x00), (0x2E, 0xC0)),
         (),
         (0x20, 0x00),
     ),
 }
-
-
-def decoded(chip: AccelerometerChip, data: bytes, axes: Axes) -> list[Acceleration]:
-    """The samples in `data`, mm/s² along X, Y and Z of the machine; those that the board has marked
-    as disturbed repeat the one before them."""
-    of = CHIPS[chip]
-    (x, sx), (y, sy), (z, sz) = ((i, sign * of.units[i]) for i, sign in axes)
-    found: list[Acceleration] = []
-    last = (0.0, 0.0, 0.0)
-    if chip == "lis2dw":
-        for raw in struct.iter_unpack("<hhh", data):
-            found.append((raw[x] * sx, raw[y] * sy, raw[z] * sz))
-        return found
-    for low_x, low_y, low_z, xz, yz in struct.iter_unpack("5B", data):
-        if not yz & 0x80:
-            raw = (
-                (low_x | (xz & 0x1F) << 8) - ((xz & 0x10) << 9),
-                (low_y | (yz & 0x1F) << 8) - ((yz & 0x10) << 9),
-                (low_z | (xz & 0xE0) << 3 | (yz & 0x60) << 6) - ((yz & 0x40) << 7),
-            )
-            last = raw[x] * sx, raw[y] * sy, raw[z] * sz
-        found.append(last)
-    return found
-
-
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """Samples as the board has sent them, decoded by `decoded`. The first one was taken at
-    `start_s` of print time, and there are `rate_hz` in a second of print time."""
-
-    chip: AccelerometerChip
-    axes: Axes
-    data: bytes
-    start_s: float
-    rate_hz: float
-
-    @property
-    def count(self) -> int:
-        """The number of samples."""
-        return len(self.data) // CHIPS[self.chip].sample_bytes
-
-    def samples(self) -> list[Acceleration]:
-        """All samples, mm/s²."""
-        return decoded(self.chip, self.data, self.axes)
-
-    def between(self, start_s: float, end_s: float) -> Measurement:
-        """The samples within a span of print time."""
-        first = max(0, round((start_s - self.start_s) * self.rate_hz))
-        last = max(first, round((end_s - self.start_s) * self.rate_hz))
-        size = CHIPS[self.chip].sample_bytes
-        data = self.data[first * size : last * size]
-        start_s = self.start_s + first / self.rate_hz
-        return Measurement(self.chip, self.axes, data, start_s, self.rate_hz)
 
 
 class AccelerometerReader:
@@ -134,6 +64,8 @@ class AccelerometerReader:
     def __init__(self, connection: Connection, part: Accelerometer, base: int) -> None:
         self._connection, self._part, self._base = connection, part, base
         self._chip = CHIPS[part.chip]
+        self._sample_bytes = SAMPLE_BYTES[part.chip]
+        self._block_samples = _BLOCK_BYTES // self._sample_bytes
         self._rate_hz = part.rate_hz or max(self._chip.rates)
         self._oid = connection.oids.accelerometers[part.spi]
         self._spi = connection.oids.spi_devices[part.spi]
@@ -178,7 +110,7 @@ class AccelerometerReader:
         self._query(0)
         self._take()
         data = b"".join(self._blocks)
-        count = len(data) // self._chip.sample_bytes
+        count = len(data) // self._sample_bytes
         start, rate_hz = self._times()
         if count < 2 or rate_hz <= 0:
             raise CommandError.of("resonance.short", value=count, limit=2)
@@ -209,11 +141,11 @@ class AccelerometerReader:
     def _take_block(self, values: Values) -> None:
         data, sequence = values["data"], values["sequence"]
         assert isinstance(data, bytes) and isinstance(sequence, int)
-        size = self._chip.block_samples * self._chip.sample_bytes
+        size = self._block_samples * self._sample_bytes
         missing = (sequence - len(self._blocks)) % _SEQUENCES
         if missing >= _SEQUENCES // 2:
             return  # of an earlier measurement
-        self.lost += missing * self._chip.block_samples
+        self.lost += missing * self._block_samples
         self._blocks += [self._blocks[-1] if self._blocks else bytes(size)] * missing
         self._blocks.append(data)
 
@@ -223,7 +155,7 @@ class AccelerometerReader:
         )
         blocks = len(self._blocks) + (sequence - len(self._blocks) + _SEQUENCES // 2) % _SEQUENCES
         blocks -= _SEQUENCES // 2
-        samples = blocks * self._chip.block_samples + buffered // self._chip.sample_bytes
+        samples = blocks * self._block_samples + buffered // self._sample_bytes
         main = self._connection.main_clock(clock & 0xFFFFFFFF)
         self._points.append((main - self._base, samples, ticks))
 

@@ -12,8 +12,8 @@ from typing import Literal, TypeAlias
 from passo import _core
 from passo.board.trinamic.settings import DriverSettings
 from passo.config.pin_names import named_on
+from passo.resonance.measurement import AccelerometerChip
 
-AccelerometerChip: TypeAlias = Literal["adxl345", "lis2dw"]
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
 

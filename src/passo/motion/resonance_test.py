@@ -9,12 +9,13 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from passo._core import Within
-from passo.board.accelerometers import AccelerometerReader, Measurement
+from passo.board.accelerometers import AccelerometerReader
 from passo.config.motor_roles import axis_order
 from passo.config.shapers import Impulses
 from passo.errors import CommandError
 from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
 from passo.resonance.excitation import Excitation, shaped, swings
+from passo.resonance.measurement import Measurement
 
 if TYPE_CHECKING:
     from passo.errors import Problem

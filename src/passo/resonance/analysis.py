@@ -6,26 +6,23 @@ import asyncio
 import json
 import subprocess
 import sys
-from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
 from passo.config.shapers import ShaperType
 from passo.errors import CommandError
+from passo.resonance.measurement import Measurement
 
 _MAX_HZ = 200.0
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One measurement: X, Y, Z of each sample, one after the other, in mm/s²; the first one at
-    `start_s`. It is an error if their root mean square is below `least_mm_s2`. `raw` and `spectrum`
-    are paths without their ending, empty for no file."""
+    """A measurement to analyse. It is an error if the root mean square of its accelerations is
+    below `least_mm_s2`. `raw` and `spectrum` are paths without their ending, empty for no file."""
 
-    samples: array[float]
-    start_s: float
-    rate_hz: float
+    measurement: Measurement
     least_mm_s2: float = 0.0
     raw: str = ""
     spectrum: str = ""
@@ -70,9 +67,11 @@ async def analyse(
     order = {
         "runs": [
             {
-                "count": len(run.samples) // 3,
-                "rate_hz": run.rate_hz,
-                "start_s": run.start_s,
+                "chip": run.measurement.chip,
+                "axes": list(run.measurement.axes),
+                "bytes": len(run.measurement.data),
+                "rate_hz": run.measurement.rate_hz,
+                "start_s": run.measurement.start_s,
                 "least_mm_s2": run.least_mm_s2,
                 "raw": run.raw,
                 "spectrum": run.spectrum,
@@ -85,7 +84,7 @@ async def analyse(
         "max_smoothing_mm": max_smoothing_mm,
         "max_hz": max_hz,
     }
-    data = json.dumps(order).encode() + b"\n" + b"".join(run.samples.tobytes() for run in runs)
+    data = json.dumps(order).encode() + b"\n" + b"".join(run.measurement.data for run in runs)
     answer = await asyncio.to_thread(_calculated, data)
     fits = tuple(_fitted(row) for row in answer.get("fits", []))
     return Analysis(

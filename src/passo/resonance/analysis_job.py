@@ -1,11 +1,11 @@
 """Calculates spectra in a separate process: `python -m passo.resonance.analysis_job`.
 
-It reads a line with an order in JSON from standard input, then the samples of its runs: three
-numbers of 8 bytes, mm/s² along X, Y and Z, for each. It prints the answer in JSON. The order has
+It reads a line with an order in JSON from standard input, then the bytes of its runs. It prints the
+answer in JSON. The order has
 
-- `runs`: for each run its `count` of samples, `rate_hz`, `start_s`, the acceleration `least_mm_s2`
-  (root mean square) that it must have felt, and the path of its files without their ending, `raw`
-  and `spectrum`, empty for no file;
+- `runs`: for each run its measurement (`chip`, `axes`, `bytes`, `rate_hz`, `start_s`), the
+  acceleration `least_mm_s2` (root mean square) that it must have felt, and the path of its files
+  without their ending, `raw` and `spectrum`, empty for no file;
 - `fit`: whether shapers are fitted to all runs together, `max_smoothing_mm` (or null) and `max_hz`;
 - `files`: the path of the files of the fit, without their ending, or empty; and `title`.
 
@@ -47,6 +47,7 @@ def _answer(source: BinaryIO) -> dict[str, Any]:
 
     from passo.resonance.choice import choose, mean
     from passo.resonance.files import raw_csv, spectrum_csv, spectrum_svg
+    from passo.resonance.measurement import decoded
     from passo.resonance.spectrum import Spectrum, TooShortError, spectrum, window_samples
 
     order: dict[str, Any] = json.loads(source.readline())
@@ -60,10 +61,10 @@ def _answer(source: BinaryIO) -> dict[str, Any]:
     found: list[Spectrum] = []
     noise: list[float] = []
     for run in order["runs"]:
-        count = int(run["count"])
-        samples = np.frombuffer(source.read(24 * count)).reshape(count, 3)
+        rows = decoded(run["chip"], source.read(run["bytes"]), run["axes"])
+        samples = np.array(rows, dtype=np.float64).reshape(-1, 3)
         if run["raw"]:
-            write(run["raw"], ".csv", raw_csv(samples.tolist(), run["start_s"], run["rate_hz"]))
+            write(run["raw"], ".csv", raw_csv(rows, run["start_s"], run["rate_hz"]))
         felt = float(np.sqrt(np.var(samples, axis=0).sum()))
         if felt < run["least_mm_s2"]:
             values = {"value": felt, "limit": run["least_mm_s2"]}
@@ -71,7 +72,7 @@ def _answer(source: BinaryIO) -> dict[str, Any]:
         try:
             measured = spectrum(samples, run["rate_hz"])
         except TooShortError:
-            values = {"value": count, "limit": window_samples(run["rate_hz"])}
+            values = {"value": len(rows), "limit": window_samples(run["rate_hz"])}
             return {"error": "resonance.short", "values": values}
         noise = noise or [float(np.mean(part)) for part in (measured.x, measured.y, measured.z)]
         found.append(measured.normalized())

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import re
 import tempfile
-from array import array
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,10 +22,10 @@ from passo.resonance.analysis import Analysis, Run, analyse
 from passo.resonance.excitation import Excitation
 
 if TYPE_CHECKING:
-    from passo.board.accelerometers import Measurement
     from passo.config.accelerometer import Accelerometer
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
+    from passo.resonance.measurement import Measurement
 
 NO_ACCELEROMETER = "The machine file has no [accelerometer]."
 _QUERY_S, _NOISE_S = 0.5, 2.0
@@ -79,7 +77,7 @@ class ResonanceCommands:
     def _noise(self, _: Command, reply: Reply) -> Wait | None:
         async def run() -> None:
             found = await self._test.still(_NOISE_S)
-            x, y, z = (await analyse([_run(found)], title="")).noise
+            x, y, z = (await analyse([Run(found)], title="")).noise
             reply.say(f"// Axes noise: {x:.6f} (x), {y:.6f} (y), {z:.6f} (z)")
 
         return WaitForProcedure(run)
@@ -114,7 +112,7 @@ class ResonanceCommands:
                 _path(stem, along, name) if stem in outputs else ""
                 for stem in ("raw_data", "resonances")
             )
-            run = _run(found, raw, spectrum, least_mm_s2=_LEAST_SHARE * excitation.rms_mm_s2)
+            run = Run(found, _LEAST_SHARE * excitation.rms_mm_s2, raw, spectrum)
             done = await analyse([run], title=f"Resonances of {along.name.upper()}")
             reply.say(f"// Highest peak at {done.peaks_hz[0]:.1f} Hz")
             _tell_files(done, reply)
@@ -150,7 +148,7 @@ class ResonanceCommands:
             chosen: dict[str, Shaper] = {}
             for one, sweep in zip(along, sweeps, strict=True):
                 found = await self._vibrate(one, sweep, point, False, reply)
-                run = _run(found, least_mm_s2=_LEAST_SHARE * sweep.rms_mm_s2)
+                run = Run(found, _LEAST_SHARE * sweep.rms_mm_s2)
                 chosen[one.name.upper()] = await self._fit(one, run, most, name, reply)
             filters = self._rig.commands.filters
             filters.use_shapers(
@@ -270,11 +268,6 @@ def _named(pairs: dict[str, str]) -> str:
 def _path(stem: str, along: Direction, name: str) -> str:
     """The path of a file without its ending, where Klipper's tools look for it."""
     return str(Path(tempfile.gettempdir()) / f"{stem}_{along.name}_{name}")
-
-
-def _run(found: Measurement, raw: str = "", spectrum: str = "", *, least_mm_s2: float = 0.0) -> Run:
-    samples = array("d", chain.from_iterable(found.samples()))
-    return Run(samples, found.start_s, found.rate_hz, least_mm_s2, raw, spectrum)
 
 
 def _tell_files(done: Analysis, reply: Reply) -> None:
