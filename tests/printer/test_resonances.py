@@ -135,6 +135,9 @@ def test_what_is_wrong_is_told(files: Path, monkeypatch: pytest.MonkeyPatch) -> 
         (text,) = answers(s, "TEST_RESONANCES AXIS=X")
         assert "axis X is not homed" in text
         s.host.ok("G28", 60)
+        for point in ("1,2", "nan,1,2", "a"):
+            (text,) = answers(s, f"SHAPER_CALIBRATE POINT={point}")
+            assert "expected X,Y,Z in mm" in text
         (text,) = answers(s, "TEST_RESONANCES AXIS=Q")
         assert "AXIS is Q: expected X, Y, Z, or a direction such as 1,-1" in text
         *_, text = answers(s, "TEST_RESONANCES AXIS=X POINT=5,100,20")

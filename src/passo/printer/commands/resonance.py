@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -145,18 +146,12 @@ class ResonanceCommands:
         point, name = self._point(pairs), _named(pairs)
 
         async def run() -> None:
-            chosen: dict[str, Shaper] = {}
             for one, sweep in zip(along, sweeps, strict=True):
                 found = await self._vibrate(one, sweep, point, False, reply)
                 run = Run(found, _LEAST_SHARE * sweep.rms_mm_s2)
-                chosen[one.name.upper()] = await self._fit(one, run, most, name, reply)
-            filters = self._rig.commands.filters
-            filters.use_shapers(
-                {
-                    axis: replace(new, damping=filters.shapers[axis].damping)
-                    for axis, new in chosen.items()
-                }
-            )
+                # At once, so that the first axis is done even if the second cannot be measured.
+                shaper = await self._fit(one, run, most, name, reply)
+                self._rig.commands.filters.use_shapers({one.name.upper(): shaper})
             if store and self._state.store_settings is not None:
                 self._state.store_settings()
                 reply.say("// The shapers are in use and stored")
@@ -237,13 +232,15 @@ class ResonanceCommands:
         """X, Y and Z of the nozzle for a measurement, mm. Raises CommandError."""
         if "POINT" in pairs:
             try:
-                x, y, z = (float(part) for part in pairs["POINT"].split(","))
+                point = [float(part) for part in pairs["POINT"].split(",")]
             except ValueError:
+                point = []
+            if len(point) != 3 or not all(map(isfinite, point)):
                 shown = pairs["POINT"][:30]
                 raise CommandError.of(
                     "command.value", axis="POINT", value=shown, limit="X,Y,Z in mm"
-                ) from None
-            return x, y, z
+                )
+            return point
         machine = self._rig.machine
         return self._part.point_of(machine.bed_area_mm, machine.axes["z"].max_mm)
 
