@@ -160,3 +160,16 @@ def test_best_setting_follows_the_weight(weight, best):
     assert found.trials[found.best].name == best
     if best != "fast":
         assert "3.0% longer" in found.reason()
+
+
+def test_laboratory_warns_where_the_head_leaves_the_path(tmp_path):
+    """A head on a very soft belt, in a fast zigzag."""
+    masses = {n: SimulatedMass(frequency_hz=6.0) for n in "xyz"}
+    simulated = _I3.simulated.model_copy(update={"masses": masses})
+    path = tmp_path / "zigzag.gcode"
+    rows = [f"G1 X{20 + 30 * (i % 2)} Y{20 + 5 * i} E1.2\n" for i in range(20)]
+    path.write_text("M83\nG1 X20 Y20 F12000\n" + "".join(rows))
+    found = run_laboratory(_I3.model_copy(update={"simulated": simulated}), path)
+    lost = [line.split(":")[0] for line in found.warnings if "did not follow the file" in line]
+    assert "none" in lost
+    assert "3hump_ei" not in lost

@@ -34,6 +34,7 @@ WEIGHTS: dict[Weight, str] = {
 _HEAVY = 4.0  # the wanted criterion counts as much as this many others
 _LONGER = 0.5  # a print that is longer by this fraction costs as much as the worst ringing of all
 _SLOWER = 0.9
+_LOST = 0.005  # a head that is lost for a smaller fraction of the time needs no warning
 _ADVANCED: ShaperType = "mzv"  # is also printed with advance
 
 
@@ -231,6 +232,12 @@ def run_laboratory(
     if compared is not None:
         plain = found.trials[0].corner
         found.trials.append(_played(machine, path, policy, compared, plain))
+    found.warnings += [
+        f"{trial.name}: the head did not follow the file for {trial.quality.lost:.0%} of the time;"
+        " nothing is measured there"
+        for trial in found.trials
+        if trial.quality.lost > _LOST
+    ]
     return found
 
 
