@@ -153,6 +153,13 @@ void bind_job_settings(JobClass& job) {
             return self.job.motion.planner().advance[extruder];
           },
           "extruder"_a, "The value of set_advance, s.")
+      .def_prop_ro(
+          "filters_delay_s",
+          [](JobView& self) {
+            const Motion& motion = self.job.motion;
+            return motion.delay() / motion.machine().clock_hz;
+          },
+          "The delay of all motors relative to the plan, s, in whole ticks.")
       .def(
           "use_filters",
           [](JobView& self, bool on) {

@@ -66,6 +66,7 @@ Machine machine_of(const nb::dict& spec) {
         get<std::vector<std::vector<std::pair<double, double>>>>(filters, "shapers");
     for (size_t j = 0; j < 3; ++j) m.filters.shapers[j] = shaper_of(shapers.at(j));
     m.filters.smooth_s = get<std::vector<double>>(filters, "smooth_s");
+    if (filters.contains("shaped")) m.filters.shaped = get<std::vector<bool>>(filters, "shaped");
     if (filters.contains("box_s")) m.filters.box_s = get<double>(filters, "box_s");
     const auto advance = get<std::vector<double>>(filters, "advance_s");
     for (size_t i = 0; i < m.extruders.size(); ++i) m.extruders[i].advance_s = advance.at(i);

@@ -12,22 +12,25 @@
 
 namespace passo {
 
-// Adds the impulses that shape the position in a slot; an axis without a shaper is only delayed.
-inline void tap(const Filters& filters, double hz, int slot, Phases* phases, Taps& taps) {
+// Calls add(weight, delay in ticks) for each impulse that shapes the position in a slot; a slot
+// without a shaper is only delayed.
+template <class Add>
+void each_impulse(const Filters& filters, double hz, int slot, Add&& add) {
   const double delay = filters.delay(hz);
-  if (slot > kZ || filters.shapers[slot].empty()) return taps.add(phases, 1, delay);
+  if (slot > kZ || filters.shapers[slot].empty()) return add(1.0, delay);
   const double mean = Filters::mean(filters.shapers[slot]);
   for (const Impulse& impulse : filters.shapers[slot])
-    taps.add(phases, impulse.weight, delay + (impulse.at - mean) * hz);
+    add(impulse.weight, delay + (impulse.at - mean) * hz);
 }
-
+inline void tap(const Filters& filters, double hz, int slot, Phases* phases, Taps& taps) {
+  each_impulse(filters, hz, slot,
+               [&](double weight, double delay) { taps.add(phases, weight, delay); });
+}
 // The same where jerk is limited.
 inline void boxed(const Filters& filters, double hz, int slot, Phases* phases, SmoothLaw& law) {
-  const double delay = filters.delay(hz), box = filters.box_s * hz;
-  if (slot > kZ || filters.shapers[slot].empty()) return law.add(phases, 1, delay, box);
-  const double mean = Filters::mean(filters.shapers[slot]);
-  for (const Impulse& impulse : filters.shapers[slot])
-    law.add(phases, impulse.weight, delay + (impulse.at - mean) * hz, box);
+  each_impulse(filters, hz, slot, [&](double weight, double delay) {
+    law.add(phases, weight, delay, filters.box_s * hz);
+  });
 }
 
 class NozzleLaw {

@@ -69,10 +69,13 @@ class Phases {
     end_with_never(1);
   }
   // From p0 to p1 steps along a move, with `advance` ticks. Phases from `until` on are left out.
-  void add(const Move& m, double p0, double p1, double hz, double advance, double until) {
+  // `share`: of the filament, whose whole speed decides about bends.
+  void add(const Move& m, double p0, double p1, double hz, double advance, double until,
+           double share = 1) {
     const double u = (p1 - p0) / m.d, w = u / hz, ww = w / hz;
     if (m.start > end_ + 0.5) stand();  // there was a pause
     advance_ = advance;
+    share_ = share;
     fresh_ = true;
     double at = m.start, way = 0;
     phase(at, until, p0, w * m.v0, ww * m.a, m.t_acc);
@@ -117,7 +120,7 @@ class Phases {
   std::vector<Bend> bends_;
   bool fresh_ = false;  // fresh_: the next phase is the first one of its move
   size_t n_ = 0;
-  double span_ = 0, end_ = 0, at_end_ = 0, advance_ = 0;
+  double span_ = 0, end_ = 0, at_end_ = 0, advance_ = 0, share_ = 1;
 
   template <class T>
   static void shift(std::vector<T>& x, size_t k, size_t n) {
@@ -142,7 +145,8 @@ class Phases {
     fresh_ = false;
     if (advance_ == 0 || a_ == 0) return;
     for (size_t i = 0; i < bends_.size(); ++i) {
-      const double speed = bends_[a_ > 0 ? i : bends_.size() - 1 - i].speed, u = (speed - v_) / a_;
+      const double speed = bends_[a_ > 0 ? i : bends_.size() - 1 - i].speed * share_;
+      const double u = (speed - v_) / a_;
       if (u > 0 && u < ticks && at + u < until)
         write(at + u, q_ + u * (v_ + 0.5 * a_ * u), speed, a_);
     }
@@ -159,11 +163,13 @@ class Phases {
     if (advances_) {
       const Advanced& before = advanced[b];
       double y = advance_ * v_, slope = advance_ * a_;
-      for (const Bend& bend : bends_)
-        if (v_ > bend.speed || (v_ == bend.speed && a_ > 0)) {
-          y = advance_ * (bend.all + bend.share * (v_ - bend.speed));
+      for (const Bend& bend : bends_) {
+        const double speed = bend.speed * share_;
+        if (v_ > speed || (v_ == speed && a_ > 0)) {
+          y = advance_ * (bend.all * share_ + bend.share * (v_ - speed));
           slope = advance_ * bend.share * a_;
         }
+      }
       advanced[n_] = {y, slope, y - (before.y + before.slope * d), slope - before.slope};
     }
     end_with_never(n_ + 1);

@@ -33,6 +33,7 @@ struct Filters {
   std::vector<double> smooth_s;          // by extruder: half of the width over which the advance is
                                          // smoothed; 0: the extruder has no advance
   std::vector<std::vector<Knee>> knees;  // by extruder, ascending; none: advanced in proportion
+  std::vector<bool> shaped;              // by extruder: it follows the shapers of X and Y
   // The position of each axis and of the extruder is its mean over this time, s; 0: it is not. The
   // jerk of an axis is then its change of acceleration in this time, divided by it.
   double box_s = 0;
@@ -54,6 +55,11 @@ struct Filters {
             std::any_of(smooth_s.begin(), smooth_s.end(), [](double s) { return s > 0; }));
   }
   bool boxed() const { return !suspended && box_s > 0; }
+  // The filament of this extruder follows a shaper of X or Y.
+  bool shapes(size_t extruder) const {
+    return !suspended && extruder < shaped.size() && shaped[extruder] &&
+           !(shapers[0].empty() && shapers[1].empty());
+  }
   // The advance is smoothed by boxes of these widths, s: a triangle, unless the box of all axes is
   // wider than half of it.
   double narrow_s(size_t extruder) const { return smooth_s[extruder]; }
@@ -71,25 +77,32 @@ struct Filters {
   // Whole ticks, one at least, so that clocks of the plan and of the steps are rounded alike.
   double delay(double hz) const {
     if (!on()) return 0;
-    double s = 0.5 * box_s;
+    double s = 0.5 * box_s, of_plane = 0;
     for (const auto& shaper : shapers) s = std::max(s, 0.5 * box_s + mean(shaper));
-    return std::max(std::ceil(std::max(s, widest_half_s()) * hz), 1.0);
+    for (int j = 0; j < 2; ++j) of_plane = std::max(of_plane, mean(shapers[j]));
+    return std::max(std::ceil(std::max(s, widest_s(of_plane)) * hz), 1.0);
   }
   // Ticks from the end of a move until the last motor is at rest.
   double memory(double hz) const {
     if (!on()) return 0;
-    double s = 0.5 * box_s;
-    for (const auto& shaper : shapers)
-      if (!shaper.empty()) s = std::max(s, 0.5 * box_s + shaper.back().at - mean(shaper));
-    return delay(hz) + std::ceil(std::max(s, widest_half_s()) * hz);
+    double s = 0.5 * box_s, of_plane = 0;
+    for (int j = 0; j < 3; ++j) {
+      if (shapers[j].empty()) continue;
+      const double after = shapers[j].back().at - mean(shapers[j]);
+      s = std::max(s, 0.5 * box_s + after);
+      if (j < 2) of_plane = std::max(of_plane, after);
+    }
+    return delay(hz) + std::ceil(std::max(s, widest_s(of_plane)) * hz);
   }
 
  private:
-  // Half of the time over which the advance of an extruder is smoothed, at most.
-  double widest_half_s() const {
+  // Half of the time over which the advance of an extruder is smoothed, at most; longer by
+  // `of_plane` if it follows the shapers of X and Y.
+  double widest_s(double of_plane) const {
     double s = 0;
     for (size_t i = 0; i < smooth_s.size(); ++i)
-      if (smooth_s[i] > 0) s = std::max(s, 0.5 * (wide_s(i) + narrow_s(i)));
+      if (smooth_s[i] > 0)
+        s = std::max(s, 0.5 * (wide_s(i) + narrow_s(i)) + (shapes(i) ? of_plane : 0));
     return s;
   }
 };

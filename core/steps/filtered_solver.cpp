@@ -74,36 +74,47 @@ void FilteredSolver::set_up() {
   advance_.reset();
   smooth_.reset();
   phases_.clear();
-  auto axis = [&](int slot, double scale) {
+  auto axis = [&](int slot, int shaped_as, double scale) {
     slots_[axes_] = slot;
+    shaped_as_[axes_] = shaped_as;
     scale_[axes_++] = scale;
   };
-  if (!actuator)
-    axis(spec_.drive == Drive::extruder ? int(kE) : slot_of_axis(spec_.index),
-         spec_.steps_per_unit);
+  const bool extrudes = spec_.drive == Drive::extruder;
+  const bool shaped = extrudes && filters.shapes(size_t(spec_.index));
+  const bool advances = extrudes && filters.advances(size_t(spec_.index));
+  parted_ = shaped && filters.shapers[kX] != filters.shapers[kY];
+  if (parted_)
+    for (int as : {int(kX), int(kY), int(kE)}) axis(kE, as, spec_.steps_per_unit);
+  else if (extrudes)
+    axis(kE, shaped ? kX : kE, spec_.steps_per_unit);
+  else if (!actuator)
+    axis(slot_of_axis(spec_.index), slot_of_axis(spec_.index), spec_.steps_per_unit);
   else if (linear && !raised_)
     for (int j = 0; j < 3; ++j)
-      if (c[j] != 0) axis(j, c[j] * spec_.steps_per_unit);
-  const bool advances = spec_.drive == Drive::extruder && filters.advances(size_t(spec_.index));
+      if (c[j] != 0) axis(j, j, c[j] * spec_.steps_per_unit);
   phases_.reserve(3);
   std::vector<Phases::Bend> bends;
   if (advances && size_t(spec_.index) < filters.knees.size())
     bends = Phases::bends(filters.knees[size_t(spec_.index)], spec_.steps_per_unit, hz_);
   for (int i = 0; i < axes_; ++i) phases_.emplace_back(advances, bends);
-  if (axes_ > 0 && filters.boxed()) {
+  if (axes_ > 0 && (filters.boxed() || (advances && shaped))) {
     smooth_.emplace();
-    for (int i = 0; i < axes_; ++i) boxed(filters, hz_, slots_[i], &phases_[size_t(i)], *smooth_);
-    if (advances) {
-      const size_t e = size_t(spec_.index);
-      smooth_->add_advance(&phases_[0], 1, delay_, filters.wide_s(e) * hz_,
-                           filters.narrow_s(e) * hz_);
+    for (int i = 0; i < axes_; ++i) {
+      Phases* phases = &phases_[size_t(i)];
+      boxed(filters, hz_, shaped_as_[i], phases, *smooth_);
+      if (!advances) continue;
+      const double wide = filters.wide_s(size_t(spec_.index)) * hz_,
+                   narrow = filters.narrow_s(size_t(spec_.index)) * hz_;
+      each_impulse(filters, hz_, shaped_as_[i], [&](double weight, double delay) {
+        smooth_->add_advance(phases, weight, delay, wide, narrow);
+      });
     }
   } else if (advances) {
     const double half = filters.smooth_s[size_t(spec_.index)] * hz_;
     advance_.emplace(&phases_[0], half, delay_);
   } else if (axes_ > 0) {
     taps_.emplace();
-    for (int i = 0; i < axes_; ++i) tap(filters, hz_, slots_[i], &phases_[size_t(i)], *taps_);
+    for (int i = 0; i < axes_; ++i) tap(filters, hz_, shaped_as_[i], &phases_[size_t(i)], *taps_);
   }
   if ((smooth_ || advance_) && !cubics_) cubics_ = std::make_unique<CubicSolver>();
   if (!smooth_ && !advance_ && !intervals_) intervals_ = std::make_unique<IntervalSolver>();
@@ -114,7 +125,10 @@ void FilteredSolver::set_up() {
 void FilteredSolver::begin(const Move& m) {
   set_up();
   const double span = machine_.filters.memory(hz_);
-  for (int i = 0; i < axes_; ++i) phases_[size_t(i)].begin(m.p0[slots_[i]] * scale_[i], span);
+  for (int i = 0; i < axes_; ++i) {
+    const bool rest = !parted_ || i == 2;
+    phases_[size_t(i)].begin(rest ? m.p0[slots_[i]] * scale_[i] : 0, span);
+  }
   going_ = true;
 }
 
@@ -126,15 +140,40 @@ void FilteredSolver::add(const Move& m, double until) {
     begin(m);
     if (until == kNeverTicks) start(m.start, false);
   }
-  for (int i = 0; i < axes_; ++i) {
-    Phases& p = phases_[size_t(i)];
-    const double at = p.at_end();
-    const double from = idle ? at : m.p0[slots_[i]] * scale_[i];
-    const double to = idle ? at : m.p1[slots_[i]] * scale_[i];
-    p.add(m, from, to, hz_, idle ? 0 : m.advance * hz_, until);
+  if (parted_ && !idle) {
+    add_parts(m, until);
+  } else {
+    for (int i = 0; i < axes_; ++i) {
+      Phases& p = phases_[size_t(i)];
+      const double at = p.at_end();
+      const double from = idle ? at : m.p0[slots_[i]] * scale_[i];
+      const double to = idle ? at : m.p1[slots_[i]] * scale_[i];
+      p.add(m, from, to, hz_, idle ? 0 : m.advance * hz_, until);
+    }
   }
   if (!idle) std::copy_n(m.p1, kAxes, goal_);
   tolerances_.add(m.start + delay_, m.tolerance);
+}
+
+void FilteredSolver::add_parts(const Move& m, double until) {
+  double square[3], sum = 0;
+  for (size_t j = 0; j < 3; ++j) {
+    square[j] = (m.p1[j] - m.p0[j]) * (m.p1[j] - m.p0[j]);
+    sum += square[j];
+  }
+  const double steps = (m.p1[kE] - m.p0[kE]) * scale_[0];
+  double of_others = 0, left = 1;
+  for (size_t i = 0; i < 2; ++i) {
+    const double share = sum > 0 ? square[i] / sum : 0;
+    const double from = phases_[i].at_end(), to = from + steps * share;
+    phases_[i].add(m, from, to, hz_, share > 0 ? m.advance * hz_ : 0, until, share);
+    of_others += to;
+    left -= share;
+  }
+  // The sum ends where the plan does; what rounding leaves waits for a move that is not in X and Y.
+  const bool moves = sum == 0 || square[kZ] > 0;
+  const double from = phases_[2].at_end(), to = moves ? m.p1[kE] * scale_[0] - of_others : from;
+  phases_[2].add(m, from, to, hz_, moves ? m.advance * hz_ : 0, until, moves ? left : 0);
 }
 
 void FilteredSolver::start(double clock, bool resumes) {

@@ -2209,6 +2209,10 @@ class Job:
     def pressure_advance(self, extruder: int) -> float:
         """The value of set_advance, s."""
 
+    @property
+    def filters_delay_s(self) -> float:
+        """The delay of all motors relative to the plan, s, in whole ticks."""
+
     def use_filters(self, on: bool) -> None:
         """Switches all motion filters on or off. Call it only at standstill."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from itertools import pairwise
-from math import ceil
+from math import ceil, inf
 
 import pytest
 from hypothesis import given, settings
@@ -25,19 +25,26 @@ SCALES = {0: 80.0, 1: 80.0, 2: 400.0, 3: 95.5}
 NONE: list[tuple[float, float]] = []
 
 
-def filtered(spec=None, x=NONE, y=NONE, z=NONE, smooth=0.0, advance=0.0, box=0.0, knees=()):
+def filtered(
+    spec=None, x=NONE, y=NONE, z=NONE, smooth=0.0, advance=0.0, box=0.0, knees=(), in_step=False
+):
     filters = {
         "shapers": [x, y, z],
         "smooth_s": [smooth / 2],
         "advance_s": [advance],
         "box_s": box,
         "knees": [list(knees)],
+        "shaped": [in_step],
     }
     return (spec or machines.cartesian()) | {"filters": filters}
 
 
+def mean_of(shaper):
+    return sum(a * t for a, t in shaper)
+
+
 def delay_of(*shapers, half=0.0, box=0.0):
-    means = [sum(a * t for a, t in s) + box / 2 for s in shapers]
+    means = [mean_of(s) + box / 2 for s in shapers]
     return ceil(max(*means, (max(half, box) + half) / 2 if half else 0.0) * HZ)
 
 
@@ -163,13 +170,42 @@ def test_advance_with_knees_is_that_of_the_oracle(box):
     executed.assert_within_bound(executed.executed_ticks(motion.take_messages(), 3), wanted)
 
 
+X, Y = impulses("mzv", 47.0, 0.08), impulses("ei", 33.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("y", "advance", "box", "knees"),
+    [
+        (X, 0, 0, ()),
+        (X, 0.05, 0, KNEES),
+        (Y, 0, 0, ()),
+        (Y, 0.05, 0, KNEES),
+        (Y, 0.05, BOX, ()),
+    ],
+)
+def test_filament_is_in_step_with_the_shaped_head(y, advance, box, knees):
+    half = 0.02 if advance else 0.0
+    smoothed = {"smooth": 2 * half, "advance": advance, "knees": knees}
+    spec = filtered(x=X, y=y, box=box, in_step=True, **smoothed)
+    motion, moves = plan(spec, print_path(4, 12))
+    delay = ceil((max(mean_of(X), mean_of(y)) + (max(half, box) + half if half else box) / 2) * HZ)
+    parts = []
+    for axis, shaper in enumerate((X, y, [(1.0, 0.0)])):
+        planned = oracle.Share(moves, axis, advance_of(advance), knees)
+        law = oracle.advanced(planned, half, 0, box * HZ) if advance else planned
+        parts.append(oracle.shaped(law, X if y is X else shaper, delay))
+    wanted = oracle.steps(lambda t: sum(p(t) for p in parts), 0, motion.clock, SCALES[3], 8000)
+    assert len(wanted) > 40
+    executed.assert_within_bound(executed.executed_ticks(motion.take_messages(), 3), wanted)
+
+
 def test_filters_end_at_the_counts_of_the_plan():
     x, y, z = impulses("3hump_ei", 20.0, 0.2), impulses("ei", 60.0, 0.0), impulses("zv", 90.0, 0.1)
     for seed in range(40):
         path = list(print_path(seed, 60))
         plain, _ = plan(machines.cartesian(), path)
-        box = seed % 2 * BOX
-        every, _ = plan(filtered(x=x, y=y, z=z, smooth=0.04, advance=0.3, box=box), path)
+        more = {"box": seed % 2 * BOX, "in_step": seed % 4 > 1}
+        every, _ = plan(filtered(x=x, y=y, z=z, smooth=0.04, advance=0.3, **more), path)
         assert every.counts() == plain.counts()
         messages = every.take_messages()
         for target, count in enumerate(plain.counts()):
@@ -241,8 +277,10 @@ class Joined:
         earlier = [t for t in before.breaks if t < cut]
         self.breaks = [*earlier, cut, *(t for t in after.breaks if t > cut)]
 
+        self.apart = before(cut) - after(cut)  # shares of filament count from a plan's beginning
+
     def __call__(self, tick):
-        return (self.before if tick < self.at else self.after)(tick)
+        return self.before(tick) if tick < self.at else self.after(tick) + self.apart
 
     def advanced(self, tick):
         return (self.before if tick < self.at else self.after).advanced(tick)
@@ -252,11 +290,23 @@ class Joined:
         return sorted({t for t in parts if low <= t <= high})
 
 
+def filament_in_step(before, after, cut, box, delay):
+    """The law of an extruder with all filters, whose parts follow the shapers of X and Y."""
+    parts = []
+    for axis, shaper in enumerate((EVERY["x"], EVERY["y"], [(1.0, 0.0)])):
+        shares = [
+            oracle.Share(moves, axis, advance_of(0.05)) for moves in (before, after or before)
+        ]
+        law = oracle.advanced(Joined(*shares, cut if after else inf), 0.02, 0, box * HZ)
+        parts.append(oracle.shaped(law, shaper, delay))
+    return lambda tick: sum(part(tick) for part in parts)
+
+
 @pytest.mark.parametrize(("seed", "box"), [(0, 0), (1, 0), (2, 0), (3, 0), (4, BOX), (5, BOX)])
 @pytest.mark.parametrize("action", ["replan", "hold"])
 def test_cut_continues_the_filtered_law(seed, box, action):
     path = list(print_path(seed, 40))
-    motion, before = plan(filtered(**EVERY, box=box), path)
+    motion, before = plan(filtered(**EVERY, box=box, in_step=box > 0), path)
     rng = random.Random(seed)
     total, sent = motion.clock, rng.random()
     messages = motion.take_messages(before=total * sent)
@@ -272,6 +322,8 @@ def test_cut_continues_the_filtered_law(seed, box, action):
     messages += motion.take_messages()
     assert [m[2] for m in messages] == sorted(m[2] for m in messages)
     delay = delay_of(EVERY["x"], EVERY["y"], EVERY["z"], half=0.02, box=box)
+    if box:
+        delay = ceil((mean_of(EVERY["y"]) + (box + 0.02) / 2) * HZ)
     for slot in (0, 1, 3):
         found = executed.executed_ticks(messages, slot)
         count = motion.counts()[slot]
@@ -279,8 +331,10 @@ def test_cut_continues_the_filtered_law(seed, box, action):
         old = oracle.Planned(before, slot, advance_of(0.05))
         new = oracle.Planned(after or before, slot, advance_of(0.05))
         joined = Joined(old, new, cut) if after else old
-        if slot == 3:
-            law = oracle.advanced(joined, 0.02, delay, box * HZ)
+        if slot == 3 and box:
+            law = filament_in_step(before, after, cut, box, delay)
+        elif slot == 3:
+            law = oracle.advanced(joined, 0.02, delay)
         else:
             law = law_of(joined, EVERY["xy"[slot]], delay, box)
         start, end = max(cut - 0.1 * HZ, 0), min(cut + 0.15 * HZ, motion.clock)
@@ -298,10 +352,18 @@ def test_cut_continues_the_filtered_law(seed, box, action):
 BOXES = st.sampled_from([0.0, BOX])
 
 
-@given(paths, st.floats(0, 1), st.floats(0, 1), st.floats(0.2, 3), st.floats(500, 6000), BOXES)
+@given(
+    paths,
+    st.floats(0, 1),
+    st.floats(0, 1),
+    st.floats(0.2, 3),
+    st.floats(500, 6000),
+    BOXES,
+    st.booleans(),
+)
 @settings(max_examples=40, deadline=None)
-def test_replanned_filtered_path_arrives(path, sent, where, factor, accel, box):
-    motion = Motion(filtered(**EVERY, box=box))
+def test_replanned_filtered_path_arrives(path, sent, where, factor, accel, box, in_step):
+    motion = Motion(filtered(**EVERY, box=box, in_step=in_step))
     end = push_all(motion, path)
     motion.flush()
     total = motion.clock
@@ -313,10 +375,10 @@ def test_replanned_filtered_path_arrives(path, sent, where, factor, accel, box):
     assert_arrived(motion, messages + motion.take_messages(), end)
 
 
-@given(paths, st.floats(0, 1), st.floats(0, 1), BOXES)
+@given(paths, st.floats(0, 1), st.floats(0, 1), BOXES, st.booleans())
 @settings(max_examples=40, deadline=None)
-def test_held_filtered_path_arrives(path, sent, where, box):
-    motion = Motion(filtered(**EVERY, box=box))
+def test_held_filtered_path_arrives(path, sent, where, box, in_step):
+    motion = Motion(filtered(**EVERY, box=box, in_step=in_step))
     end = push_all(motion, path)
     motion.flush()
     total = motion.clock

@@ -7,7 +7,7 @@ Nothing here knows breakpoints of the filtered law, closed forms or incremental 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from math import cos, exp, floor, pi, sin, sqrt
 
 from tests.oracles.motion import HZ, position_at
@@ -84,6 +84,37 @@ class Planned:
         """Ticks at which the law of the speed changes."""
         inside = self.breaks[bisect_right(self.breaks, low) : bisect_left(self.breaks, high)]
         return [low, *inside, high]
+
+
+class Share(Planned):
+    """The part of the filament that moves with X, with Y, or with neither: each move's is divided
+    by its direction squared."""
+
+    def __init__(self, moves, axis, advance, knees=()):
+        super().__init__(moves, 3, advance, knees)
+        self.shares = [self._share(m, axis) for m in self.moves]
+        ways = [m.end_mm[3] - m.start_mm[3] for m in self.moves]
+        steps = [way * share for way, share in zip(ways, self.shares, strict=True)]
+        self.begins = list(accumulate(steps, initial=0.0))
+
+    @staticmethod
+    def _share(move, axis):
+        squares = [(b - a) ** 2 for a, b in zip(move.start_mm, move.end_mm, strict=True)][:3]
+        whole = sum(squares)
+        of = [square / whole if whole else 0.0 for square in squares[:2]]
+        return [*of, 1.0 - sum(of)][axis]
+
+    def _number(self, tick):
+        return max(bisect_right(self.starts, tick) - 1, 0)
+
+    def __call__(self, tick):
+        k = self._number(tick)
+        return self.begins[k] + self.shares[k] * (
+            super().__call__(tick) - self.moves[k].start_mm[3]
+        )
+
+    def advanced(self, tick):
+        return self.shares[self._number(tick)] * super().advanced(tick)
 
 
 def shaped(planned, impulses, delay_ticks):

@@ -397,6 +397,7 @@ class MachineConfig(Model):
                 for extruder in extruders
                 for knees in [extruder.advance_knees]
             ],
+            "shaped": [extruder.shaped for extruder in extruders],
             "box_s": box_s(self.largest_accel_mm_s2, self.limits.jerk_mm_s3 or 0.0),
         }
 

@@ -96,6 +96,9 @@ class Extruder(Model):
     advance_smooth_s: SmoothTime | None = None
     """The time over which the advance is smoothed, as Klipper's smooth time: the width of a
     triangle. If not given, 0.04 s."""
+    shaped: bool = True
+    """Whether the filament follows the input shapers of X and Y, so that it is laid down where the
+    head is. If X and Y have different shapers, each move is divided by its direction squared."""
 
     advance_knees: Knees = []
     """Less advance at high flow: from each speed of the filament (mm/s) on, a further mm/s leads by

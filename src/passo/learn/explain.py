@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import ceil
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -103,7 +102,7 @@ def explain(
     hz = machine.board.clock_hz
     names, unit = job.job.limit_names, path_unit(machine)
     shown = seen.moves if len(seen.moves) <= 3 else [seen.moves[0], seen.moves[-1]]
-    delay = ceil(job.filters.delay_s * hz)
+    delay = round(job.filters.delay_s * hz)
     runs = _runs(job, seen.moves[0].start_ticks + delay, seen.moves[-1].end_ticks + delay)
     wire = [run for run in runs if machine.all_boards[run.board].firmware != "passo"]
     return replace(

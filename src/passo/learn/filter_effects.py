@@ -16,8 +16,8 @@ _E = 3  # index of the extruder in a move's positions
 
 
 def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple[str, ...]:
-    """A line for each shaper of an axis that the moves move, for the limit of jerk, for the
-    advance, and for the delay of all motors. Empty without filters."""
+    """A line for each shaper of an axis that the moves move, for the limit of jerk, for filament
+    that is shaped, for the advance, and for the delay of all motors. Empty without filters."""
     delay_s = filters.delay_s
     moves = [move for move in moves if move.kind != "dwell"]
     if delay_s == 0 or not moves:
@@ -45,6 +45,9 @@ def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple
             f" by {hardest:.0f} mm/s² the head is {spread_mm(box_s, [], hardest) * 1e3:.0f} µm off"
             f" the plan, and a right angle at its end is cut by up to {cut_mm * 1e3:.0f} µm"
         )
+    extrudes = [move for move in moves if _part(move, _E) > 0]
+    if any(filters.shapes_filament(move.extruder) for move in extrudes):
+        lines.append("E: the filament follows the shapers of X and Y, as the head does")
     advanced = [move for move in moves if move.advance_s > 0]
     if advanced:
         move = max(advanced, key=lambda m: m.advance_s * _part(m, _E) * m.cruise_speed)

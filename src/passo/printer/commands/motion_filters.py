@@ -322,20 +322,16 @@ class MotionFilters:
             lines.append(f"SET_PRESSURE_ADVANCE{named} {values} {smooth}")
         return lines
 
+    def shapes_filament(self, extruder: int) -> bool:
+        """Whether the filament of this extruder follows a shaper of X or Y."""
+        given = list(self._machine.extruders.values())
+        shaped = any(self.shapers[axis].frequency_hz > 0 for axis in _AXES[:2])
+        return shaped and extruder < len(given) and given[extruder].shaped
+
     @property
     def delay_s(self) -> float:
-        """The delay of the motors relative to the plan, s. The boards use it rounded up to a
-        tick."""
-        box = self.box_s
-        delay_s = box / 2
-        for smooth_s, on in zip(self.smooth_s, self._smooths, strict=True):
-            if on:
-                delay_s = max(delay_s, (max(smooth_s / 2, box) + smooth_s / 2) / 2)
-        for shaper in self.shapers.values():
-            if shaper.frequency_hz > 0:
-                found = impulses(shaper.kind, shaper.frequency_hz, shaper.damping)
-                delay_s = max(delay_s, box / 2 + sum(weight * at for weight, at in found))
-        return delay_s
+        """The delay of all motors relative to the plan, s: a whole number of ticks."""
+        return self._job.filters_delay_s
 
     def shaper_status(self) -> dict[str, ShaperStatus]:
         """The shapers by axis, in lower case."""
