@@ -5,6 +5,7 @@
 # make soak   memory over a day, in scaled time
 # make faults 200 power cuts and 200 lost links with motion filters on
 # make corpus DIR=...                print a folder of real files
+# make limits FILES="..."            limits of prints with all motion filters
 # make import DIR=...                import a folder of configurations of other firmwares
 # make web    builds the page             make wheel  a wheel with the page, in dist/
 # make sizes  docs/reference/firmware.md: how large the firmware is
@@ -30,7 +31,7 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo serve web wheel test check bench soak faults fuzz corpus import sizes reference stub format clean
+.PHONY: demo serve web wheel test check bench soak faults fuzz corpus limits import sizes reference stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -94,6 +95,9 @@ faults: .venv/.built
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }
 	$(BIN)/python bench/corpus.py "$(DIR)"
+
+limits: .venv/.built .venv/.dev
+	$(BIN)/python bench/limits.py $(FILES)
 
 import: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make import DIR=..." >&2; exit 2; }

@@ -24,6 +24,10 @@ ROOT = Path(__file__).parents[1]
 SHARED = ROOT.parent / "shared" / "bench"
 MACHINES = ROOT / "bench" / "machines"
 PEERS = {"scara": "rotary_delta"}  # the machine that it is compared with, move by move
+# User CPU of Klipper's batch mode on organic.gcode with mzv on X and Y and pressure advance (one
+# run for CoreXY), and the yardstick's figure of that computer.
+KLIPPERS_FILTERED_S = {"cartesian": 35.64, "corexy": 40.92}
+KLIPPERS_CAL_S = 0.832
 PIPELINE = """
 import json, sys
 from passo.config import load
@@ -137,21 +141,28 @@ def mesh(path: Path, machine: str, runs: int) -> None:
 
 
 def filters(path: Path, folder: str, runs: int) -> None:
-    """Prints what shapers on X and Y and an advance of 0.05 s cost: medians of runs in turn."""
+    """Prints what filters cost from text to wire: medians of runs in turn with the machine without
+    them, and times Klipper's. Its filament does not follow the shapers, so the filament of the
+    compared machine does not follow them either; the last row of each machine adds that."""
     filtered = Path(folder) / "filtered.toml"
     for kind in ("cartesian", "corexy", "delta"):
         plain = MACHINES / f"yardstick-{kind}.toml"
-        text = plain.read_text().replace("[extruders.e]", "[extruders.e]\nadvance_s = 0.05")
-        for shaper in ("mzv", "3hump_ei"):
+        for shaper, shaped in (("mzv", False), ("3hump_ei", False), ("mzv", True)):
+            extruder = f"[extruders.e]\nadvance_s = 0.05\nshaped = {str(shaped).lower()}"
+            text = plain.read_text().replace("[extruders.e]", extruder)
             shapes = [f'[shaping.{a}]\ntype = "{shaper}"\nfrequency_hz = 50\n' for a in "xy"]
             filtered.write_text("\n".join([text, *shapes]))
             times: list[list[float]] = [[], []]
+            before = yardstick()
             for _ in range(runs):
                 for found, machine in zip(times, (plain, filtered), strict=True):
-                    words = [sys.executable, "-c", PIPELINE, str(path), str(machine)]
-                    found.append(user_s(words)[0])
+                    found.append(figures(path, str(machine), 1)[0])
+            cal = (before + yardstick()) / 2
             a, b = map(statistics.median, times)
-            print(f"{kind} with {shaper} and advance: {b:.2f} s, {b / a:.2f} of {a:.2f} s without")
+            what = f"{kind} with {shaper} and advance{', filament shaped' if shaped else ''}"
+            peer = KLIPPERS_FILTERED_S.get(kind) if path.name.startswith("organic") else None
+            ratio = f", {peer / KLIPPERS_CAL_S * cal / b:.1f} x Klipper" if peer else ""
+            print(f"{what}: {b:.2f} s, {b / a:.2f} of {a:.2f} s without{ratio}")
 
 
 def memory(folder: str, machine: str) -> None:
