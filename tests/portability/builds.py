@@ -26,6 +26,10 @@ rotary_delta 38195 a6416805b5b7e50f
 scara 31425 ccf210b3065b0564
 short of commands 22493 6e3c6b1a538b6c82
 above a bent bed 44065 1393ad46f59376d1
+filtered 28065 9941da0b4501f2ad
+filtered, of limited jerk 31317 142f8a17fc6e1e0c
+filtered corexy 36426 d981da0dbbe70f81
+filtered delta 55273 6cb337357e7c45a0
 demo 233747 c656834fbd4341d1
 gear_arcs 381704 090c49892ad8227b
 """

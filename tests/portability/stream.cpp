@@ -35,6 +35,21 @@ static Machine machine(const std::string& kind, const GeometryParams& params, do
   return m;
 }
 
+// With every filter: shapers of three kinds, advance with knees, and gaps in the drives.
+static Machine filtered(Machine m, const char* name, double box_s) {
+  Filters& f = m.filters;
+  m.name = name;
+  f.shapers[0] = {{0.365, 0}, {0.407, 0.0075}, {0.228, 0.015}};
+  f.shapers[1] = {{0.58, 0}, {0.42, 0.01}};
+  f.shapers[2] = {{0.22, 0}, {0.28, 0.0108}, {0.26, 0.0206}, {0.165, 0.0301}, {0.075, 0.0397}};
+  f.smooth_s = {0.02};
+  f.knees = {{{1.0, 0.5}, {3.0, 0.1}}};
+  f.gaps[0] = {0.1, 1.5}, f.gaps[2] = {0.05, 0.5};
+  f.box_s = box_s;
+  m.extruders[0].advance_s = 0.05;
+  return m;
+}
+
 static void run(const Machine& m, const std::string& program) {
   Job job(m, {0, 0, 0}, {}, true, nullptr);
   job.interpreter.clamp = true;
@@ -101,6 +116,10 @@ int main(int files, char** argv) {
   std::vector<double> heights{0.1, -0.2, 0.3, 0.5, 0, -0.4, 0.2, 0.2, -0.1};
   bent.height_map = std::make_shared<HeightMap>(-70, -50, 61, 47, 3, 3, heights);
   run(bent, program);
+  run(filtered(machine("cartesian", {}, 80, 300), "filtered", 0), program);
+  run(filtered(machine("cartesian", {}, 80, 300), "filtered, of limited jerk", 0.03), program);
+  run(filtered(machine("corexy", {}, 80, 500), "filtered corexy", 0), program);
+  run(filtered(machine("delta", towers, 80, 600), "filtered delta", 0), program);
   for (int i = 2; i < files; ++i) {
     Machine plain = machine("cartesian", {}, 80, 300);
     plain.name = std::filesystem::path(argv[i]).stem().string();
