@@ -391,6 +391,17 @@ def test_shaping(load) -> None:
     assert (y.type, y.frequency_hz) == ("2hump_ei", 37)
 
 
+def test_backlash(load) -> None:
+    more = "#define BACKLASH_COMPENSATION\n#define BACKLASH_DISTANCE_MM { 0.2, 0.1, 0 }\n"
+    more += "#define BACKLASH_CORRECTION 0.5\n#define BACKLASH_SMOOTHING_MM 2\n"
+    _, machine = load(advanced=ADVANCED + more)
+    assert machine.gaps_mm == {"x": 0.1, "y": 0.05, "z": 0}
+    assert machine.backlash.smooth_mm == 2
+    draft, machine = load(advanced=ADVANCED + more.replace("CORRECTION 0.5", "CORRECTION 0.0"))
+    assert set(machine.gaps_mm.values()) == {0}
+    assert any("no gap is corrected" in text for text in remarks(draft, "dropped"))
+
+
 def test_model_of_a_heater(load) -> None:
     """A block of 20 J/K that loses 0.08 W/K is 500 K above the room at 40 W, in 250 s."""
     more = "#define MPCTEMP\n#define MPC_HEATER_POWER { 40.0f }\n#define MPC_INCLUDE_FAN\n"
@@ -757,6 +768,7 @@ def test_every_define_of_the_reference_is_read(load, monkeypatch: pytest.MonkeyP
 
         monkeypatch.setattr(Defines, name, recording)
     on = """BLTOUCH ASSISTED_TRAMMING PROBE_MANUALLY INPUT_SHAPING_X USE_CONTROLLER_FAN
+        BACKLASH_COMPENSATION
         MESH_BED_LEVELING SKEW_CORRECTION NOZZLE_PARK_FEATURE LIN_ADVANCE PSU_CONTROL FT_MOTION
         FTM_IS_DEFAULT_MOTION STEALTHCHOP_XY Z_STEPPER_AUTO_ALIGN"""
     values = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.geometry_kinds import KINDS
 from passo.config.shapers import SHAPER_TYPES
 
 if TYPE_CHECKING:
@@ -25,6 +26,29 @@ def put_features(job: Job) -> None:
     _put_mains(job)
     _put_laser(job)
     _put_shapers(job)
+    _put_backlash(job)
+
+
+def _put_backlash(job: Job) -> None:
+    """Converts the corrected part of the gaps. Passo compensates axes with their own motors."""
+    defines, name = job.defines, "BACKLASH_COMPENSATION"
+    if not defines.on(name):
+        return
+    distances = defines.numbers("BACKLASH_DISTANCE_MM") or []
+    correction = defines.number("BACKLASH_CORRECTION")
+    smooth = defines.number("BACKLASH_SMOOTHING_MM")
+    share = correction.value if correction else 0.0
+    gaps = [(axis, gap) for axis, gap in zip("xyz", distances, strict=False) if gap.value > 0]
+    if share <= 0 or not gaps:
+        job.dropped(name, "no gap is corrected; M425 sets it")
+        return
+    for axis, gap in gaps:
+        if axis in KINDS[job.kind].actuators:
+            job.put(("backlash", f"{axis}_mm"), gap, share)
+        else:
+            job.dropped(name, f"no motor moves {axis.upper()} alone")
+    if smooth is not None and smooth.value > 0:
+        job.put(("backlash", "smooth_mm"), smooth)
 
 
 def _put_shapers(job: Job) -> None:

@@ -17,7 +17,6 @@ OTHERS: dict[str, Other] = {
     "GCODE_MACROS": built_in("write macros in the machine file"),
     "PREVENT_COLD_EXTRUSION": built_in("filament moves from 170 °C; M302 S sets another limit"),
     "EXTRUDE_MINTEMP": built_in("filament moves from 170 °C; M302 S sets another limit"),
-    "BACKLASH_COMPENSATION": lost("backlash is not compensated"),
     "S_CURVE_ACCELERATION": lost("speeds change with constant acceleration; shape them instead"),
     "FILAMENT_RUNOUT_SENSOR": lost("a print does not pause when the filament ends"),
     "FILAMENT_WIDTH_SENSOR": lost("the width of the filament is not measured"),

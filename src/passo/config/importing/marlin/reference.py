@@ -122,6 +122,10 @@ TAKEN = (
         "INPUT_SHAPING_*, SHAPING_FREQ_*, SHAPING_ZETA_*, FTM_DEFAULT_SHAPER_*",
         "`shaping.NAME`",
     ),
+    (
+        "BACKLASH_COMPENSATION, BACKLASH_DISTANCE_MM, BACKLASH_CORRECTION, BACKLASH_SMOOTHING_MM",
+        "`backlash`",
+    ),
     ("NOZZLE_PARK_FEATURE, NOZZLE_PARK_POINT", "`park`"),
     ("DEFAULT_STEPPER_TIMEOUT_SEC", "`idle.motors_off_s`"),
     ("PSU_CONTROL, PSU_ACTIVE_STATE", "`mains`"),

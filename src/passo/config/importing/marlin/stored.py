@@ -92,6 +92,8 @@ class _Line:
                 self._set(("extruders", self._extruder(), "advance_s"), self._words.get("K"))
             case "M593":
                 self._put_shaper()
+            case "M425":
+                self._put_backlash()
             case "M206":
                 self._put_home_offsets()
             case "M218":
@@ -225,6 +227,14 @@ class _Line:
     def _set_current(self, path: KeyPath, milliampere: float | None) -> None:
         if milliampere is not None:
             self._set_own(path, plain(milliampere / 1000))
+
+    def _put_backlash(self) -> None:
+        share = self._words.get("F", 1.0)
+        for letter in "xyz":
+            gap = self._words.get(letter.upper())
+            if gap is not None:
+                self._set(("backlash", f"{letter}_mm"), plain(gap * share))
+        self._set(("backlash", "smooth_mm"), self._words.get("S"))
 
     def _put_shaper(self) -> None:
         for letter in "xyz":
