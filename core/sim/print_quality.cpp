@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kQuietSeconds = 0.3;  // without a step nothing is measured any more
 constexpr double kAheadMm = 0.05;      // the place on the path may leap ahead by this
-constexpr double kLeapReach = 20;      // by this times the head's distance, if it is larger
+constexpr double kLeapFromMm = 0.15;   // a head that is farther off may have left out a detour
+constexpr double kLeapReach = 20;      // by this times the distance beyond that
 constexpr double kLeapCost = 0.05;     // mm of distance from the path that a leap by 1 mm is worth
 constexpr double kOnLineMm = 0.02;     // motors that are so near to a line are on it
 constexpr double kStraight = 0.9994;   // cosine of the largest bend of a line
@@ -110,7 +111,7 @@ void PrintQuality::sample() {
 // filter may cut off a detour that is shorter than itself: the place leaps over it, which costs.
 double PrintQuality::follow(const double p[3], double moved) {
   const double near = 2 * moved + kAheadMm;
-  const double reach = near + kLeapReach * std::max(0.0, off_ - kAheadMm);
+  const double reach = near + kLeapReach * std::max(0.0, off_ - kLeapFromMm);
   size_t best = 0;
   double best_mm = along_, least = kInfinity, ahead = 0;
   for (size_t k = 0; k < path_.size() && ahead <= reach; ++k) {
