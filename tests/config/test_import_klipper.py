@@ -288,7 +288,7 @@ def test_board_has_port_baud_and_the_clock_of_its_chip(load) -> None:
     assert (board.base, board.link, board.port) == ("klipper", "serial", "/dev/ttyACM0")
     assert (board.baud, board.clock_hz) == (250_000, 72_000_000)
     draft, _ = load(("STM32F103", "secret chip"))
-    assert any("the chip is not named" in text for text in remarks(draft, "decide"))
+    assert any("clock_hz is 16 MHz" in text for text in remarks(draft, "decide"))
 
 
 def test_pins_on_a_second_board(load) -> None:
@@ -664,6 +664,44 @@ def test_stored_skew_is_a_command_of_the_report(load) -> None:
     more = "[skew_correction]\n#*# [skew_correction my]\n#*# xy_skew = -0.017\n"
     draft, _ = load(more=more)
     assert any("M852 I-0.017 J0 K0" in text for text in remarks(draft, "decide"))
+
+
+OVERRIDE = """[homing_override]
+axes: z
+set_position_z: 0
+gcode:
+  G90
+  G1 Z5 F600
+  g28 X Y
+  G1 X90 Y100 F3600
+  G28 Z
+"""
+
+
+def test_homing_override_is_a_macro_g28(load) -> None:
+    draft, machine = load(more=OVERRIDE)
+    macro = machine.macros["G28"]
+    assert macro.rename_existing == "G28.1"
+    lines = macro.gcode.splitlines()
+    assert lines[0].startswith("{% if 'Z' in params or not (")
+    assert lines[1:-3] == [
+        *("G92 Z0", "G90", "G1 Z5 F600", "G28.1 X Y", "G1 X90 Y100 F3600", "G28.1 Z"),
+    ]
+    assert lines[-3:] == ["{% else %}", "G28.1 {rawparams}", "{% endif %}"]
+    assert any("[homing_override]" in text for text in remarks(draft, "changed"))
+    draft, machine = load(
+        more=f"{OVERRIDE}[gcode_macro G28]\nrename_existing: G28.2\ngcode: M118 x\n"
+    )
+    assert "M118" in machine.macros["G28"].gcode
+    assert any("[homing_override]" in text for text in remarks(draft, "decide"))
+
+
+def test_safe_z_home_of_a_switch_is_a_macro_g28(load) -> None:
+    more = "[safe_z_home]\nhome_xy_position: 110, 120\nspeed: 80\nz_hop: 10\n"
+    _, machine = load(more=more)
+    lines = machine.macros["G28"].gcode.splitlines()[1:-3]
+    moves = ["G28.1 X Y", "G90", "G1 X110 Y120 F4800", "G28.1 Z", "G1 Z10 F900"]
+    assert lines == moves
 
 
 def test_board_on_a_can_bus_needs_usb(tmp_path: Path) -> None:

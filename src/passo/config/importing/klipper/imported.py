@@ -79,7 +79,7 @@ def _put_boards(job: Import) -> None:
             continue
         if hz is None:
             hz = 16_000_000
-            text = "the chip is not named: set clock_hz of the board, or its dictionary"
+            text = "the file does not name the chip: clock_hz is 16 MHz until you set that of yours"
             draft.decide(section.place, f"[{section.name}]", text)
         draft.put((*path, "clock_hz"), hz, None)
 

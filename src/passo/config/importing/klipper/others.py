@@ -39,8 +39,6 @@ OTHERS: dict[str, Other] = {
     "force_move": built_in("FORCE_MOVE and STEPPER_BUZZ are always there"),
     "save_variables": built_in("SAVE_VARIABLE stores in the folder of --state"),
     "endstop_phase": lost("endstops are used as they trigger"),
-    "safe_z_home": lost("home X and Y first; a macro G28 with rename_existing moves to a place"),
-    "homing_override": lost("write its G-code as a macro G28 with rename_existing"),
     "bed_screws": built_in("the screws are those of screws_tilt_adjust"),
     "screws_tilt_adjust": lost("G35 needs a probe; BED_SCREWS_ADJUST needs none"),
     "bed_mesh": lost("a mesh needs a probe"),

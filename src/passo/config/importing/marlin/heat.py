@@ -279,7 +279,7 @@ def _put_fans(job: Job) -> None:
         put((*path, "pin"), pin or job.pins.functions["fan0"].output, place)
         low = defines.number("FAN_MIN_PWM")
         if low is not None and low.value > 0:
-            job.put((*path, "min_power"), low, 1 / _FULL)
+            job.draft.put((*path, "min_power"), round(low.value / _FULL, 4), low.place)
         high = defines.number("FAN_MAX_PWM")
         if high is not None and 0 < high.value < _FULL:
             job.put((*path, "max_power"), high, 1 / _FULL)
