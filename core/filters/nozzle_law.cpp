@@ -33,7 +33,11 @@ void NozzleLaw::begin(const Move& m) {
 }
 
 void NozzleLaw::add(const Move& m, double until) {
-  if (m.kind == MoveKind::dwell) return;
+  if (m.kind == MoveKind::dwell) {
+    if (going_)
+      for (Phases& p : phases_) p.resume(std::min(m.end(), until));
+    return;
+  }
   if (!going_) {
     begin(m);
     start(m.start);

@@ -133,7 +133,11 @@ void FilteredSolver::begin(const Move& m) {
 }
 
 void FilteredSolver::add(const Move& m, double until) {
-  if (m.kind == MoveKind::dwell) return;
+  if (m.kind == MoveKind::dwell) {
+    if (going_)
+      for (Phases& p : phases_) p.resume(std::min(m.end(), until));
+    return;
+  }
   const bool idle = spec_.drive == Drive::extruder && m.extruder != spec_.index;
   if (idle && !going_) return;
   if (!going_) {
