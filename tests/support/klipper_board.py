@@ -26,6 +26,22 @@ NEWER_SENSORS = {
     "analog_in_state oid=%c next_clock=%u value=%hu": "analog_in_state oid=%c next_clock=%u"
     " values=%*s",
 }
+# Words of builds for chips that may have an accelerometer; the numbers are ours.
+ACCELEROMETERS = {
+    "commands": {
+        "config_adxl345 oid=%c spi_oid=%c": 80,
+        "query_adxl345 oid=%c rest_ticks=%u": 81,
+        "query_adxl345_status oid=%c": 82,
+        "config_lis2dw oid=%c bus_oid=%c bus_oid_type=%c lis_chip_type=%c": 83,
+        "query_lis2dw oid=%c rest_ticks=%u": 84,
+        "query_lis2dw_status oid=%c": 85,
+    },
+    "responses": {
+        "sensor_bulk_data oid=%c sequence=%hu data=%*s": 86,
+        "sensor_bulk_status oid=%c clock=%u query_ticks=%u next_sequence=%hu buffered=%u"
+        " possible_overflows=%hu": 87,
+    },
+}
 # Of another chip: its constants and pins.
 STM32 = {
     "config": {
@@ -113,6 +129,7 @@ def dictionary(*, chip: str, newer: bool) -> dict[str, Any]:
     if newer:
         for part in ("commands", "responses"):
             made[part] = {NEWER_SENSORS.get(text, text): n for text, n in made[part].items()}
+            made[part] |= ACCELEROMETERS[part]
     return made
 
 

@@ -56,6 +56,7 @@ def test_firmware_calls_its_hooks_in_this_order(tmp_path: Path) -> None:
             "analog_in_task",
             "buttons_task",
             "tmcuart_task",
+            "accelerometer_task",
             "thermocouple_task",
             "shutdown_report",
         ],
