@@ -34,6 +34,10 @@ class Backlash {
     t_ = t, q_ = q;
     turn(0);
   }
+  // Motion ends with the last interval.
+  void rest() {
+    if (dir_ != 0) turn(0);
+  }
   // Motion continues at clock t, from position q, on the law of `of`, which may be this one.
   void resume(double t, double q, const Backlash& of) {
     lead_ = of.lead_at(t, q);

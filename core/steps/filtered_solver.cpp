@@ -287,7 +287,10 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
   if (!last) return;
   going_ = false;
   owed_ = 0;
-  if (backlash_.on() && (taps_ || smooth_)) of.set_lead(resting_lead(of));
+  if (backlash_.on() && (taps_ || smooth_)) {
+    backlash_.rest();
+    of.set_lead(resting_lead(of));
+  }
   // Sums of several axes are rounded otherwise than the plan's position.
   const int64_t target = of.count_at(goal_), left = target - of.count();
   if (left == 0) return;
