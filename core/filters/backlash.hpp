@@ -141,7 +141,8 @@ class Backlash {
   Turn before(double t) const {
     for (auto turn = turns_.rbegin(); turn != turns_.rend(); ++turn)
       if (turn->at <= t) return *turn;
-    return {t, q_, lead_, 0};
+    if (turns_.empty()) return {t, q_, lead_, 0};
+    return {t, turns_.front().q, turns_.front().lead, 0};  // at rest until then
   }
   double lead_at(double t, double q) const {
     const Turn turn = before(t);

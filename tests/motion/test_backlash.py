@@ -75,6 +75,28 @@ def test_cut_path_ends_with_the_same_lead(path, cuts, holds):
     assert [net(messages, target) for target in range(4)] == motion.counts()
 
 
+@pytest.mark.parametrize(("hold_s", "cut_s"), [(None, 0.02), (None, 0.3), (0.02, 0.8)])
+def test_cut_at_a_rest_keeps_the_part_of_the_gap(hold_s, cut_s):
+    """Before the first move, in a dwell, and where a hold has stopped the first move."""
+    motion = Motion(geared(**EVERY))
+    if hold_s is None:
+        motion.push([0.0, 0.0, 0.0, 0.0], 1.0, "dwell", duration_s=0.2)
+    motion.push([1.2, 0.0, 0.0, 0.0], 60.0)
+    motion.push([1.2, 0.0, 0.0, 0.0], 1.0, "dwell", duration_s=0.2)
+    motion.push([1.4, 0.0, 0.0, 0.0], 60.0)
+    motion.flush()
+    counts = motion.counts()
+    if hold_s is not None:
+        motion.hold_from(hold_s * HZ)
+        motion.wait_until(motion.clock + HZ)
+        motion.release()
+        motion.flush()
+    motion.replan_from(cut_s * HZ)
+    motion.flush()
+    assert motion.counts() == counts
+    assert net(motion.take_messages(), 0) == counts[0] == 112 + 15  # 16 * 1.4 / 1.5
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_cut_shaped_path_ends_within_the_gap(seed):
     """Where it brakes, it may turn elsewhere than without the cut."""
