@@ -30,6 +30,7 @@ static bool run(struct timer *timer) {
   struct accelerometer *it =
       (struct accelerometer *)((char *)timer - offsetof(struct accelerometer, timer));
   it->due = true;
+  it->taken = 0;
   task_wake();
   return false;
 }
@@ -91,7 +92,8 @@ void accelerometer_task(void) {
       report_bytes(REPORT_SENSOR_BULK_DATA, values, 2, it->block, it->size);
       it->size = 0;
     }
-    if (more) {
+    // More than its FIFO can hold: the answers are not those of the chip.
+    if (more && ++it->taken < FIFO_DEEP) {
       task_wake();
       continue;
     }

@@ -18,6 +18,7 @@ struct accelerometer {
   uint16_t sequence, overflows;
   bool lis2dw;
   volatile bool due;
-  uint8_t size;  // of `block`
+  uint8_t taken;  // samples since it was due
+  uint8_t size;   // of `block`
   uint8_t block[BLOCK_BYTES];
 };
