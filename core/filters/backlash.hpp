@@ -9,7 +9,7 @@
 namespace passo {
 
 // The motor's position is q + lead, with q from its filtered law. The lead is 0 after enough motion
-// in negative direction, and the gap after enough motion in positive direction. Behind a turn it
+// in negative direction, and the gap after enough motion in positive direction. After a turn it
 // changes in proportion to the distance, within `over` steps. So a quadratic stays a quadratic,
 // with one more breakpoint, and a motor that turns again before `over` takes back what it has
 // added. The gap is a whole number of steps: at rest a complete lead changes no rounding.

@@ -21,13 +21,12 @@ void NozzleLaw::begin(const Move& m) {
   track_.cubic = boxes;
   earliest_ = filters.delay(hz_);
   for (int i = 0; i < 3; ++i) {
-    const size_t j = size_t(i);
-    phases_[j].begin(m.p0[i], filters.memory(hz_));
-    if (boxes)
-      boxed(filters, hz_, i, &phases_[j], smooth_[j]);
-    else
-      tap(filters, hz_, i, &phases_[j], taps_[j]);
-    earliest_ = std::min(earliest_, boxes ? smooth_[j].earliest() : taps_[j].earliest());
+    Phases& phases = phases_[size_t(i)];
+    phases.begin(m.p0[i], filters.memory(hz_));
+    with_law(size_t(i), [&](auto& law) {
+      add_to(law, filters, hz_, i, &phases);
+      earliest_ = std::min(earliest_, law.earliest());
+    });
   }
   going_ = true;
 }
@@ -50,11 +49,10 @@ void NozzleLaw::start(double clock) {
   track_.n = 0;
   track_.t[0] = clock;
   for (size_t i = 0; i < 3; ++i) {
-    if (!smooth_.empty())
-      smooth_[i].start(clock);
-    else
-      taps_[i].start(clock);
-    track_.p[i][0] = axes_[i].q = smooth_.empty() ? taps_[i].q() : smooth_[i].q();
+    with_law(i, [&](auto& law) {
+      law.start(clock);
+      track_.p[i][0] = axes_[i].q = law.q();
+    });
   }
   track_.finish();
 }
@@ -81,13 +79,10 @@ void NozzleLaw::solve(const std::vector<Move>& moves, double known, bool last) {
   const double limit = last ? kAllTicks : known + earliest_;
   for (size_t i = 0; i < 3; ++i) {
     Phases& p = phases_[i];
-    if (!smooth_.empty()) {
-      smooth_[i].advance(limit, last, axes_[i]);
-      smooth_[i].dropped(&p, p.drop(smooth_[i].needed(&p)));
-    } else {
-      taps_[i].advance(limit, last, axes_[i]);
-      taps_[i].dropped(&p, p.drop(taps_[i].needed(&p)));
-    }
+    with_law(i, [&](auto& law) {
+      law.advance(limit, last, axes_[i]);
+      law.dropped(&p, p.drop(law.needed(&p)));
+    });
   }
   merge();
   going_ = !last;

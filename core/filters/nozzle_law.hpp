@@ -22,12 +22,12 @@ void each_impulse(const Filters& filters, double hz, int slot, Add&& add) {
   for (const Impulse& impulse : filters.shapers[slot])
     add(impulse.weight, delay + (impulse.at - mean) * hz);
 }
-inline void tap(const Filters& filters, double hz, int slot, Phases* phases, Taps& taps) {
+inline void add_to(Taps& taps, const Filters& filters, double hz, int slot, Phases* phases) {
   each_impulse(filters, hz, slot,
                [&](double weight, double delay) { taps.add(phases, weight, delay); });
 }
 // The same where jerk is limited.
-inline void boxed(const Filters& filters, double hz, int slot, Phases* phases, SmoothLaw& law) {
+inline void add_to(SmoothLaw& law, const Filters& filters, double hz, int slot, Phases* phases) {
   each_impulse(filters, hz, slot, [&](double weight, double delay) {
     law.add(phases, weight, delay, filters.box_s * hz);
   });
@@ -47,14 +47,14 @@ class NozzleLaw {
   const Track& track() const { return track_; }
 
  private:
-  // The position at the start of the track.
   struct Interval {
-    double end, q, v, a, j;
+    double end;         // clock
+    double q, v, a, j;  // at the begin
   };
   // Collects the intervals of one axis.
   struct Intervals {
     std::vector<Interval> all;
-    double q = 0;
+    double q = 0;  // at the end of the last one
     void add(double end, double position, double speed, double, double accel) {
       all.push_back({end, q, speed, accel, 0});
       q = position;
@@ -79,6 +79,14 @@ class NozzleLaw {
   void add(const Move& m, double until);
   void start(double clock);
   void merge();
+  // Calls use(law of axis i).
+  template <class Use>
+  void with_law(size_t i, Use&& use) {
+    if (smooth_.empty())
+      use(taps_[i]);
+    else
+      use(smooth_[i]);
+  }
 };
 
 }  // namespace passo

@@ -23,7 +23,7 @@ class AccelerometerChip {
 
   AccelerometerChip(Kind kind, double clock_hz) : kind_(kind), hz_(clock_hz) {}
 
-  // `measures` is told when the chip begins or ends to measure.
+  // The chip calls `measures` when it begins or ends to measure.
   void place(Velocity velocity, std::function<void(bool)> measures) {
     velocity_ = std::move(velocity);
     measures_ = std::move(measures);

@@ -212,7 +212,7 @@ void PrintQuality::end_ringing() {
   ringing_now_.reset();
 }
 
-// The line between the last two samples, as a fraction of its nominal width; 0 if there is none.
+// The line between the last two samples, as a fraction of its nominal width; 0 without a line.
 double PrintQuality::measure_width(double moved) {
   const Segment& on = path_.front();
   const bool goes_on = printed_ && on.prints && extruder_ == on.extruder && at_ >= settled_at_;

@@ -101,7 +101,7 @@ void FilteredSolver::set_up() {
     smooth_.emplace();
     for (int i = 0; i < axes_; ++i) {
       Phases* phases = &phases_[size_t(i)];
-      boxed(filters, hz_, shaped_as_[i], phases, *smooth_);
+      add_to(*smooth_, filters, hz_, shaped_as_[i], phases);
       if (!advances) continue;
       const double wide = filters.wide_s(size_t(spec_.index)) * hz_,
                    narrow = filters.narrow_s(size_t(spec_.index)) * hz_;
@@ -114,7 +114,8 @@ void FilteredSolver::set_up() {
     advance_.emplace(&phases_[0], half, delay_);
   } else if (axes_ > 0) {
     taps_.emplace();
-    for (int i = 0; i < axes_; ++i) tap(filters, hz_, shaped_as_[i], &phases_[size_t(i)], *taps_);
+    for (int i = 0; i < axes_; ++i)
+      add_to(*taps_, filters, hz_, shaped_as_[i], &phases_[size_t(i)]);
   }
   if ((smooth_ || advance_) && !cubics_) cubics_ = std::make_unique<CubicSolver>();
   if (!smooth_ && !advance_ && !intervals_) intervals_ = std::make_unique<IntervalSolver>();
@@ -245,27 +246,13 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
     end = advance_->t();
   } else if (smooth_) {
     cubics_->into(to, tolerances_);
-    const double limit = last ? kAllTicks : known + smooth_->earliest();
-    if (backlash_.on()) {
-      Backlash::Onto<CubicSteps> leading{backlash_, *cubic_steps_};
-      smooth_->advance(limit, last, leading);
-    } else {
-      smooth_->advance(limit, last, *cubic_steps_);
-    }
+    follow(*smooth_, known, last, *cubic_steps_);
     cubics_->flush();
-    for (Phases& p : phases_) smooth_->dropped(&p, p.drop(smooth_->needed(&p)));
     end = smooth_->t();
   } else if (taps_) {
     intervals_->into(to, tolerances_);
-    const double limit = last ? kAllTicks : known + taps_->earliest();
-    if (backlash_.on()) {
-      Backlash::Onto<IntervalSolver> leading{backlash_, *intervals_};
-      taps_->advance(limit, last, leading);
-    } else {
-      taps_->advance(limit, last, *intervals_);
-    }
+    follow(*taps_, known, last, *intervals_);
     intervals_->flush();
-    for (Phases& p : phases_) taps_->dropped(&p, p.drop(taps_->needed(&p)));
     end = taps_->t();
   } else {
     const Track& track = nozzle_.track();
@@ -297,6 +284,18 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
   const size_t n = size_t(std::abs(left));
   std::fill_n(out.extend(n, left > 0 ? 1 : -1), n, end);
   of.set_count(target);
+}
+
+template <class Law, class Sink>
+void FilteredSolver::follow(Law& law, double known, bool last, Sink& sink) {
+  const double limit = last ? kAllTicks : known + law.earliest();
+  if (backlash_.on()) {
+    Backlash::Onto<Sink> leading{backlash_, sink};
+    law.advance(limit, last, leading);
+  } else {
+    law.advance(limit, last, sink);
+  }
+  for (Phases& p : phases_) law.dropped(&p, p.drop(law.needed(&p)));
 }
 
 int64_t FilteredSolver::resting_lead(StepSolver& of) const {

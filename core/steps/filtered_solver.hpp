@@ -101,6 +101,9 @@ class FilteredSolver {
   // Returns the lead at the begin of motion.
   double begin_lead(double clock, double q, bool resumes);
   int64_t law_count() const;
+  // Passes on taps_ or smooth_ as far as the law is certain, with the lead of the drive.
+  template <class Law, class Sink>
+  void follow(Law& law, double known, bool last, Sink& sink);
   // At the end of motion, whole: the sum of position and lead is rounded.
   int64_t resting_lead(StepSolver& of) const;
   // Fits quadratics to the motor's law along a track.

@@ -54,7 +54,7 @@ def test_one_resonance_is_found_as_by_klipper(
     samples = np.stack([x, *still], axis=1)
     found = spectrum(samples, RATE_HZ).normalized()
     assert found.peak_hz == peak
-    choice = choose([found])
+    choice = choose(found)
     for fit, (kind, expected_hz, percent, smooth) in zip(choice.fits, rows, strict=True):
         assert (fit.kind, round(fit.frequency_hz, 1)) == (kind, expected_hz)
         assert fit.vibrations * 100 == pytest.approx(percent, abs=0.0051)
@@ -101,6 +101,6 @@ def test_less_smoothing_on_request_takes_a_higher_frequency() -> None:
     parts = [(p.seconds, p.accel_mm_s2) for p in Excitation(20, 60, 2).segments()]
     x = felt(parts, 35, 0.1)
     found = spectrum(np.stack([x, 0 * x, 0 * x], axis=1), RATE_HZ).normalized()
-    free, bounded = choose([found]), choose([found], max_smoothing_mm=0.1)
+    free, bounded = choose(found), choose(found, max_smoothing_mm=0.1)
     assert bounded.best.smoothing_mm <= 0.1 < free.best.smoothing_mm
     assert bounded.best.frequency_hz > free.best.frequency_hz

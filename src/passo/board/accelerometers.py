@@ -94,7 +94,7 @@ class AccelerometerReader:
         *first, last = (self._chip.rates[self._rate_hz], *self._chip.measure)
         for register, value in first:
             self._write(register, value)
-        # The chip starts before the board reads it: an empty FIFO would give a sample that is none.
+        # The chip starts before the board reads it: an empty FIFO would give an invalid sample.
         self._send(*last)
         self._query(round(_RESTS / self._rate_hz * self._connection.board.clock_hz))
         self._check(*last)
@@ -160,9 +160,9 @@ class AccelerometerReader:
         self._points.append((main - self._base, samples, ticks))
 
     def _times(self) -> tuple[float, float]:
-        """Print time of the first sample, s, and the rate, Hz: a line through the states that were
-        told quickly. The last of the samples so far was taken half an interval before, on
-        average."""
+        """Print time of the first sample, s, and the rate, Hz: a line through the states that the
+        board has read quickly. The last of the samples so far was taken half an interval before,
+        on average."""
         hz = self._connection.wire.hz
         quickest = min((ticks for _, _, ticks in self._points), default=0)
         used = [(c / hz, n - 0.5) for c, n, ticks in self._points if ticks <= _SLOW * quickest]

@@ -11,9 +11,10 @@ from math import ceil, sqrt
 import numpy as np
 
 from passo.config.shapers import DEFAULT_DAMPING, Impulses, ShaperType, impulses
+from passo.resonance.fit import Fit
 from passo.resonance.spectrum import Array, Spectrum
 
-MAX_HZ = 200.0  # bins above this do not count
+_MAX_HZ = 200.0  # bins above this do not count
 _HIGHEST_HZ = 150.0  # of the candidates
 _STEP_HZ = 0.2
 _LOWEST_HZ: dict[ShaperType, float] = {
@@ -29,28 +30,6 @@ _DAMPINGS = (0.075, 0.1, 0.15)  # of the real axis, which is not known
 _QUIET = 20.0  # what is below 1/20 of the peak is not counted
 _ACCEL_MM_S2, _CORNER_MM_S = 5000.0, 5.0  # at which smoothing is compared
 _TARGET_MM = 0.12  # smoothing at the suggested acceleration
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """A shaper for a spectrum. `vibrations` is the part of the vibration that remains, 0 to 1;
-    `smoothing_mm` is what it cuts off a corner at 5000 mm/s²; the smoothing stays below 0.12 mm
-    up to `max_accel_mm_s2`."""
-
-    kind: ShaperType
-    frequency_hz: float
-    vibrations: float
-    smoothing_mm: float
-    max_accel_mm_s2: float
-    score: float
-
-    @property
-    def line(self) -> str:
-        """The fit in Klipper's words."""
-        return (
-            f"Fitted shaper '{self.kind}' frequency = {self.frequency_hz:.1f} Hz (vibrations ="
-            f" {self.vibrations * 100:.1f}%, smoothing ~= {self.smoothing_mm:.3f})"
-        )
 
 
 def smoothing_mm(found: Impulses, accel_mm_s2: float, corner_mm_s: float) -> float:
@@ -72,9 +51,9 @@ def max_accel(found: Impulses, corner_mm_s: float = _CORNER_MM_S) -> float:
     form."""
     mean = sum(a * t for a, t in found)
     back = sum(0.5 * a * (t - mean) ** 2 for a, t in found)
-    behind = [(a, t - mean) for a, t in found if t >= mean]
-    fixed = sqrt(2) * corner_mm_s * sum(a * t for a, t in behind)
-    slope = sqrt(2) * sum(0.5 * a * t * t for a, t in behind)
+    later = [(a, t - mean) for a, t in found if t >= mean]
+    fixed = sqrt(2) * corner_mm_s * sum(a * t for a, t in later)
+    slope = sqrt(2) * sum(0.5 * a * t * t for a, t in later)
     return max(0.0, min(_TARGET_MM / back, (_TARGET_MM - fixed) / slope))
 
 
@@ -89,18 +68,9 @@ def residual(found: Impulses, hz: Array, damping: float) -> Array:
     return np.hypot((sizes * np.sin(angles)).sum(axis=1), (sizes * np.cos(angles)).sum(axis=1))
 
 
-def fit(
-    kind: ShaperType,
-    spectra: Sequence[Spectrum],
-    *,
-    max_smoothing_mm: float | None = None,
-    max_hz: float = MAX_HZ,
-) -> Fit:
-    """The best frequency of one shaper for normalized spectra: the worst of them counts."""
-    levels: list[tuple[Array, Array]] = []
-    for one in spectra:
-        used = one.up_to(max_hz)
-        levels.append((used.hz, used.sum))
+def fit(kind: ShaperType, measured: Spectrum, max_smoothing_mm: float | None = None) -> Fit:
+    """The best frequency of one shaper for a normalized spectrum."""
+    used = measured.up_to(_MAX_HZ)
     count = ceil((_HIGHEST_HZ - _LOWEST_HZ[kind]) / _STEP_HZ - 1e-9)
     results: list[Fit] = []
     for k in range(count - 1, -1, -1):
@@ -109,7 +79,7 @@ def fit(
         smooth = smoothing_mm(found, _ACCEL_MM_S2, _CORNER_MM_S)
         if max_smoothing_mm and results and smooth > max_smoothing_mm:
             break
-        left = max(_remaining(found, *level, z) for z in _DAMPINGS for level in levels)
+        left = max(_remaining(found, used.hz, used.sum, damping) for damping in _DAMPINGS)
         score = smooth * (left**1.5 + 0.2 * left + 0.01)
         results.append(Fit(kind, hz, left, smooth, max_accel(found), score))
     best = min(results, key=lambda result: result.vibrations)
@@ -132,17 +102,9 @@ class Choice:
     reason: str
 
 
-def choose(
-    spectra: Sequence[Spectrum],
-    *,
-    max_smoothing_mm: float | None = None,
-    max_hz: float = MAX_HZ,
-    kinds: Sequence[ShaperType] = CANDIDATES,
-) -> Choice:
+def choose(measured: Spectrum, max_smoothing_mm: float | None = None) -> Choice:
     """Fits each shaper, and takes a longer one only where it is clearly better."""
-    fits = tuple(
-        fit(kind, spectra, max_smoothing_mm=max_smoothing_mm, max_hz=max_hz) for kind in kinds
-    )
+    fits = tuple(fit(kind, measured, max_smoothing_mm) for kind in CANDIDATES)
     best = fits[0]
     for new in fits[1:]:
         clearly = new.score * 1.2 < best.score
@@ -170,15 +132,3 @@ def _reason(fits: Sequence[Fit], best: Fit) -> str:
         text += f" {calmest.kind} leaves less ({calmest.vibrations:.1%})"
         text += f" but cuts {calmest.smoothing_mm:.2f} mm."
     return text
-
-
-def mean(spectra: Sequence[Spectrum]) -> Spectrum:
-    """The mean of spectra of one axis, at the frequencies of the first one."""
-    hz = spectra[0].hz
-
-    def of(rows: Sequence[Array]) -> Array:
-        same = [np.interp(hz, one.hz, row) for one, row in zip(spectra, rows, strict=True)]
-        return np.asarray(np.mean(same, axis=0), dtype=np.float64)
-
-    x, y, z = [s.x for s in spectra], [s.y for s in spectra], [s.z for s in spectra]
-    return Spectrum(hz, of(x), of(y), of(z))

@@ -54,7 +54,7 @@ def spectrum_svg(title: str, found: Spectrum, choice: Choice | None) -> str:
         return picture(title, hz, curves, notes)
     best = impulses(choice.best.kind, choice.best.frequency_hz, DEFAULT_DAMPING)
     left = residual(best, shown.hz, DEFAULT_DAMPING)
-    curves.append((f"behind {choice.best.kind}", np.asarray(shown.sum * left).tolist(), False))
+    curves.append((f"with {choice.best.kind}", np.asarray(shown.sum * left).tolist(), False))
     for fit in choice.fits[:4]:
         shaper = impulses(fit.kind, fit.frequency_hz, DEFAULT_DAMPING)
         name = f"{fit.kind} {fit.frequency_hz:.1f} Hz"

@@ -1,4 +1,4 @@
-"""A picture of a spectrum, as SVG: the measured density, what is left of it behind each shaper, and
+"""A picture of a spectrum, as SVG: the measured density, what each shaper leaves of it, and
 the shapers themselves."""
 
 from __future__ import annotations

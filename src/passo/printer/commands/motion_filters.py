@@ -324,9 +324,8 @@ class MotionFilters:
 
     def shapes_filament(self, extruder: int) -> bool:
         """Whether the filament of this extruder follows a shaper of X or Y."""
-        given = list(self._machine.extruders.values())
         shaped = any(self.shapers[axis].frequency_hz > 0 for axis in _AXES[:2])
-        return shaped and extruder < len(given) and given[extruder].shaped
+        return shaped and extruder < len(self._made) and self._made[extruder].shaped
 
     @property
     def delay_s(self) -> float:

@@ -19,7 +19,7 @@ from passo.motion.resonance_test import Direction, ResonanceTest, direction
 from passo.printer.commands.klipper_commands import number
 from passo.printer.commands.motion_filters import Shaper
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
-from passo.resonance.analysis import Analysis, Run, analyse
+from passo.resonance.analysis import Analysis, analyse
 from passo.resonance.excitation import Excitation
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ class ResonanceCommands:
     def _noise(self, _: Command, reply: Reply) -> Wait | None:
         async def run() -> None:
             found = await self._test.still(_NOISE_S)
-            x, y, z = (await analyse([Run(found)], title="")).noise
+            x, y, z = (await analyse(found)).noise
             reply.say(f"// Axes noise: {x:.6f} (x), {y:.6f} (y), {z:.6f} (z)")
 
         return WaitForProcedure(run)
@@ -113,9 +113,14 @@ class ResonanceCommands:
                 _path(stem, along, name) if stem in outputs else ""
                 for stem in ("raw_data", "resonances")
             )
-            run = Run(found, _LEAST_SHARE * excitation.rms_mm_s2, raw, spectrum)
-            done = await analyse([run], title=f"Resonances of {along.name.upper()}")
-            reply.say(f"// Highest peak at {done.peaks_hz[0]:.1f} Hz")
+            done = await analyse(
+                found,
+                title=f"Resonances of {along.name.upper()}",
+                least_mm_s2=_LEAST_SHARE * excitation.rms_mm_s2,
+                raw=raw,
+                spectrum=spectrum,
+            )
+            reply.say(f"// Highest peak at {done.peak_hz:.1f} Hz")
             _tell_files(done, reply)
 
         return WaitForProcedure(run)
@@ -148,9 +153,9 @@ class ResonanceCommands:
         async def run() -> None:
             for one, sweep in zip(along, sweeps, strict=True):
                 found = await self._vibrate(one, sweep, point, False, reply)
-                run = Run(found, _LEAST_SHARE * sweep.rms_mm_s2)
+                least_mm_s2 = _LEAST_SHARE * sweep.rms_mm_s2
                 # At once, so that the first axis is done even if the second cannot be measured.
-                shaper = await self._fit(one, run, most, name, reply)
+                shaper = await self._fit(one, found, least_mm_s2, most, name, reply)
                 self._rig.commands.filters.use_shapers({one.name.upper(): shaper})
             if store and self._state.store_settings is not None:
                 self._state.store_settings()
@@ -163,7 +168,8 @@ class ResonanceCommands:
     async def _fit(
         self,
         along: Direction,
-        run: Run,
+        found: Measurement,
+        least_mm_s2: float,
         max_smoothing_mm: float | None,
         name: str,
         reply: Reply,
@@ -172,10 +178,10 @@ class ResonanceCommands:
         axis = along.name
         reply.say(f"// Calculating the best input shaper parameters for {axis} axis")
         done = await analyse(
-            [run],
+            found,
             title=f"Input shapers for {axis.upper()}",
-            fit=True,
-            files=_path("calibration_data", along, name),
+            least_mm_s2=least_mm_s2,
+            shapers=_path("calibration_data", along, name),
             max_smoothing_mm=max_smoothing_mm,
         )
         best = done.best

@@ -53,12 +53,12 @@ class Section:
         return self.options.get(name)
 
     def text(self, name: str, default: str = "") -> str:
-        """The text of an option, which is marked as read; `default` if there is none."""
+        """The text of an option, which is marked as read; `default` without the option."""
         found = self.option(name)
         return default if found is None else found.text
 
     def number(self, name: str, default: float | None = None) -> float | None:
-        """The number of an option; `default` if there is none. Raises ConfigError."""
+        """The number of an option; `default` without the option. Raises ConfigError."""
         found = self.option(name)
         if found is None or not found.text:
             return default
@@ -68,18 +68,18 @@ class Section:
             raise bad(found.place, f"{name} in [{self.name}]", found.text, NUMBER) from None
 
     def whole(self, name: str, minimum: int, maximum: int) -> int | None:
-        """The whole number of an option; None if there is none. Raises ConfigError for a fraction,
+        """The whole number of an option; None without it. Raises ConfigError for a fraction,
         and for a number that is not within the limits, which are included."""
         found = self.read(name)
         return None if found is None else found.whole(minimum, maximum)
 
     def read(self, name: str) -> Read | None:
-        """The number of an option with its place; None if there is none. Raises ConfigError."""
+        """The number of an option with its place; None without it. Raises ConfigError."""
         value = self.number(name)
         return None if value is None else Read(value, f"{name} in [{self.name}]", self.at(name))
 
     def needed(self, name: str) -> float:
-        """The number of an option. Raises ConfigError if there is none."""
+        """The number of an option. Raises ConfigError without the option."""
         value = self.number(name)
         if value is None:
             raise self.missing(name)
