@@ -10,6 +10,7 @@ namespace {
 
 JunctionLaw junction_law(const std::string& name) {
   if (name == "deviation") return JunctionLaw::deviation;
+  if (name == "square_corner") return JunctionLaw::square_corner;
   if (name == "cornering_distance") return JunctionLaw::cornering_distance;
   if (name == "jerk") return JunctionLaw::jerk;
   throw nb::value_error("unknown junction law");
@@ -88,6 +89,7 @@ Machine machine_of(const nb::dict& spec) {
               get<double>(limits, "speed"),
               junction_law(get<std::string>(limits, "junction")),
               get<double>(limits, "junction_deviation"),
+              get<double>(limits, "square_corner"),
               get<double>(limits, "minimum_cruise_ratio"),
               get<double>(limits, "least_speed_gain")};
   if (spec.contains("budget") && !spec["budget"].is_none()) {

@@ -15,7 +15,7 @@
 
 namespace passo {
 
-enum class JunctionLaw : uint8_t { deviation, cornering_distance, jerk };
+enum class JunctionLaw : uint8_t { deviation, square_corner, cornering_distance, jerk };
 
 struct Axis {  // X, Y, Z and further linear axes
   std::string name;
@@ -57,6 +57,7 @@ struct Limits {
   double print_accel, travel_accel, retract_accel, speed;
   JunctionLaw junction;
   double junction_deviation;
+  double square_corner;  // mm/s at a right angle
   double minimum_cruise_ratio;
   double least_speed_gain;  // a move accelerates only if it gains this fraction of the faster of
                             // its end speeds

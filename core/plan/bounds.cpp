@@ -48,10 +48,11 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
     v = m.d * speed_factor / m.duration, speed_id = kDuration;
   if (m.fastest > 0 && v > m.fastest * per_mm) v = m.fastest * per_mm, speed_id = kLaserPower;
   if (m.cartesian && v > limits.speed * per_mm) v = limits.speed * per_mm, speed_id = kPathSpeed;
-  double a = per_mm * (accel_id == kPrintAccel     ? limits.print_accel
-                       : accel_id == kRetractAccel ? limits.retract_accel
-                                                   : limits.travel_accel);
-  a = std::min(a, kMaxAccel * per_mm);
+  const double set = std::min(accel_id == kPrintAccel     ? limits.print_accel
+                              : accel_id == kRetractAccel ? limits.retract_accel
+                                                          : limits.travel_accel,
+                              kMaxAccel);
+  double a = set * per_mm;
   double inverse = 1 / m.d;
   const Bed bed = bed_below(m);
   // `bend`: second derivative of the row's position by path length.
@@ -104,6 +105,7 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
   }
   m.vn2 = v * v;
   m.a = m.b = a;
+  m.deviation = JunctionRule::deviation(limits, set);
   m.speed_limit = speed_id;
   m.accel_limit = accel_id;
   return true;

@@ -18,10 +18,8 @@ double JunctionRule::cap2(const Move& before, const Move& m, const Rules& rules)
   if (limits.junction == JunctionLaw::cornering_distance) return cornering(before, m, cap);
   if (before.cartesian != m.cartesian) return 0;
   if (!m.cartesian) return alongside(before, m) ? cap : 0;
-  return limits.junction == JunctionLaw::deviation
-             ? deviation(before, m, std::min(cap, extruder_cap(before, m, own)),
-                         limits.junction_deviation)
-             : jerk(before, m, cap, own);
+  if (limits.junction == JunctionLaw::jerk) return jerk(before, m, cap, own);
+  return deviation(before, m, std::min(cap, extruder_cap(before, m, own)));
 }
 
 double JunctionRule::advance_cap2(const Move& before, const Move& m, const Rules& rules) const {
@@ -84,8 +82,7 @@ double JunctionRule::extruder_cap(const Move& before, const Move& m, const Const
   return cap;
 }
 
-inline double JunctionRule::deviation(const Move& before, const Move& m, double cap,
-                                      double delta) const {
+inline double JunctionRule::deviation(const Move& before, const Move& m, double cap) const {
   double inverse = 1 / (before.d * m.d);
   double cosine = -((m.p1[0] - m.p0[0]) * (before.p1[0] - before.p0[0]) +
                     (m.p1[1] - m.p0[1]) * (before.p1[1] - before.p0[1]) +
@@ -93,8 +90,8 @@ inline double JunctionRule::deviation(const Move& before, const Move& m, double 
                   inverse;
   double s = std::sqrt(std::max(0.0, 0.5 * (1 - cosine)));
   double c = std::sqrt(std::max(0.0, 0.5 * (1 + cosine)));
-  double accel = std::min(before.a, m.a);
-  if (1 - s > 1e-12) cap = std::min(cap, accel * delta * s / (1 - s));
+  const double reach = std::min(before.a * before.deviation, m.a * m.deviation);
+  if (1 - s > 1e-12) cap = std::min(cap, reach * s / (1 - s));
   if (c > 1e-9) cap = std::min(cap, 0.5 * std::min(before.a * before.d, m.a * m.d) * s / c);
   return cap;
 }

@@ -11,6 +11,14 @@ class JunctionRule {
  public:
   explicit JunctionRule(const Machine& m) : machine_(m) {}
 
+  // The junction deviation of a move with this acceleration: that with which a right angle is taken
+  // at the speed `square_corner`, or the one of the machine.
+  static double deviation(const Limits& limits, double accel) {
+    constexpr double kRootOf2 = 1.41421356237309504880;
+    if (limits.junction != JunctionLaw::square_corner) return limits.junction_deviation;
+    return limits.square_corner * limits.square_corner * (kRootOf2 - 1) / accel;
+  }
+
   // Steps of axis slot j in the move, unsigned and unrounded: the measure of `cornering_distance`.
   double steps(const Move& m, int j) const;
 
@@ -35,7 +43,8 @@ class JunctionRule {
   // Junction deviation (S. Jeon, 2011, as in grbl): the corner is a circle that passes at most δ
   // from it, v² = a δ s / (1 - s) with s = sin(θ/2), θ the angle enclosed by the two moves. The
   // circle's tangent points must lie on the inner half of either move: v² ≤ ½ a d tan(θ/2).
-  double deviation(const Move& before, const Move& m, double cap, double delta) const;
+  // Of the two moves the smaller a δ counts.
+  double deviation(const Move& before, const Move& m, double cap) const;
 
   // APrinter (facts: v² = min over axes of a_i c_i / |m_i - m_i before|, m_i = steps of the axis by
   // steps of the longest axis, c_i = cornering distance in steps).

@@ -21,6 +21,7 @@ struct Move : MoveOrigin {
   double start;                 // ticks since the start of the job
   double t_acc, t_cru, t_dec;   // ticks
   double vn2, vj2;              // caps of v²: within the move; at its start
+  double deviation;             // of its corners, mm
   double duty;                  // share of a laser's power at 1 mm/s; of a dwell: its share
   double feed, duration, radius, fastest;  // as requested, kept for replanning
   double from_faster;  // deceleration from beyond its nominal speed, after a replan; 0: never there

@@ -1,5 +1,6 @@
 """A machine file becomes a printer.cfg, and comes back as the same machine."""
 
+from math import sqrt
 from pathlib import Path
 
 import pytest
@@ -31,8 +32,10 @@ def test_what_is_exported_comes_back(name: str, tmp_path: Path) -> None:
         own, its = machine.axes[axis], other.axes[axis]
         limits = (own.min_mm, own.max_mm, own.speed_mm_s, own.accel_mm_s2)
         assert (its.min_mm, its.max_mm, its.speed_mm_s, its.accel_mm_s2) == pytest.approx(limits)
-    deviation = machine.limits.junction_deviation_mm
-    assert other.limits.junction_deviation_mm == pytest.approx(deviation, rel=1e-4)
+    limits = machine.limits
+    corner = sqrt(limits.junction_deviation_mm * machine.axes["x"].accel_mm_s2 / (sqrt(2) - 1))
+    corner = limits.square_corner_mm_s if limits.junction == "square_corner" else corner
+    assert other.limits.square_corner_mm_s == pytest.approx(corner, rel=1e-6)
     assert other.steppers.keys() == machine.steppers.keys()
     for key, motor in machine.steppers.items():
         its = other.steppers[key]

@@ -154,14 +154,11 @@ def test_axes_and_motors_have_the_values_of_the_file(load) -> None:
     assert motors["z1"].enable_pin == "!PD3"
 
 
-def test_corner_speed_is_the_junction_deviation_of_klipper(load) -> None:
-    """Klipper's own formula: deviation = v² (√2 - 1) / a."""
-    draft, machine = load()
-    assert machine.limits.junction_deviation_mm == pytest.approx(
-        64 * (math.sqrt(2) - 1) / 3000, 1e-5
-    )
-    assert machine.limits.minimum_cruise_ratio == 0.5
-    assert any("square_corner_velocity" in text for text in remarks(draft, "changed"))
+def test_corners_have_the_speed_of_klipper(load) -> None:
+    _, machine = load()
+    limits = machine.limits
+    assert (limits.junction, limits.square_corner_mm_s) == ("square_corner", 8)
+    assert limits.minimum_cruise_ratio == 0.5
 
 
 def test_homing_has_side_speeds_and_a_switch_for_each_motor(load) -> None:

@@ -99,6 +99,7 @@ def test_i3_for_the_core() -> None:
         "speed": inf,
         "junction": "deviation",
         "junction_deviation": 0.02,
+        "square_corner": 5.0,
         "minimum_cruise_ratio": 0.0,
         "least_speed_gain": 0.0,
     }

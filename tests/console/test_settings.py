@@ -155,6 +155,19 @@ def test_tiny_numbers_have_no_exponent_whose_e_would_be_a_word(tmp_path, line, t
         assert report(s) == before
 
 
+def test_the_speed_of_square_corners_is_stored(tmp_path):
+    words = {"VELOCITY": "150", "SQUARE_CORNER_VELOCITY": "8"}
+    with Scenario("voron-0", state=str(tmp_path)) as s:
+        s.host.ok("SET_VELOCITY_LIMIT " + " ".join(f"{k}={v}" for k, v in words.items()))
+        s.host.ok("M500")
+    with Scenario("voron-0", state=str(tmp_path)) as s:
+        line = "SET_VELOCITY_LIMIT VELOCITY=150 MINIMUM_CRUISE_RATIO=0 SQUARE_CORNER_VELOCITY=8"
+        assert line in report(s)
+        assert s.host.ok("M205") == [line, "ok"]
+        note, _ = s.host.ok("M205 J0.05")
+        assert "use the speed at right angles" in note
+
+
 def edited(**values):
     """The i3 with other values in its file."""
     text = shipped_text("i3")

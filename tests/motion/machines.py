@@ -80,6 +80,7 @@ def cartesian(**limits: Any) -> dict[str, Any]:
             "speed": inf,
             "junction": "deviation",
             "junction_deviation": 0.02,
+            "square_corner": 5.0,
             "minimum_cruise_ratio": 0.0,
             "least_speed_gain": 0.0,
         }

@@ -1,4 +1,5 @@
-"""Published speeds and times: StuFW's junction speeds, APrinter's measured batch times."""
+"""Published speeds and times: StuFW's junction speeds, APrinter's measured batch times, Klipper's
+print times."""
 
 from __future__ import annotations
 
@@ -40,6 +41,41 @@ def test_junction_deviation(deflection, accel, deviation, speed):
     moves, _ = planned(spec, [{"target": [50, 0, 0, 0]}, {"target": end}])
     assert moves[1].start_cap == pytest.approx(speed, abs=0.01)
     assert moves[0].end_speed == moves[1].start_speed == pytest.approx(speed, abs=0.01)
+
+
+@pytest.mark.parametrize(("accel", "seconds"), [(1500.0, 16.473), (500.0, 21.624), (150.0, 36.995)])
+def test_square_corners_take_as_long_as_with_klipper(accel, seconds):
+    """The print time of Klipper's batch mode (v0.13), less the 0.25 s before its first move."""
+    spec = cartesian(
+        print_accel=accel, travel_accel=accel, junction="square_corner", square_corner=5.0
+    )
+    for part in spec["axes"]:
+        part |= {"speed": 300.0, "accel": 1500.0}
+    spec["extruders"][0] |= {"speed": 45.0, "accel": 250.0}
+    ways = [{"target": [60, 10, 0, 0]}, {"target": [60, 10, 0, 1], "kind": "extrude"}]
+    for i in range(1, 60):
+        target = [60 + i % 7 * 5, 10 + i * 13 % 50, 0, i + 1]
+        ways.append({"target": target, "kind": "print"})
+    _, total = planned(spec, ways)
+    assert total == pytest.approx(seconds, abs=0.005)
+
+
+@pytest.mark.parametrize(("deflection", "speed"), [(45, 11.211), (90, 5.0), (135, 2.534)])
+def test_square_corner_speed_is_that_of_a_right_angle_at_any_acceleration(deflection, speed):
+    a = radians(deflection)
+    end = [50 + 50 * cos(a), 50 * sin(a), 0, 0]
+    for accel in (3000.0, 300.0):
+        spec = cartesian(print_accel=accel, travel_accel=accel, junction="square_corner")
+        moves, _ = planned(spec, [{"target": [50, 0, 0, 0]}, {"target": end}])
+        assert moves[1].start_cap == pytest.approx(speed, abs=0.001)
+
+
+def test_a_slower_axis_has_slower_square_corners():
+    """As the junction deviation, whose speed falls with the root of the acceleration."""
+    spec = cartesian(junction="square_corner")
+    spec["axes"][1]["accel"] = 750.0
+    moves, _ = planned(spec, [{"target": [50, 0, 0, 0]}, {"target": [50, 50, 0, 0]}])
+    assert moves[1].start_cap == pytest.approx(2.5, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ _SETTINGS = (
     (re.compile(r"limits\.travel_accel_mm_s2"), "M204", "T"),
     (re.compile(r"limits\.retract_accel_mm_s2"), "M204", "R"),
     (re.compile(r"limits\.junction_deviation_mm"), "M205", "J"),
+    (re.compile(r"limits\.square_corner_mm_s"), "SET_VELOCITY_LIMIT", "SQUARE_CORNER_VELOCITY="),
     (re.compile(r"extruders\.e\.advance_s"), "SET_PRESSURE_ADVANCE", "ADVANCE="),
     (re.compile(r"extruders\.e\.advance_smooth_s"), "SET_PRESSURE_ADVANCE", "SMOOTH_TIME="),
     *(

@@ -413,6 +413,7 @@ class MachineConfig(Model):
             "speed": limits.speed_mm_s or inf,
             "junction": limits.junction,
             "junction_deviation": limits.junction_deviation_mm,
+            "square_corner": limits.square_corner_mm_s,
             "minimum_cruise_ratio": limits.minimum_cruise_ratio,
             "least_speed_gain": limits.least_speed_gain,
         }

@@ -268,8 +268,8 @@ class Idle(Model):
     """The heaters are switched off after this time without a move or a command; never with 0."""
 
 
-Junction = Literal["deviation", "cornering_distance", "jerk"]
-JUNCTIONS: tuple[Junction, Junction, Junction] = ("deviation", "cornering_distance", "jerk")
+Junction = Literal["deviation", "square_corner", "cornering_distance", "jerk"]
+JUNCTIONS: tuple[Junction, ...] = ("deviation", "square_corner", "cornering_distance", "jerk")
 
 
 class Limits(Model):
@@ -291,10 +291,13 @@ class Limits(Model):
     0.15 s at most. Corners are cut by this: `passo check` prints by how much. If not given,
     acceleration changes at once."""
     junction: Junction = "deviation"
-    """The law of corners: a deviation from the corner (grbl), a distance in steps (APrinter), or an
-    instant change of speed for each axis (Marlin)."""
+    """The law of corners: a deviation from the corner (grbl), a speed at right angles (Klipper), a
+    distance in steps (APrinter), or an instant change of speed for each axis (Marlin)."""
     junction_deviation_mm: Positive = 0.02
     """The maximum distance between the corner and the arc of the law `deviation`."""
+    square_corner_mm_s: Speed = 5.0
+    """The speed at a right angle of the law `square_corner`. Unlike the speed of the law
+    `deviation`, it does not depend on the acceleration that M204 sets."""
     minimum_cruise_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
     """At least this fraction of a move is at constant speed, as in Klipper."""
     least_speed_gain: Fraction = 0.0

@@ -61,7 +61,8 @@ class SettingsCommands:
         yield "Maximum feedrates (units/s)", limits.axis_lines("M203", "speed")
         yield "Maximum acceleration (units/s2)", limits.axis_lines("M201", "accel")
         yield "Acceleration (units/s2)", [limits.acceleration_line()]
-        yield "Corners", limits.junction_lines()
+        if corners := limits.junction_lines():
+            yield "Corners", corners
         yield "Speed of the path (units/s), share of cruise", [limits.velocity_line()]
         filters = self._printer.commands.filters
         yield "Input shapers", filters.shaper_lines()

@@ -12,9 +12,13 @@ if TYPE_CHECKING:
 LAWS = {
     "deviation": "junction deviation: v² = a·δ·s/(1-s), s = sin(θ/2), θ the angle that the moves"
     " enclose; and v² is at most ½·a·d·tan(θ/2) of either move, d its length",
+    "square_corner": "speed at right angles: v² = w²·(√2-1)·s/(1-s), s = sin(θ/2), θ the angle that"
+    " the moves enclose, w = square_corner_mm_s, less where an axis limits the acceleration; and v²"
+    " is at most ½·a·d·tan(θ/2) of either move, d its length",
     "cornering_distance": "cornering distance: no axis changes its share of the speed too fast",
     "jerk": "jerk: no axis changes its speed by more than its jerk",
 }
+_OF_CIRCLE = ("deviation", "square_corner")  # laws under which only extruders may jump
 _E = 3  # index of the extruder in a move's positions; further axes come after it
 _STRAIGHT_DEG = 0.01
 _STILL_MM_S = 1e-3
@@ -71,7 +75,7 @@ def _why_it_stands(a: _core.Move, b: _core.Move, turn: float | None, machine: Ma
         if not _alongside(a, b):
             return ", for the extruder turns back or the axes share the way in another manner"
     waits = "a command between the moves waits for that"
-    if law != "deviation" or _jump_speed(a, b, machine) == 0:
+    if law not in _OF_CIRCLE or _jump_speed(a, b, machine) == 0:
         return f": {waits}, or an axis may not jump at all"
     return f": {waits}"
 
@@ -88,7 +92,7 @@ def _bound(a: _core.Move, b: _core.Move, turn: float | None, machine: MachineCon
         return "the slower of the two moves; the corner itself does not bound it"
     if b.advance_binds:
         return "pressure advance: its change there, which the extruder has to follow"
-    jump = _jump_speed(a, b, machine) if law == "deviation" or b.inner else None
+    jump = _jump_speed(a, b, machine) if law in _OF_CIRCLE or b.inner else None
     straight = b.inner or turn is None or turn < _STRAIGHT_DEG
     if straight or (jump is not None and b.start_cap >= jump * (1 - _SAME)):
         own = "cornering distance" if law == "cornering_distance" else "jerk"

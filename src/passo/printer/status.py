@@ -102,10 +102,11 @@ class AxisStatus:
 class MotionStatus:
     """The motion of the machine. `speed_mm_s` is the current speed of the nozzle, `filament_mm_s`
     that of the filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
-    `max_accel_mm_s2`, `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the
-    path; the first is None if only the axes limit the speed. `absolute`, `absolute_e` and
-    `feedrate_mm_s` apply to the next move of the program. That move begins at `end_mm` (X, Y, Z and
-    filament in machine coordinates), which is `program_end_mm` in program coordinates."""
+    `max_accel_mm_s2`, `minimum_cruise_ratio`, `junction_deviation_mm` and `square_corner_mm_s` are
+    the limits of the path; the first is None if only the axes limit the speed, and the law of
+    corners uses at most one of the last two. `absolute`, `absolute_e` and `feedrate_mm_s` apply to
+    the next move of the program. That move begins at `end_mm` (X, Y, Z and filament in machine
+    coordinates), which is `program_end_mm` in program coordinates."""
 
     speed_mm_s: float
     filament_mm_s: float
@@ -120,6 +121,7 @@ class MotionStatus:
     program_end_mm: tuple[float, float, float, float]
     minimum_cruise_ratio: float
     junction_deviation_mm: float
+    square_corner_mm_s: float
 
     @classmethod
     def of(
@@ -149,6 +151,7 @@ class MotionStatus:
             program_end_mm=(program[X], program[Y], program[Z], program[-1]),
             minimum_cruise_ratio=job.limit("minimum_cruise_ratio"),
             junction_deviation_mm=job.limit("junction_deviation"),
+            square_corner_mm_s=job.limit("square_corner"),
         )
 
 

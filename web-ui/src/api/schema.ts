@@ -613,10 +613,11 @@ export interface Metadata {
 
 /** The motion of the machine. `speed_mm_s` is the current speed of the nozzle, `filament_mm_s`
  * that of the filament; `queued_s` is the duration of the planned motion. `max_speed_mm_s`,
- * `max_accel_mm_s2`, `minimum_cruise_ratio` and `junction_deviation_mm` are the limits of the
- * path; the first is None if only the axes limit the speed. `absolute`, `absolute_e` and
- * `feedrate_mm_s` apply to the next move of the program. That move begins at `end_mm` (X, Y, Z
- * and filament in machine coordinates), which is `program_end_mm` in program coordinates. */
+ * `max_accel_mm_s2`, `minimum_cruise_ratio`, `junction_deviation_mm` and `square_corner_mm_s` are
+ * the limits of the path; the first is None if only the axes limit the speed, and the law of
+ * corners uses at most one of the last two. `absolute`, `absolute_e` and `feedrate_mm_s` apply to
+ * the next move of the program. That move begins at `end_mm` (X, Y, Z and filament in machine
+ * coordinates), which is `program_end_mm` in program coordinates. */
 export interface MotionStatus {
   speed_mm_s: number;
   filament_mm_s: number;
@@ -631,6 +632,7 @@ export interface MotionStatus {
   program_end_mm: [number, number, number, number];
   minimum_cruise_ratio: number;
   junction_deviation_mm: number;
+  square_corner_mm_s: number;
 }
 
 /** An account to make. */

@@ -102,7 +102,9 @@ def _put_printer(cfg: Cfg, kind: str) -> None:
     if (x.speed_mm_s, x.accel_mm_s2) != (y.speed_mm_s, y.accel_mm_s2):
         cfg.left_out.append("X and Y have one speed and one acceleration: the smaller ones")
     corner: float | None = None
-    if limits.junction == "deviation":
+    if limits.junction == "square_corner":
+        corner = limits.square_corner_mm_s
+    elif limits.junction == "deviation":
         corner = sqrt(limits.junction_deviation_mm * accel / (sqrt(2) - 1))
     elif limits.junction == "jerk":
         corner = min(x.jerk_mm_s, y.jerk_mm_s)

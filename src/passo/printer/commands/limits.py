@@ -24,6 +24,8 @@ _ROUNDING = 1e-6  # relative rounding of a value with ten digits
 _DEVIATION = (1e-5, 0.3)  # range of M205 J, mm
 _CORNERS = {
     "deviation": "the machine's corners use the junction deviation (J)",
+    "square_corner": "the machine's corners use the speed at right angles"
+    " (SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY)",
     "cornering_distance": "the machine's corners use the cornering distances of its file",
     "jerk": "the machine's corners use the jerk of each axis (X Y Z E)",
 }
@@ -170,7 +172,7 @@ class Limits:
     def _junction(self, command: Command, reply: Reply) -> None:
         words = command.words()
         if not words:
-            _report(reply, self.junction_lines())
+            _report(reply, self.junction_lines() or [self.velocity_line()])
             return
         live = self._plan.live(reply)
         jerk = {letter: value for letter, value in words.items() if letter not in "BJSV"}
@@ -189,9 +191,12 @@ class Limits:
         self._set(reply, (*above, without))
 
     def junction_lines(self) -> list[str]:
-        """M205 with the current values."""
-        if self._machine.limits.junction == "jerk":
+        """M205 with the current values; nothing if it sets none."""
+        law = self._machine.limits.junction
+        if law == "jerk":
             return self.axis_lines("M205", "jerk")
+        if law == "square_corner":
+            return []
         return [f"M205 J{numeral(self._job.limit('junction_deviation'))}"]
 
     # -- Klipper ----------------------------------------------------------------------------------
@@ -229,8 +234,10 @@ class Limits:
             low, high = _DEVIATION
             deviation = min(max(corner**2 * (sqrt(2) - 1) / accel, low), high)
             job.set_limit("junction_deviation", deviation, live)
+        elif corner is not None and law == "square_corner":
+            job.set_limit("square_corner", max(corner, MIN_SPEED), live)
         acts = {*_OF_VELOCITY_LIMIT, "MINIMUM_CRUISE_RATIO"}
-        if law == "deviation":
+        if law in ("deviation", "square_corner"):
             acts.add(_KLIPPERS_CORNER)
         idle = [key for key in values if key not in acts]
         why = f", because {_CORNERS[law]}" if _KLIPPERS_CORNER in idle else ""
@@ -246,7 +253,10 @@ class Limits:
         limit."""
         speed, ratio = (self._job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
         speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
-        return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
+        line = f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
+        if self._machine.limits.junction != "square_corner":
+            return line
+        return f"{line} {_KLIPPERS_CORNER}={numeral(self._job.limit('square_corner'))}"
 
 
 def _values(command: Command) -> dict[str, float]:

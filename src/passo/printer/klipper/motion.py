@@ -30,6 +30,10 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
     motion = status.motion
     accel = motion.max_accel_mm_s2
     fastest = max(a.speed_mm_s for a in (x, y, z))
+    corner = motion.square_corner_mm_s
+    if machine.limits.junction != "square_corner":
+        # A right angle: v² = a δ s/(1 - s) with s = √½.
+        corner = sqrt(motion.junction_deviation_mm * accel / (sqrt(2) - 1))
     return {
         "position": Coord(*motion.end_mm),
         "homed_axes": "".join(name for name in "xyz" if name in status.homed),
@@ -39,8 +43,7 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
         "max_velocity": min(fastest, motion.max_speed_mm_s or fastest),
         "max_accel": accel,
         "minimum_cruise_ratio": motion.minimum_cruise_ratio,
-        # A right angle: v² = a δ s/(1 - s) with s = √½.
-        "square_corner_velocity": sqrt(motion.junction_deviation_mm * accel / (sqrt(2) - 1)),
+        "square_corner_velocity": corner,
         "print_time": status.time_s + motion.queued_s,
         "estimated_print_time": status.time_s,
         "stalls": 0,

@@ -12,6 +12,7 @@ from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.filters import put_advance
 from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
 from passo.config.importing.numbers import NUMBER, in_range, number_of
+from passo.config.types import MIN_SPEED
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -49,8 +50,7 @@ def put_motion(job: Import) -> None:
             limit=", ".join((*_ACTUATORS, _ROTARY)),
         )
     speed, accel = _positive(printer, "max_velocity"), _positive(printer, "max_accel")
-    corner = printer.number("square_corner_velocity", 5.0) or 0.0
-    deviation = max(corner**2 * (math.sqrt(2) - 1) / accel, 1e-4)
+    corner = max(printer.number("square_corner_velocity", 5.0) or 0.0, MIN_SPEED)
     job.draft.put(("geometry", "kind"), kind, printer.at("kinematics"))
     if kind == _ROTARY:
         z_speed = printer.number("max_z_velocity", speed) or speed
@@ -62,12 +62,9 @@ def put_motion(job: Import) -> None:
         for letter, motor in _ACTUATORS[kind].items():
             _put_motors(job, job.required(f"stepper_{letter}"), letter, motor)
     job.draft.put(("limits", "speed_mm_s"), speed, printer.at("max_velocity"))
-    job.draft.put(("limits", "junction"), "deviation", None)
+    job.draft.put(("limits", "junction"), "square_corner", None)
     place = printer.at("square_corner_velocity")
-    job.draft.put(("limits", "junction_deviation_mm"), float(f"{deviation:.6g}"), place)
-    if "square_corner_velocity" in printer.options:
-        why = f"a junction deviation of {deviation:.4g} mm gives the same speed at a square corner"
-        job.draft.changed(place, "square_corner_velocity", why)
+    job.draft.put(("limits", "square_corner_mm_s"), corner, place)
     ratio = printer.number("minimum_cruise_ratio", 0.5)
     job.draft.put(("limits", "minimum_cruise_ratio"), ratio, printer.at("minimum_cruise_ratio"))
     if kind == "delta":
