@@ -21,12 +21,12 @@ using namespace passo;
 namespace {
 
 double* place_of(Limits& l, const std::string& name) {
-  double* places[] = {&l.print_accel,        &l.travel_accel,  &l.retract_accel,        &l.speed,
-                      &l.junction_deviation, &l.square_corner, &l.minimum_cruise_ratio,
-                      &l.least_speed_gain};
-  const char* names[] = {"print_accel",        "travel_accel",  "retract_accel",        "speed",
-                         "junction_deviation", "square_corner", "minimum_cruise_ratio",
-                         "least_speed_gain"};
+  double* places[] = {
+      &l.print_accel,        &l.travel_accel,  &l.retract_accel,        &l.speed,
+      &l.junction_deviation, &l.square_corner, &l.minimum_cruise_ratio, &l.least_speed_gain};
+  const char* names[] = {
+      "print_accel",        "travel_accel",  "retract_accel",        "speed",
+      "junction_deviation", "square_corner", "minimum_cruise_ratio", "least_speed_gain"};
   for (size_t i = 0; i < std::size(names); ++i)
     if (name == names[i]) return places[i];
   throw nb::key_error(name.c_str());
