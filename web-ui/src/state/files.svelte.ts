@@ -62,6 +62,12 @@ class Files {
     void this.#learn(mine);
   }
 
+  /** What is in the folder that is open, also if it has not been loaded. */
+  async names(): Promise<string[]> {
+    const { entries } = await call<Folder>("GET", `files?${query({ folder: this.folder })}`);
+    return entries.map((entry) => entry.name);
+  }
+
   /** Finds out about the programs of the folder, one after the other, until all is known. */
   async #learn(mine: number): Promise<void> {
     let waiting = this.entries.filter((entry) => !entry.folder && isProgram(entry.name));
