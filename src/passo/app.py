@@ -123,6 +123,7 @@ def _furnish(
         keeper = JournalKeeper(printer, runner, library, objects, folder)
         printer.dispatch.add(RecoveryCommands(printer, runner, keeper))
         printer.state.greeting = keeper.offer
+        status.interrupted = keeper.status
     stem = folder / "halt" if folder is not None else Path(reports) if reports else None
     if stem is not None:
         HaltReports(printer, runner, progress, stem)

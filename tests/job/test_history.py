@@ -38,9 +38,10 @@ def test_prints_that_are_done_cancelled_or_failed_are_reported(places, tmp_path)
         answer = s.host.ok("M78")
         assert answer[0] == "echo:Prints: 3, finished: 1, failed or cancelled: 2"
         assert answer[2].startswith("echo:  bad.g: failed")
-        assert answer[3].startswith("echo:  a.g: cancelled")
-        assert answer[4].startswith("echo:  a.g: done")
-        assert answer[5].startswith("echo:Power on: 0h 0m 3")
+        assert "bad.g:2: X 999.000 mm is beyond the limit of 250.000 mm" in answer[3]
+        assert answer[4].startswith("echo:  a.g: cancelled")
+        assert answer[5].startswith("echo:  a.g: done")
+        assert answer[6].startswith("echo:Power on: 0h 0m 3")
     history = History(tmp_path / "state")
     totals = history.totals()
     assert totals.filament_mm == pytest.approx(13, abs=3)
@@ -144,6 +145,7 @@ def test_prints_that_a_host_sends_are_reported(tmp_path):
         ("(a host's)", "done"),
     ]
     assert [row[2] for row in last] == pytest.approx([10, 32, 60, 120], abs=2)
+    assert [row[3] for row in last] == ["", "emergency stop by M112", "", ""]
     assert totals.filament_mm == pytest.approx(20)
 
 

@@ -1,7 +1,9 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
 import { expectAccessible, expectFits, picture } from "./browser";
-import { test } from "./fixtures";
+import { testOf } from "./fixtures";
+
+const test = testOf({ state: true });
 
 test.beforeEach(({ page }) => page.getByRole("link", { name: "Files" }).click());
 
@@ -60,8 +62,20 @@ test("a print is started, watched, paused and cancelled", async ({ page }) => {
   await page.getByRole("button", { name: "Keep printing" }).click();
   await card.getByRole("button", { name: "Resume" }).click();
   await card.locator(".chip", { hasText: "Printing" }).waitFor();
+
+  // A halt interrupts it: it resumes once the printer is started again.
+  await page.getByRole("button", { name: "STOP" }).click();
+  await page.getByRole("button", { name: "Start again" }).click();
+  await card.getByText("The print of demo.gcode was interrupted at line").waitFor();
+  await expectAccessible(page);
+  await picture(page, "interrupted-1280-light");
+  await card.getByRole("button", { name: "Resume the print" }).click();
+  await card.locator(".chip", { hasText: "Printing" }).waitFor({ timeout: 30_000 });
   await card.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("button", { name: "Cancel the print" }).click();
   await card.locator(".chip", { hasText: "Cancelled" }).waitFor();
   await expectAccessible(page);
+  await page.getByRole("link", { name: "Files" }).click();
+  await page.getByText("History", { exact: true }).click();
+  await page.getByRole("listitem").filter({ hasText: "Cancelled" }).waitFor();
 });

@@ -15,6 +15,8 @@ export interface ServedOptions {
   machine?: string;
   /** How many times as fast as real. */
   clock?: number;
+  /** Whether settings, history and journal are kept. */
+  state?: boolean;
   /** Files on the card beside the example, by name. */
   files?: Record<string, string>;
 }
@@ -27,9 +29,11 @@ export class Served {
   #card = join(this.#folder, "card");
   #programs = join(this.#folder, "bin");
   #clock: number;
+  #state: string[];
 
-  constructor({ machine = "i3", clock = 20, files = {} }: ServedOptions = {}) {
+  constructor({ machine = "i3", clock = 20, state = false, files = {} }: ServedOptions = {}) {
     this.#clock = clock;
+    this.#state = state ? ["--state", join(this.#folder, "state")] : [];
     cpSync(EXAMPLE, join(this.#card, "demo.gcode"));
     for (const [name, text] of Object.entries(files)) writeFileSync(join(this.#card, name), text);
     mkdirSync(this.#programs);
@@ -42,7 +46,7 @@ export class Served {
   /** Starts it, at the address that it had before, if it was started before. */
   async start(): Promise<void> {
     const place = this.url ? new URL(this.url).host : "127.0.0.1:0";
-    const options = ["--machine", this.#machine, "--clock", `${this.#clock}`, "--sd", this.#card, "--tcp", "127.0.0.1:0"];
+    const options = ["--machine", this.#machine, "--clock", `${this.#clock}`, "--sd", this.#card, "--tcp", "127.0.0.1:0", ...this.#state];
     const child = spawn(PYTHON, ["-m", "passo", "serve", ...options, "--http", place], {
       stdio: ["ignore", "ignore", "pipe"],
       env: { ...process.env, PATH: `${this.#programs}:${process.env["PATH"]}` },

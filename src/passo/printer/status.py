@@ -205,6 +205,18 @@ class EndedJob:
 
 
 @dataclass(frozen=True, slots=True)
+class InterruptedPrint:
+    """A print that a power cut, a halt or the end of the program has interrupted, and that M1000
+    resumes. `path` is its path on the card, `line` the line where it stopped (0: before its first
+    move). `way` continues the sentence "M1000 resumes it": from where, and what to do by hand
+    first."""
+
+    path: str
+    line: int
+    way: str
+
+
+@dataclass(frozen=True, slots=True)
 class BedPoint:
     """A place of the bed and its measured height, mm."""
 
@@ -302,7 +314,8 @@ class Status:
     printer is halted, or empty, and `faults` has the same as errors of the catalogue; `link` is a
     name of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of
     the print that is done; for a print by a host, the host reports it (M73, M532). `job` is None
-    while no file is printed; `ended` is the last print, until another file is selected; `started`:
+    while no file is printed; `ended` is the last print, until another file is selected;
+    `interrupted` is the print that M1000 resumes, None without one; `started`:
     the boards have started at least once; `macros` are the variables of the macros, by name. Below
     `min_extrude_c` the hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are
     the settings that M500 would change, as commands with their values, by headings;
@@ -336,6 +349,7 @@ class Status:
     progress: float | None = None
     job: JobStatus | None = None
     ended: EndedJob | None = None
+    interrupted: InterruptedPrint | None = None
     started: bool = True
     macros: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
     min_extrude_c: float = 0.0

@@ -430,6 +430,16 @@ export interface Image {
   sha256: string;
 }
 
+/** A print that a power cut, a halt or the end of the program has interrupted, and that M1000
+ * resumes. `path` is its path on the card, `line` the line where it stopped (0: before its first
+ * move). `way` continues the sentence "M1000 resumes it": from where, and what to do by hand
+ * first. */
+export interface InterruptedPrint {
+  path: string;
+  line: number;
+  way: string;
+}
+
 /** The file that is being printed. `fraction`, 0 to 1, is the part of its print time that is done,
  * or of its bytes while its print time is unknown; `line` and `layer` are those of the current
  * move (0: none yet); `printed_s` is the print time so far, without pauses; `left_s` is the
@@ -865,17 +875,18 @@ export interface SpeedFactor {
  * printer is halted, or empty, and `faults` has the same as errors of the catalogue; `link` is a
  * name of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of
  * the print that is done; for a print by a host, the host reports it (M73, M532). `job` is None
- * while no file is printed; `ended` is the last print, until another file is selected; `started`:
- * the boards have started at least once; `macros` are the variables of the macros, by name. Below
- * `min_extrude_c` the hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are
- * the settings that M500 would change, as commands with their values, by headings;
- * `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine without a
- * probe. `moving_s` is the print time for which the machine has printed or moved without a break.
- * `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
- * machine that cannot do this. `skew_profile` is the name of the active saved skew, or empty;
- * None without skew and profiles. `screws` are the last measurements of the bed screws;
- * `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
- * shapers by axis, `advances` the pressure advance of each extruder. */
+ * while no file is printed; `ended` is the last print, until another file is selected;
+ * `interrupted` is the print that M1000 resumes, None without one; `started`: the boards have
+ * started at least once; `macros` are the variables of the macros, by name. Below `min_extrude_c`
+ * the hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are the settings
+ * that M500 would change, as commands with their values, by headings; `saved_variables` are the
+ * variables of SAVE_VARIABLE. `bed` is None on a machine without a probe. `moving_s` is the print
+ * time for which the machine has printed or moved without a break. `gantry_level`: the Z motors
+ * have levelled the gantry, and have been on since then; None on a machine that cannot do this.
+ * `skew_profile` is the name of the active saved skew, or empty; None without skew and profiles.
+ * `screws` are the last measurements of the bed screws; `screws_limit_mm` is their allowed
+ * difference, if it is exceeded. `shapers` are the input shapers by axis, `advances` the pressure
+ * advance of each extruder. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -898,6 +909,7 @@ export interface Status {
   progress?: number | null;
   job?: JobStatus | null;
   ended?: EndedJob | null;
+  interrupted?: InterruptedPrint | null;
   started: boolean;
   macros: Record<string, Record<string, unknown>>;
   min_extrude_c: number;

@@ -17,6 +17,7 @@ from passo.job.live.objects import PrintObjects
 from passo.job.live.overrides import Overrides, Settings
 from passo.job.live.resume_after_power_loss import Recovery
 from passo.job.live.runner import Runner
+from passo.printer.status import InterruptedPrint
 from passo.printer.wait_requests import Stopped
 
 if TYPE_CHECKING:
@@ -61,26 +62,35 @@ class JournalKeeper:
     def offer(self) -> str:
         """The message about an interrupted print for a console that opens; empty if there is
         none."""
-        if self._interrupted is None:
+        found = self.status()
+        if found is None:
             return ""
-        program, moment = self._interrupted
-        if moment.line == 0:
-            where, way = "its beginning", " from there"
-        else:
-            held = self._printer.positions.held and moment.origins
-            where = f"line {moment.line}"
-            way = " from where the board has stopped" if held else self._by_hand()
+        where = f"line {found.line}" if found.line else "its beginning"
+        way = f" {found.way}" if found.way else ""
         return (
-            f"echo:The print of {program.path} was interrupted at {where}."
+            f"echo:The print of {found.path} was interrupted at {where}."
             f" M1000 resumes it{way}, M1000 C forgets it{self.instead}"
         )
+
+    def status(self) -> InterruptedPrint | None:
+        """`Status.interrupted`."""
+        if self._interrupted is None:
+            return None
+        program, moment = self._interrupted
+        if moment.line == 0:
+            way = "from there"
+        elif self._printer.positions.held and moment.origins:
+            way = "from where the board has stopped"
+        else:
+            way = self._by_hand()
+        return InterruptedPrint(program.path, moment.line, way)
 
     def _by_hand(self) -> str:
         """The manual steps before a resume, for a machine that cannot home all axes."""
         if self._printer.machine.homing:
             return ""
         x, y, _ = self._printer.machine.home_point
-        return f" from X {x:g} Y {y:g}: without switches it must be moved there by hand first"
+        return f"from X {x:g} Y {y:g}: without switches it must be moved there by hand first"
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if state.prints and not was.prints:

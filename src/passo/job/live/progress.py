@@ -102,7 +102,7 @@ class Progress:
             if state is not JobState.PAUSED:
                 self._last = self.elapsed_s, self.filament_mm
                 job, self._from_card, self._begun_s = self._from_card, None, None
-                self._statistics.ended(job, self._runner.ended)
+                self._statistics.ended(job, self._runner.ended, self._runner.failed)
                 if self._runner.ended != "done" and self._forecast is not None:
                     self._forecast.cancel()  # closes the file
                 self._failed = job if self._runner.ended == "failed" else None
@@ -146,19 +146,19 @@ class Progress:
             _HOST, lambda: self._watch.seconds, instead=self._from_host
         )
 
-    def _host_ends(self, how: str) -> None:
+    def _host_ends(self, how: str, reason: str = "") -> None:
         """Called when a host's print ends. The stopwatch stops, and keeps its time until the next
         print."""
         job, self._from_host = self._from_host, None
         if job is not None:
             self._watch.pause()
-            self._statistics.ended(job, how)
+            self._statistics.ended(job, how, reason)
 
-    def _stopped(self, _: str) -> None:
+    def _stopped(self, reason: str) -> None:
         """Called when the machine is stopped. After M410, a print of a host may continue; after a
         halt, none does."""
         if self._printer.halted:
-            self._host_ends("failed")
+            self._host_ends("failed", reason)
 
     def _start_forecast(self) -> None:
         if self._forecast is not None:

@@ -86,8 +86,8 @@ class Statistics:
         self._note(job, "interrupted")
         return job
 
-    def ended(self, job: Print, how: str) -> None:
-        """Records the end of a print: done, cancelled or failed."""
+    def ended(self, job: Print, how: str, reason: str = "") -> None:
+        """Records the end of a print: done, cancelled or failed, and the reason of a failure."""
         self._job = None
         filament_mm = self._printer.filament_mm() - job.filament_mm
         _log.info(
@@ -95,14 +95,15 @@ class Statistics:
             *(job.name, how, spoken(job.seconds()), filament_mm),
             extra={"file": job.name, "outcome": how, "seconds": round(job.seconds(), 3)},
         )
-        self._note(job, how)
+        self._note(job, how, reason)
 
-    def _note(self, job: Print, how: str) -> None:
+    def _note(self, job: Print, how: str, reason: str = "") -> None:
         self._noted_s = self._printer.queue.now_s
         if self._history is None:
             return
         printer = self._printer
-        used, note = printer.filament_mm() - job.filament_mm, printer.lateness.worst
+        used = printer.filament_mm() - job.filament_mm
+        note = ". ".join(filter(None, (reason, printer.lateness.worst)))
         try:
             job.row = self._history.add(job.name, job.size, how, job.seconds(), used, note, job.row)
         except sqlite3.Error as error:

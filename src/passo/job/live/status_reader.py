@@ -19,6 +19,7 @@ from passo.printer.status import (
     FaultStatus,
     FilesStatus,
     HeaterStatus,
+    InterruptedPrint,
     JobStatus,
     MotionStatus,
     PrinterState,
@@ -53,6 +54,7 @@ class StatusReader:
         self._ended: EndedJob | None = None
         self._moves_since_s: float | None = None
         self.unsaved: Callable[[], dict[str, dict[str, str]]] = dict  # gives `Status.unsaved`
+        self.interrupted: Callable[[], InterruptedPrint | None] = lambda: None  # gives its field
         runner.watchers.append(self._job_changed)
 
     def read(self) -> Status:
@@ -84,6 +86,7 @@ class StatusReader:
             progress=self._progress.share_done(),
             job=self._job(),
             ended=self._ended if self._runner.ended else None,
+            interrupted=self.interrupted(),
             started=printer.state.start_failure is None,
             macros=deepcopy(printer.rig.macros.variables),
             min_extrude_c=printer.heat.cold.min_c(job.tool),
