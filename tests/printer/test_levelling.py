@@ -110,6 +110,17 @@ def test_heights_are_those_that_the_correction_leaves():
         assert after.height(100, 100) == pytest.approx(before.height(100, 100), abs=STEP)
 
 
+def test_refusal_says_what_the_machine_lacks_for_a_command():
+    with homed() as s:
+        assert answers(s, "BED_MESH_OUTPUT")[0].startswith("echo:the bed was not measured")
+        answers(s, "G32")
+        for line in ("BED_MESH_OUTPUT", "M421 I0 J0 Z0.1", "G42 I0 J0"):
+            assert answers(s, line)[0].startswith("echo:the correction of the bed is a surface")
+        for line in ("G34", "Z_TILT_ADJUST"):
+            assert answers(s, line)[0].endswith("this machine has no [levelling.motors]")
+        assert answers(s, "G33")[0].endswith("this machine has no towers of a delta")
+
+
 def test_dry_run_measures_only():
     with homed() as s:
         assert answers(s, "G32 D")[9].startswith("RelativeCorrections Z:")

@@ -187,7 +187,7 @@ INPUT: Mapping[str, Entry] = {
     ),
     "input.no-levelling": bad_input(
         "gcode",
-        "{value} levels the bed, and this machine has no probe",
+        "{value} levels the bed, and this machine has {limit}",
         "Remove it from the file and level the bed by hand",
     ),
     "input.unsaved": bad_input(

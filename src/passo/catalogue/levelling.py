@@ -21,6 +21,10 @@ LEVELLING: Mapping[str, Entry] = {
     "levelling.none": _levelling(
         "the bed was not measured, and no correction is stored", "Measure it (G29 or G32)"
     ),
+    "levelling.no-mesh": _levelling(
+        "the correction of the bed is a surface, not a mesh",
+        'Set [levelling] method = "mesh", and measure the bed (G29)',
+    ),
     "levelling.too-much": _levelling(
         "the bed would be corrected by {value} mm, of at most {limit} mm (max_correction_mm)",
         "Adjust the bed or its endstop, and measure it again",

@@ -69,12 +69,22 @@ def unfit(command: Command, skips: Skips) -> Problem | None:
     if code in LEVELLING:
         if skips.levelling or code in skips.levels:
             return None
-        return Problem("input.no-levelling", line=command.line, values={"value": code})
+        values = {"value": code, "limit": _lack(code, skips)}
+        return Problem("input.no-levelling", line=command.line, values=values)
     known = row_of(code) is not None and code not in PROBE_MOVES - skips.levels
     if skips.unknown or known or not _may_move(command):
         return None
     unknown = "input.no-macro" if _MACRO.match(command.name) else "input.unknown-moves"
     return Problem(unknown, line=command.line, values={"value": code})
+
+
+def _lack(code: str, skips: Skips) -> str:
+    """What the machine has instead of what the levelling command needs."""
+    if not skips.levels:
+        return "no probe"
+    if code in OF_DELTAS:
+        return "no towers of a delta"
+    return "no [levelling.motors]" if code in OF_Z_MOTORS else "G29 and G32 for that"
 
 
 def _may_move(command: Command) -> bool:

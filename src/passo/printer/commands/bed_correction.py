@@ -127,8 +127,10 @@ class BedCorrectionCommands:
     def mesh(self) -> Mesh:
         """The mesh of the current correction. Raises CommandError without one."""
         correction = self._correction.correction
-        if correction is None or correction.mesh is None:
+        if correction is None:
             raise CommandError.of("levelling.none")
+        if correction.mesh is None:
+            raise CommandError.of("levelling.no-mesh")
         return correction.mesh
 
     @command(
@@ -297,11 +299,9 @@ class BedCorrectionCommands:
 
     def set_point(self, words: dict[str, float]) -> None:
         """Sets the height Z of the point I, J of the mesh, or adds Q to it. Raises CommandError."""
-        now = self._correction.correction
-        mesh = now.mesh if now else None
+        now, mesh = self._correction.correction, self.mesh()
+        assert now is not None
         i, j = int(words.get("I", -1)), int(words.get("J", -1))
-        if now is None or mesh is None:
-            raise CommandError.of("levelling.none")
         if not (0 <= i < len(mesh.xs) and 0 <= j < len(mesh.ys)) or not words.keys() & {"Z", "Q"}:
             limit = f"I below {len(mesh.xs)}, J below {len(mesh.ys)}, and Z or Q"
             raise CommandError.of(
