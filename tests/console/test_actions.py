@@ -127,8 +127,10 @@ def test_a_wait_for_a_person_in_a_file_ends_as_a_pause_does(tmp_path, answer):
         s.host.ok("M24")
         s.passes(10)
         s.host.silent(5, "Done")
+        assert s.assembly.status.read().question == "Look"
         assert s.host.ok(answer) == ["ok"]
         s.host.expect("^Done printing file$", 10)
+        assert s.assembly.status.read().question == ""
         assert actions(s.host) == ["prompt_begin Look", *ASKED, "prompt_end"]
 
 

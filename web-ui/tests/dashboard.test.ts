@@ -55,6 +55,19 @@ test("the console completes, explains, sends and answers", async ({ page }) => {
   await page.getByRole("log").getByText(/M9876/).nth(1).waitFor();
 });
 
+test("a question of the printer is seen and answered on every page", async ({ page }) => {
+  const input = page.getByRole("combobox", { name: "Command" });
+  await input.fill("M0 Insert the magnets");
+  await input.press("Enter");
+  const question = page.getByRole("alert").filter({ hasText: "Insert the magnets" });
+  await question.waitFor();
+  expect(await page.title()).toBe("? Dashboard · Passo");
+  await expectAccessible(page);
+  await page.getByRole("link", { name: "Settings" }).click();
+  await question.getByRole("button", { name: "Continue" }).click();
+  await question.waitFor({ state: "detached" });
+});
+
 test("STOP halts with the catalogue's sentence, and the printer starts again", async ({ page }) => {
   await page.getByRole("button", { name: "STOP" }).click();
   await state(page, "Halted");

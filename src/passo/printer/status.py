@@ -312,7 +312,9 @@ class Status:
     coordinates, in mm, by axis and `e`; `homed` are the axes with a certain position; fans are
     fractions of full speed; `time_s` is print time since the start; `halted` is the reason why the
     printer is halted, or empty, and `faults` has the same as errors of the catalogue; `link` is a
-    name of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of
+    name of `LinkState` in lower case; `message` is the text of M117;
+    `question` is the question that waits for an answer of the user (M0, a pause), or empty: M876 S0
+    answers it; `progress` is the fraction of
     the print that is done; for a print by a host, the host reports it (M73, M532). `job` is None
     while no file is printed; `ended` is the last print, until another file is selected;
     `interrupted` is the print that M1000 resumes, None without one; `started`:
@@ -344,6 +346,7 @@ class Status:
     faults: tuple[FaultStatus, ...] = ()
     link: str = "connected"
     message: str = ""
+    question: str = ""
     power_supply: bool = True
     files: FilesStatus = FilesStatus(mounted=False, selected="")
     progress: float | None = None

@@ -5,6 +5,7 @@ export const TONES: Record<string, string> = {
   done: "good",
   heating: "warn",
   paused: "warn",
+  waiting: "warn",
   cancelled: "warn",
   failed: "bad",
   interrupted: "bad",

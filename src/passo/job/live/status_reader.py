@@ -79,6 +79,7 @@ class StatusReader:
             faults=_faults(printer.state.cause.problems) if printer.state.cause else (),
             link=printer.supervisor.link.name.lower(),
             message=printer.prompts.message,
+            question=printer.prompts.question,
             power_supply=printer.power_supply.on,
             files=FilesStatus(
                 self._library.mounted, self._runner.path, str(self._library.folder or "")

@@ -24,7 +24,7 @@ class UserPrompts:
     def __init__(self, state: State, beeper: Beeper) -> None:
         self._state, self._beeper = state, beeper
         self.message = ""
-        self.asking = False  # hosts show a question
+        self.question = ""  # the question that hosts show
         # the question belongs to a wait that an answer ends, not to a paused print
         self.awaited = False
         self.for_ever = False  # a wait without a timeout is open
@@ -57,13 +57,18 @@ class UserPrompts:
         text = command.text[len(head) :].strip() or "Waiting; continue with M108"
         return WaitForUser(text, max(seconds, 0.0))
 
+    @property
+    def asking(self) -> bool:
+        """Whether hosts show a question."""
+        return bool(self.question)
+
     def ask(self, text: str, *, awaited: bool = True) -> None:
         """Makes hosts show the text and a button to continue, and beeps. `awaited`: the answer ends
         a wait."""
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
             self._state.tell(f"// action:{words}")
         self._beeper.call()
-        self.asking, self.awaited = True, awaited
+        self.question, self.awaited = text, awaited
 
     @contextmanager
     def waited_for(self, *, for_ever: bool = True) -> Generator[None]:
@@ -81,7 +86,7 @@ class UserPrompts:
         """Call this when the user has answered, or when no wait or pause is left: hosts remove the
         question."""
         if self.asking:
-            self.asking = self.awaited = False
+            self.question, self.awaited = "", False
             self._state.tell("// action:prompt_end")
 
     @command(
