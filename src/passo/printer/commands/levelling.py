@@ -126,7 +126,7 @@ class LevellingCommands:
         words = zip(("Z", "X", "Y", "XX", "XY", "YY"), found.coefficients, strict=True)
         shown = list(words)[: 3 if method == "linear" else 6]
         reply.say("RelativeCorrections " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
-        reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
+        reply.say(f"The points deviate from this surface by {found.residual_rms:.4f} mm rms")
         if not dry:
             self._corrections.put((before or Correction()).accumulated(found), on=True)
 
@@ -309,7 +309,7 @@ class LevellingCommands:
             shown = zip(TERMS, found.coefficients, strict=True)
             # Not "Bed: …": Bed Visualizer takes a line that begins so as heights.
             reply.say("Surface: " + " ".join(f"{k}:{v:.8f}" for k, v in shown))
-            reply.say(f"The points deviate from it by {found.residual_rms:.4f} mm rms")
+            reply.say(f"The points deviate from this surface by {found.residual_rms:.4f} mm rms")
             correction = Correction(fit=found, fade=self._corrections.fade)
             if not dry:
                 self._corrections.put(correction, on=True)
