@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/cpu_clock.hpp"
+#include "filters/fastest_corner.hpp"
 #include "motion/job.hpp"
 #include "plan/path_segments.hpp"
 #include "plan/printing_spans.hpp"
@@ -21,6 +22,7 @@ struct JobView {
   std::optional<Toolpath> toolpath;
   std::optional<PrintingSpans> spans;
   std::optional<PathSegments> segments;
+  std::optional<FastestCorner> corner;
   JobView(const Machine& machine, std::vector<double> home, const LaserWords& laser,
           bool with_steps)
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
@@ -28,14 +30,19 @@ struct JobView {
   // Lets what keeps something of the plan have each settled move.
   void watch_moves() {
     auto& on_move = job.motion.on_move;
-    if (!keeps_moves && !toolpath && !spans && !segments)
+    auto lead = [this](size_t i) {
+      const StepStream& stream = job.motion.stream();
+      return i < stream.motors() ? stream.lead(i) : 0;
+    };
+    if (!keeps_moves && !toolpath && !spans && !segments && !corner)
       on_move = nullptr;
     else
-      on_move = [this](const Move& move) {
+      on_move = [this, lead](const Move& move) {
         if (keeps_moves) moves.push_back(move);
         if (toolpath) toolpath->add(move);
         if (spans) spans->add(move, job.motion.delay());
         if (segments) segments->add(move);
+        if (corner) corner->add(move, lead);
       };
   }
 };

@@ -121,6 +121,19 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
   return list;
 }
 
+using PartTuple = std::tuple<double, double, double, double, double, double>;
+
+std::vector<PartTuple> law(const JobView& self, int slot, bool filtered) {
+  if (slot != kX && slot != kY && slot != kE) throw nb::index_error("X, Y or E");
+  if (!self.corner || !self.corner->found()) throw nb::value_error("no corner is kept");
+  const double hz = self.job.motion.machine().clock_hz;
+  std::vector<PartTuple> parts;
+  for (const FastestCorner::Part& p : self.corner->law(slot, filtered))
+    parts.emplace_back(p.start / hz, p.ticks / hz, p.q, p.v * hz, p.a * hz * hz,
+                       p.j * hz * hz * hz);
+  return parts;
+}
+
 }  // namespace
 
 void bind_job_results(JobClass& job) {
@@ -142,6 +155,30 @@ void bind_job_results(JobClass& job) {
       .def("take_toolpath", &take_toolpath,
            "Returns the recorded path in the format of toolpath.py, or None without one. Ends "
            "the recording.")
+      .def(
+          "keep_corner",
+          [](JobView& self) {
+            self.corner.emplace(self.job.motion.machine());
+            self.watch_moves();
+          },
+          "From now on keeps the moves around the fastest corner of filtered motion.")
+      .def_prop_ro(
+          "corner",
+          [](const JobView& self) -> std::optional<std::tuple<uint32_t, double, double, double>> {
+            if (!self.corner || !self.corner->found()) return std::nullopt;
+            const FastestCorner& corner = *self.corner;
+            const double hz = self.job.motion.machine().clock_hz;
+            return std::make_tuple(corner.line(), corner.at_mm()[0], corner.at_mm()[1],
+                                   corner.clock() / hz);
+          },
+          "That corner, at the end of the job: the line in the file of the move after it, X and Y "
+          "in mm, and the print time in s at which the motors pass it. None if no motion was "
+          "filtered.")
+      .def("corner_law", &law, "slot"_a, "filtered"_a,
+           "The position of X (0), Y (1) or E (3) around that corner, with the filters or as "
+           "planned and then delayed like all motors: parts without gaps, each its start and "
+           "duration in s, and at its start position, speed, acceleration and jerk in mm and s. "
+           "The jerk of a part is constant.")
       .def(
           "keep_ideal",
           [](JobView& self, bool on) {

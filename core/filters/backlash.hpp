@@ -26,7 +26,8 @@ class Backlash {
   bool on() const { return gap_ > 0; }
   double lead() const { return lead_; }
   // The drive rests against the side that motion in this direction leaves. Only at rest.
-  void lean(int dir) { lead_ = lead_after(dir); }
+  void lean(int dir) { rest_with(lead_after(dir)); }
+  void rest_with(double lead) { lead_ = lead; }
   double lead_after(int dir) const { return dir > 0 ? gap_ : 0; }
 
   // Motion begins at clock t and position q; unfiltered motion may have come before.

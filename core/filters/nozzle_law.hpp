@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "filters/planned_laws.hpp"
 #include "filters/smooth_law.hpp"
 #include "filters/taps.hpp"
 #include "geometry/track.hpp"
@@ -11,27 +12,6 @@
 #include "plan/move.hpp"
 
 namespace passo {
-
-// Calls add(weight, delay in ticks) for each impulse that shapes the position in a slot; a slot
-// without a shaper is only delayed.
-template <class Add>
-void each_impulse(const Filters& filters, double hz, int slot, Add&& add) {
-  const double delay = filters.delay(hz);
-  if (slot > kZ || filters.shapers[slot].empty()) return add(1.0, delay);
-  const double mean = Filters::mean(filters.shapers[slot]);
-  for (const Impulse& impulse : filters.shapers[slot])
-    add(impulse.weight, delay + (impulse.at - mean) * hz);
-}
-inline void add_to(Taps& taps, const Filters& filters, double hz, int slot, Phases* phases) {
-  each_impulse(filters, hz, slot,
-               [&](double weight, double delay) { taps.add(phases, weight, delay); });
-}
-// The same where jerk is limited.
-inline void add_to(SmoothLaw& law, const Filters& filters, double hz, int slot, Phases* phases) {
-  each_impulse(filters, hz, slot, [&](double weight, double delay) {
-    law.add(phases, weight, delay, filters.box_s * hz);
-  });
-}
 
 class NozzleLaw {
  public:

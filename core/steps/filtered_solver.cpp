@@ -48,7 +48,7 @@ PASSO_SIMD void fit_quadratics(int n, double per_unit, double near_ticks,
 
 FilteredSolver::FilteredSolver(const Machine& machine, const StepperSpec& spec,
                                const NozzleLaw& nozzle, const FilteredSolver* original)
-    : machine_(machine), spec_(spec), hz_(machine.clock_hz), nozzle_(nozzle),
+    : machine_(machine), spec_(spec), hz_(machine.clock_hz), planned_(hz_), nozzle_(nozzle),
       original_(original ? original : this) {
   use_gap();
 }
@@ -63,80 +63,43 @@ void FilteredSolver::use_gap() {
 void FilteredSolver::set_up() {
   const Filters& filters = machine_.filters;
   delay_ = filters.delay(hz_);
-  const double span = filters.memory(hz_);
   pieces_ = std::make_unique<PieceSolver>(machine_, spec_);
   double c[3] = {0, 0, 0};
   const bool actuator = spec_.drive == Drive::actuator;
   const bool linear = !actuator || machine_.geometry->linear(spec_.index, c);
   raised_ = pieces_->raised();
-  axes_ = 0;
   taps_.reset();
   advance_.reset();
   smooth_.reset();
-  phases_.clear();
-  auto axis = [&](int slot, int shaped_as, double scale) {
-    slots_[axes_] = slot;
-    shaped_as_[axes_] = shaped_as;
-    scale_[axes_++] = scale;
-  };
-  const bool extrudes = spec_.drive == Drive::extruder;
-  const bool shaped = extrudes && filters.shapes(size_t(spec_.index));
-  const bool advances = extrudes && filters.advances(size_t(spec_.index));
-  parted_ = shaped && filters.shapers[kX] != filters.shapers[kY];
-  if (parted_)
-    for (int as : {int(kX), int(kY), int(kE)}) axis(kE, as, spec_.steps_per_unit);
-  else if (extrudes)
-    axis(kE, shaped ? kX : kE, spec_.steps_per_unit);
+  planned_.clear(filters);
+  if (spec_.drive == Drive::extruder)
+    planned_.follow_extruder(spec_.index, spec_.steps_per_unit);
   else if (!actuator)
-    axis(slot_of_axis(spec_.index), slot_of_axis(spec_.index), spec_.steps_per_unit);
+    planned_.follow_axis(slot_of_axis(spec_.index), spec_.steps_per_unit);
   else if (linear && !raised_)
     for (int j = 0; j < 3; ++j)
-      if (c[j] != 0) axis(j, j, c[j] * spec_.steps_per_unit);
-  phases_.reserve(3);
-  std::vector<Phases::Bend> bends;
-  if (advances && size_t(spec_.index) < filters.knees.size())
-    bends = Phases::bends(filters.knees[size_t(spec_.index)], spec_.steps_per_unit, hz_);
-  for (int i = 0; i < axes_; ++i) phases_.emplace_back(advances, bends);
-  if (axes_ > 0 && (filters.boxed() || (advances && shaped))) {
-    smooth_.emplace();
-    for (int i = 0; i < axes_; ++i) {
-      Phases* phases = &phases_[size_t(i)];
-      add_to(*smooth_, filters, hz_, shaped_as_[i], phases);
-      if (!advances) continue;
-      const double wide = filters.wide_s(size_t(spec_.index)) * hz_,
-                   narrow = filters.narrow_s(size_t(spec_.index)) * hz_;
-      each_impulse(filters, hz_, shaped_as_[i], [&](double weight, double delay) {
-        smooth_->add_advance(phases, weight, delay, wide, narrow);
-      });
-    }
-  } else if (advances) {
-    const double half = filters.smooth_s[size_t(spec_.index)] * hz_;
-    advance_.emplace(&phases_[0], half, delay_);
-  } else if (axes_ > 0) {
-    taps_.emplace();
-    for (int i = 0; i < axes_; ++i)
-      add_to(*taps_, filters, hz_, shaped_as_[i], &phases_[size_t(i)]);
-  }
+      if (c[j] != 0) planned_.follow_axis(j, c[j] * spec_.steps_per_unit);
+  const bool follows_nozzle = planned_.all().empty();
+  if (!follows_nozzle && planned_.smooth())
+    planned_.add_to(smooth_.emplace());
+  else if (planned_.advances())
+    advance_.emplace(&planned_.all()[0], filters.smooth_s[size_t(spec_.index)] * hz_, delay_);
+  else if (!follows_nozzle)
+    planned_.add_to(taps_.emplace());
   if ((smooth_ || advance_) && !cubics_) cubics_ = std::make_unique<CubicSolver>();
   if (!smooth_ && !advance_ && !intervals_) intervals_ = std::make_unique<IntervalSolver>();
   if (smooth_) cubic_steps_.emplace(*cubics_);
-  for (Phases& p : phases_) p.begin(0, span);
 }
 
 void FilteredSolver::begin(const Move& m) {
   set_up();
-  const double span = machine_.filters.memory(hz_);
-  for (int i = 0; i < axes_; ++i) {
-    const bool rest = !parted_ || i == 2;
-    phases_[size_t(i)].begin(rest ? m.p0[slots_[i]] * scale_[i] : 0, span);
-  }
+  planned_.begin(m);
   going_ = true;
 }
 
 void FilteredSolver::add(const Move& m, double until) {
   if (m.kind == MoveKind::dwell) {
-    if (going_)
-      for (Phases& p : phases_) p.resume(std::min(m.end(), until));
+    if (going_) planned_.resume(std::min(m.end(), until));
     return;
   }
   const bool idle = spec_.drive == Drive::extruder && m.extruder != spec_.index;
@@ -145,40 +108,9 @@ void FilteredSolver::add(const Move& m, double until) {
     begin(m);
     if (until == kNeverTicks) start(m.start, false);
   }
-  if (parted_ && !idle) {
-    add_parts(m, until);
-  } else {
-    for (int i = 0; i < axes_; ++i) {
-      Phases& p = phases_[size_t(i)];
-      const double at = p.at_end();
-      const double from = idle ? at : m.p0[slots_[i]] * scale_[i];
-      const double to = idle ? at : m.p1[slots_[i]] * scale_[i];
-      p.add(m, from, to, hz_, idle ? 0 : m.advance * hz_, until);
-    }
-  }
+  planned_.add(m, until);
   if (!idle) std::copy_n(m.p1, kAxes, goal_);
   tolerances_.add(m.start + delay_, m.tolerance);
-}
-
-void FilteredSolver::add_parts(const Move& m, double until) {
-  double square[3], sum = 0;
-  for (size_t j = 0; j < 3; ++j) {
-    square[j] = (m.p1[j] - m.p0[j]) * (m.p1[j] - m.p0[j]);
-    sum += square[j];
-  }
-  const double steps = (m.p1[kE] - m.p0[kE]) * scale_[0];
-  double of_others = 0, left = 1;
-  for (size_t i = 0; i < 2; ++i) {
-    const double share = sum > 0 ? square[i] / sum : 0;
-    const double from = phases_[i].at_end(), to = from + steps * share;
-    phases_[i].add(m, from, to, hz_, share > 0 ? m.advance * hz_ : 0, until, share);
-    of_others += to;
-    left -= share;
-  }
-  // The sum ends where the plan does; what rounding leaves waits for a move that is not in X and Y.
-  const bool moves = sum == 0 || square[kZ] > 0;
-  const double from = phases_[2].at_end(), to = moves ? m.p1[kE] * scale_[0] - of_others : from;
-  phases_[2].add(m, from, to, hz_, moves ? m.advance * hz_ : 0, until, moves ? left : 0);
 }
 
 void FilteredSolver::start(double clock, bool resumes) {
@@ -219,7 +151,7 @@ void FilteredSolver::restart(double clock, const std::vector<Move>& past, StepSo
   tolerances_ = {};
   for (const Move& m : past) add(m, clock);
   if (going_) {
-    for (Phases& p : phases_) p.resume(clock);
+    planned_.resume(clock);
     start(clock, true);
     if (!raised_) owed_ = law_count() - of.count();
   } else {
@@ -234,15 +166,14 @@ void FilteredSolver::solve(const std::vector<Move>& moves, double known, bool la
   for (const Move& m : moves) add(m, kNeverTicks);
   if (!going_) return;
   if (!was_going && !raised_) owed_ = law_count() - of.count();
-  if (last)
-    for (Phases& p : phases_) p.stand();
+  if (last) planned_.stand();
   Steps& to = owed_ == 0 ? out : late_;
   double end = 0;
   if (advance_) {
     cubics_->into(to, tolerances_);
     advance_->advance(last ? kAllTicks : known + advance_->earliest(), last, *cubics_);
     cubics_->flush();
-    advance_->dropped(phases_[0].drop(advance_->needed()));
+    advance_->dropped(planned_.all()[0].drop(advance_->needed()));
     end = advance_->t();
   } else if (smooth_) {
     cubics_->into(to, tolerances_);
@@ -295,7 +226,7 @@ void FilteredSolver::follow(Law& law, double known, bool last, Sink& sink) {
   } else {
     law.advance(limit, last, sink);
   }
-  for (Phases& p : phases_) law.dropped(&p, p.drop(law.needed(&p)));
+  for (Phases& p : planned_.all()) law.dropped(&p, p.drop(law.needed(&p)));
 }
 
 int64_t FilteredSolver::resting_lead(StepSolver& of) const {

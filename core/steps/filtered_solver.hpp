@@ -10,6 +10,7 @@
 #include "filters/advance.hpp"
 #include "filters/backlash.hpp"
 #include "filters/nozzle_law.hpp"
+#include "filters/planned_laws.hpp"
 #include "filters/smooth_law.hpp"
 #include "filters/taps.hpp"
 #include "machine/machine.hpp"
@@ -56,14 +57,7 @@ class FilteredSolver {
   const Machine& machine_;
   const StepperSpec& spec_;
   double hz_, delay_;
-  // Of each of the phases: the slot of the position, and of the shaper.
-  int slots_[3] = {0, 0, 0}, shaped_as_[3] = {0, 0, 0};
-  double scale_[3] = {0, 0, 0};
-  int axes_ = 0;
-  // An extruder that follows different shapers of X and Y: its position is a sum of parts, which
-  // move with X, with Y, and with neither. A move is divided by its direction squared.
-  bool parted_ = false;
-  std::vector<Phases> phases_;
+  PlannedLaws planned_;  // none of a motor that follows the nozzle
   // One of four: a sum of impulses of all axes, an extruder's advance, a law of limited jerk, or
   // none, of a motor that follows the nozzle.
   std::optional<Taps> taps_;
@@ -96,7 +90,6 @@ class FilteredSolver {
   void set_up();
   void begin(const Move& m);
   void add(const Move& m, double until);
-  void add_parts(const Move& m, double until);
   void start(double clock, bool resumes);
   // Returns the lead at the begin of motion.
   double begin_lead(double clock, double q, bool resumes);

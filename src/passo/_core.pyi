@@ -2334,6 +2334,22 @@ class Job:
         Returns the recorded path in the format of toolpath.py, or None without one. Ends the recording.
         """
 
+    def keep_corner(self) -> None:
+        """
+        From now on keeps the moves around the fastest corner of filtered motion.
+        """
+
+    @property
+    def corner(self) -> tuple[int, float, float, float] | None:
+        """
+        That corner, at the end of the job: the line in the file of the move after it, X and Y in mm, and the print time in s at which the motors pass it. None if no motion was filtered.
+        """
+
+    def corner_law(self, slot: int, filtered: bool) -> list[tuple[float, float, float, float, float, float]]:
+        """
+        The position of X (0), Y (1) or E (3) around that corner, with the filters or as planned and then delayed like all motors: parts without gaps, each its start and duration in s, and at its start position, speed, acceleration and jerk in mm and s. The jerk of a part is constant.
+        """
+
     def keep_ideal(self, on: bool) -> None:
         """From now on records the ideal time of every step, see take_ideal."""
 

@@ -41,32 +41,38 @@ class Chart:
 
     def html(self, end_s: float) -> str:
         """The section of the page, with all data from 0 to `end_s` seconds."""
+        step = time_step(end_s, _TIMES)
+        columns = [(t, clock_label(t, step, end_s)) for t in ticks(0.0, end_s, step)]
+        under = f'print time, <span class="time">{clock_unit(step, end_s)}</span>'
+        return f"""<section class="chart" data-key="{escape(self.key)}">
+<h2>{escape(self.title)}</h2>
+{self.plot(end_s, columns, under)}</section>
+"""
+
+    def plot(self, end_s: float, columns: Sequence[tuple[float, str]], under: str) -> str:
+        """Legend and plot alone. `columns` are the labels of times in seconds, and `under` is what
+        they mean, as HTML."""
         low, high, step = self._scale()
         rows = ticks(low, high, step)
-        time = time_step(end_s, _TIMES)
-        columns = ticks(0.0, end_s, time)
         grid = "".join(f"M0 {_y(v, low, high):.1f}H{_SIDE:.0f}" for v in rows)
-        grid += "".join(f"M{_SIDE * t / end_s:.1f} 0V{_SIDE:.0f}" for t in columns)
+        grid += "".join(f"M{_SIDE * t / end_s:.1f} 0V{_SIDE:.0f}" for t, _ in columns)
         y = "".join(
             f'<span style="top:{_y(v, low, high) / 10:.2f}%">{label(v, step)}</span>' for v in rows
         )
         x = "".join(
-            f'<span style="left:{100 * t / end_s:.2f}%">{clock_label(t, time, end_s)}</span>'
-            for t in columns
+            f'<span style="left:{100 * t / end_s:.2f}%">{escape(text)}</span>'
+            for t, text in columns
         )
         curves = "".join(_paths(curve, end_s, low, high) for curve in self.curves)
         title, unit = escape(self.title), escape(self.unit)
-        return f"""<section class="chart" data-key="{escape(self.key)}">
-<h2>{title}</h2>
-<p class="legend">{"".join(map(_key, self.curves))}</p>
+        return f"""<p class="legend">{"".join(map(_key, self.curves))}</p>
 <div class="axis"><span>{unit}</span></div>
 <div class="plot" role="img" aria-label="{title}, {unit}, over the print time">
 <svg viewBox="0 0 1000 1000" preserveAspectRatio="none" aria-hidden="true">\
 <path class="grid" d="{grid}"/>{curves}</svg>
 <div class="y">{y}</div><div class="x">{x}</div>
 </div>
-<div class="under">print time, <span class="time">{clock_unit(time, end_s)}</span></div>
-</section>
+<div class="under">{under}</div>
 """
 
     def _scale(self) -> tuple[float, float, float]:

@@ -15,6 +15,7 @@ from passo.job.durable_files import replaced
 from passo.learn.bed_picture import bed_picture
 from passo.learn.chart import Chart, Curve
 from passo.learn.collector import Collector, HeaterSeries, Rates, of_actuator, of_axis
+from passo.learn.filter_picture import filter_picture
 from passo.learn.labels import duration
 from passo.learn.page import bars, page, problems, side_by_side, table, zoom_bar
 from passo.learn.toolpath import Toolpath
@@ -50,6 +51,7 @@ def write_report(
 
     job = Print(machine, policy, look, collector.look_s)
     job.job.keep_moves(True)
+    job.job.keep_corner()
     job.watch(lambda: collector.take(job.job.take_moves()))
     result, failed = PrintResult(file=str(path), machine=machine.name), None
     try:
@@ -60,7 +62,8 @@ def write_report(
         failed = error
         job.job.flush()  # plans the moves before the failed line
     collector.take(job.job.take_moves())
-    text = _page(collector, job.job.statistics(), result, failed, job.first_layer)
+    filters = filter_picture(job.job)
+    text = _page(collector, job.job.statistics(), result, failed, job.first_layer, filters)
     with replaced(output) as temporary:
         temporary.write_text(text, encoding="utf-8")
     try:
@@ -93,6 +96,7 @@ def _page(
     result: PrintResult,
     failed: PassoError | None,
     first_layer: FirstLayerWatch | None,
+    filters: str,
 ) -> str:
     end_s = max(collector.planned_s, result.print_time_s) or collector.looked_s
     collector.finish(end_s)
@@ -117,6 +121,7 @@ def _page(
         sections += [chart.html(end_s) for chart in charts]
         if width_s := collector.speed.width_s:
             sections.append(_note(width_s))
+    sections.append(filters)
     if len(features := _shares(plan["feature_s"])) > 1:  # the slicer has named features
         sections.append(bars("Time by feature", features))
     data = {
