@@ -5,9 +5,11 @@ from pathlib import Path
 
 import pytest
 from tests.support.import_remarks import remarks
+from tests.support.scenario import Scenario
 
 from passo import config
 from passo.cli.main import main
+from passo.config.importing.draft import Draft
 from passo.config.importing.klipper import imported
 from passo.errors import ConfigError
 
@@ -161,6 +163,37 @@ def test_corners_have_the_speed_of_klipper(load) -> None:
     assert limits.minimum_cruise_ratio == 0.5
 
 
+def test_max_accel_to_decel_is_a_cruise_ratio(load) -> None:
+    older = "max_z_accel: 100", "max_z_accel: 100\nmax_accel_to_decel: 900"
+    draft, machine = load(older)
+    assert machine.limits.minimum_cruise_ratio == 0.7
+    assert "minimum_cruise_ratio of 0.7" in "".join(remarks(draft, "changed"))
+    both = older[0], f"{older[1]}\nminimum_cruise_ratio: 0.2"
+    assert load(both)[1].limits.minimum_cruise_ratio == 0.2
+
+
+def test_axis_without_a_switch_has_the_end_that_its_owner_moves_it_to(load) -> None:
+    silent = "endstop_pin: ^!EXP1_3", "endstop_pin: tmc2209_stepper_y:virtual_endstop"
+    once = "position_max: 235", "position_max: 235\nhoming_retract_dist: 0"
+    draft, machine = load(silent, once)
+    assert "y" not in machine.homing and machine.home_mm["y"] == 230
+    assert "takes it to be at 230 mm" in "".join(remarks(draft, "decide"))
+    assert machine.homing["x"].retract == 3
+    assert "approaches its endstop twice" in "".join(remarks(draft, "changed"))
+    unknown = "endstop_pin: PA7", "endstop_pin: probe:z_virtual_endstop"
+    draft, machine = load(unknown, more="[probe_eddy_current a]\nsensor_type: ldc1612\n")
+    assert "z" not in machine.homing
+    assert "Passo does not have this probe" in "".join(remarks(draft, "decide"))
+
+
+def test_amplifier_of_a_sensor_has_the_voltage_of_its_converter(load) -> None:
+    for name, kind in (("PT100 INA826", "pt100-amplifier"), ("AD595", "ad595")):
+        for more, volt in (("\nadc_voltage: 3.3", 3.3), ("", 5.0)):
+            _, machine = load(("sensor_type: mine", f"sensor_type: {name}{more}"))
+            sensor = machine.heaters["hotend"].sensor
+            assert (sensor.kind, sensor.full_scale_v) == (kind, volt)
+
+
 def test_homing_has_side_speeds_and_a_switch_for_each_motor(load) -> None:
     _, machine = load()
     x, y, z = (machine.homing[name] for name in "xyz")
@@ -218,19 +251,24 @@ def test_heaters_have_sensors_gains_limits_and_protections(load) -> None:
 
 
 def test_fans_of_each_kind(load) -> None:
-    more = "[fan_generic Chamber]\npin: PA10\n[temperature_fan rpi]\npin: PA11\nsensor_type: rpi\n"
+    more = "[fan_generic Chamber]\npin: PA10\ncycle_time: 0.001\n"
+    more += "[temperature_fan rpi]\npin: PA11\nsensor_type: rpi\n"
     draft, machine = load(more=more)
     part, hot, board = (machine.fans[name] for name in ("part", "hotend_fan", "board"))
     assert (part.pin, part.kick_start_s, part.off_below, part.pwm_hz) == ("PA0", 0.3, 0.1, 50)
     assert (hot.follows, hot.above_c) == ("hotend", 45)
     assert (board.follows_motors, board.stays_on_s) == (["x", "z1"], 20)
     assert machine.fans["chamber"].number == 1
-    assert any("[temperature_fan rpi]" in text for text in remarks(draft, "decide"))
+    assert [machine.fans[name].pwm_hz for name in ("chamber", "hotend_fan")] == [200, 100]
+    assert "1000 Hz became 200 Hz" in "".join(remarks(draft, "changed"))
+    assert "off until M106 P2 sets it" in "".join(remarks(draft, "decide"))
+    assert [heater.pwm_hz for heater in machine.heaters.values()] == [10, 10]
 
 
 def test_extruder_limits_follow_from_nozzle_and_filament(load) -> None:
     """Klipper's default: four nozzles squared of plastic at the speed and acceleration of moves."""
-    _, machine = load()
+    wide = "max_power: 0.8", "max_power: 0.8\nmax_extrude_cross_section: 50"
+    _, machine = load(wide)
     ratio = 4 * 0.4**2 / (math.pi * 0.875**2)
     assert machine.extruders["e"].speed_mm_s == pytest.approx(300 * ratio, rel=1e-5)
     assert machine.extruders["e"].accel_mm_s2 == pytest.approx(3000 * ratio, rel=1e-5)
@@ -267,9 +305,38 @@ def test_the_accelerometer_has_its_bus_point_and_directions(load) -> None:
     assert any("[lis2dw]: one accelerometer" in text for text in remarks(draft, "dropped"))
     _, machine = load(more=f"[lis2dw]\n{pins}")
     assert (machine.accelerometer.chip, machine.accelerometer.miso_pin) == ("lis2dw", "PE4")
-    draft, machine = load(more="[adxl345]\ncs_pin: PE1\n")
-    assert machine.accelerometer is None
-    assert any("the pins of its SPI bus" in text for text in remarks(draft, "decide"))
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ("cs_pin: PE1\n", "give [accelerometer] its spi_bus, or clock_pin"),
+        ("spi_bus: spi1\n", "give [accelerometer] cs_pin, clock_pin"),
+        ("cs_pin: can:PE1\nspi_bus: spi1\n", "spi_bus = 'can:spi1' when its board has link"),
+    ],
+)
+def test_accelerometer_without_a_bus_is_a_decision(
+    tmp_path: Path, more: str, expected: str
+) -> None:
+    path = tmp_path / "printer.cfg"
+    path.write_text(f"{BASE}[mcu can]\ncanbus_uuid: 1\n[adxl345]\nrate: 800\n{more}")
+    draft = imported(path)
+    assert not any(key[0] == "accelerometer" for key in draft.keys)
+    assert any(expected in text for text in remarks(draft, "decide"))
+
+
+@pytest.mark.parametrize(
+    ("chip", "rate", "used"), [("adxl345", 800, 800), ("adxl345", 400, 800), ("lis2dw", 3200, 1600)]
+)
+def test_accelerometer_of_a_known_board_has_its_rate(load, chip: str, rate: int, used: int) -> None:
+    """BASE without its second motor of Z is wired as a board of Creality."""
+    second = BASE[BASE.index("[stepper_z1]") : BASE.index("[extruder]")]
+    own = (second, ""), ("stepper_x, stepper_z1", "stepper_x")
+    more = f"[{chip}]\ncs_pin: PC13\nspi_bus: spi2\nrate: {rate}\n"
+    draft, machine = load(*own, more=more)
+    assert machine.board.base == "creality-4.2.2"
+    assert (machine.accelerometer.spi_bus, machine.accelerometer.rate_hz) == ("spi2", used)
+    assert any("rate" in text for text in remarks(draft, "changed")) == (rate != used)
 
 
 def test_comments_name_line_file_and_default(load, tmp_path: Path) -> None:
@@ -519,6 +586,18 @@ def test_includes_and_saved_values_count(tmp_path: Path) -> None:
     assert machine.heaters["bed"].max_c == 112
 
 
+def test_include_with_an_absolute_path_and_a_pattern(tmp_path: Path) -> None:
+    folder = tmp_path / "p1"
+    (folder / "a").mkdir(parents=True)
+    (folder / "a/bed.cfg").write_text("[heater_bed]\nmax_temp: 111\n")
+    (folder / "a/.bed.cfg").write_text("[heater_bed]\nmax_temp: 112\n")
+    path = folder / "printer.cfg"
+    for pattern in (f"{tmp_path}/p[12]/a/*.cfg", "a/*.cfg", "**/*.cfg", f"{folder}/a/bed.cfg"):
+        path.write_text(f"{BASE}[include {pattern}]\n")
+        machine = config.load_text(imported(path).text(""), "x.toml")
+        assert machine.heaters["bed"].max_c == 111, pattern
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -547,6 +626,9 @@ def test_includes_and_saved_values_count(tmp_path: Path) -> None:
         ("max_accel: 3000", "max_accel: -1", "expected more than 0"),
         ("[printer]", "[include printer.cfg]\n[printer]", "include each other"),
         ("[printer]", "[include none.cfg]\n[printer]", "the included file 'none.cfg' is not in"),
+        ("[printer]", "[include ~/none.cfg]\n[printer]", "included file '~/none.cfg' is not in"),
+        ("[printer]", "[include /dev/zero]\n[printer]", "included file '/dev/zero' is not in"),
+        ("[printer]", "[include /*/*/*]\n[printer]", "in at most 2 parts of the path"),
         ("[printer]", "what is this\n[printer]", "'what is this' is not an option"),
         (
             "[printer]",
@@ -580,10 +662,11 @@ def test_command_writes_the_file_and_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("printer.cfg").write_text(BASE + "[neopixel sign]\npin: PC1\n")
+    Path("printer.cfg").write_text(f"{BASE}[neopixel sign]\npin: PC1\n[led lamp]\npin: PC6\n")
     assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 0
     out = capsys.readouterr().out
-    assert "Not taken over:\n  printer.cfg:106: [neopixel sign]: the light stays off.\n" in out
+    line = "  printer.cfg:106, 108: [neopixel sign]; [led lamp]: the light stays off.\n"
+    assert f"Not taken over:\n{line}" in out
     assert out.endswith("Next: passo serve --machine mine.toml\n")
     assert main(["check", "mine.toml"]) == 0
     assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 4
@@ -693,12 +776,72 @@ def test_homing_override_is_a_macro_g28(load) -> None:
     assert any("[homing_override]" in text for text in remarks(draft, "decide"))
 
 
-def test_safe_z_home_of_a_switch_is_a_macro_g28(load) -> None:
-    more = "[safe_z_home]\nhome_xy_position: 110, 120\nspeed: 80\nz_hop: 10\n"
-    _, machine = load(more=more)
-    lines = machine.macros["G28"].gcode.splitlines()[1:-3]
-    moves = ["G28.1 X Y", "G90", "G1 X110 Y120 F4800", "G28.1 Z", "G1 Z10 F900"]
-    assert lines == moves
+SAFE = "[safe_z_home]\nhome_xy_position: 110, 120\nspeed: 80\nz_hop: 10\n"
+
+
+def simulated(draft: Draft) -> Scenario:
+    """The imported printer on a simulated board."""
+    del draft.keys["board", "link"], draft.keys["board", "port"]
+    return Scenario(config.load_text(draft.text("From a test."), "printer.toml"))
+
+
+def nozzle(s: Scenario) -> list[float]:
+    """X, Y and Z at standstill, to a whole number of steps."""
+    s.host.ok("M400", 10)
+    return [round(s.positions()[axis], 2) for axis in "xyz"]
+
+
+def test_safe_z_home_of_a_switch_rises_and_goes_to_its_place(load) -> None:
+    draft, _ = load(more=SAFE)
+    assert any("do not rise" in text for text in remarks(draft, "changed"))
+    with simulated(draft) as s:
+        start = s.positions()
+        s.host.ok("G91")
+        s.host.send("G28")
+        assert s.until(lambda: s.positions()["x"] != start["x"], 10)
+        assert s.positions()["z"] == start["z"] + 10
+        s.host.expect("^ok", 200)
+        assert nozzle(s) == [110, 120, 10]
+        s.host.ok("G1 X-20 Z-6 F3000", 10)  # relative, as before G28
+        s.host.send("G28 X")
+        assert s.until(lambda: s.positions()["x"] != 90, 10)
+        assert round(s.positions()["z"], 2) == 10
+        s.host.expect("^ok", 60)
+        s.host.ok("G28 O", 10)
+        assert nozzle(s) == [0, 120, 10]
+
+
+def test_safe_z_home_needs_x_and_y_and_stays_up_at_the_upper_end(load) -> None:
+    draft, _ = load(("position_endstop: 0.5", "position_endstop: 250"), more=SAFE)
+    with simulated(draft) as s:
+        assert "axis X is not homed" in " ".join(s.host.ok("G28 Z", 60))
+        s.host.ok("G28", 400)
+        assert nozzle(s) == [110, 120, 250]
+
+
+def test_safe_z_home_of_a_probe_rises_by_the_start_of_a_descent(load) -> None:
+    virtual = ("endstop_pin: PA7\nposition_endstop: 0.5", "endstop_pin: probe:z_virtual_endstop")
+    more = "[probe]\npin: PA12\nz_offset: 1\n"
+    more += SAFE.replace("z_hop: 10", "z_hop: 25\nmove_to_previous: True\nz_hop_speed: 7")
+    speed = "position_max: 250", "position_max: 250\nhoming_speed: 9"
+    draft, machine = load(virtual, ("endstop_pin: PD7\n", ""), speed, more=more)
+    assert (machine.probe.start_mm, machine.probe.travel_mm_s) == (25, 80)
+    assert "homing_speed 9: the probe homes Z" in "".join(remarks(draft, "changed"))
+    dropped = remarks(draft, "dropped")
+    assert any("stays where Z was homed" in text for text in dropped)
+    assert any("rises with probe.lift_mm_s" in text for text in dropped)
+    draft, machine = load(
+        virtual, ("endstop_pin: PD7\n", ""), more=more.replace("z_hop: 25", "z_hop: 4")
+    )
+    assert machine.probe.start_mm == 10
+    assert any("rises by probe.start_mm, 10 mm" in text for text in remarks(draft, "changed"))
+
+
+def test_macros_that_home_within_homing_override_are_named(load) -> None:
+    more = OVERRIDE.replace("g28 X Y", "HOME_BOTH")
+    more += "[gcode_macro HOME_BOTH]\ngcode: HOME_X\n[gcode_macro HOME_X]\ngcode: G28 X\n"
+    found = [text for text in remarks(load(more=more)[0], "decide") if "homing_override" in text]
+    assert len(found) == 1 and "the macro HOME_X" in found[0]
 
 
 def test_board_on_a_can_bus_needs_usb(tmp_path: Path) -> None:
@@ -736,6 +879,15 @@ def test_hostile_files_get_a_short_sentence(tmp_path: Path, text: str, sentence:
         imported(path)
     assert sentence in str(caught.value)
     assert len(str(caught.value)) < 1000
+
+
+def test_includes_that_double_at_each_step_end_soon(tmp_path: Path) -> None:
+    for number in range(15):
+        text = f"[include {number + 1}.cfg]\n" * 2
+        (tmp_path / f"{number}.cfg").write_text(text)
+    (tmp_path / "15.cfg").write_text("")
+    with pytest.raises(ConfigError, match="more than 1000 files are included"):
+        imported(tmp_path / "0.cfg")
 
 
 def test_endless_templates_are_imported_and_end_as_they_run(load) -> None:

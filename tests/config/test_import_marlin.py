@@ -161,6 +161,18 @@ def test_homing_has_side_pin_position_and_speeds(load) -> None:
     assert any("HOMING_BUMP_MM" in text for text in remarks(draft, "changed"))
 
 
+def test_homing_that_passo_does_not_have_is_reported(load) -> None:
+    more = "#define SENSORLESS_HOMING\n#define Y_STALL_SENSITIVITY 8\n"
+    more += "#define Z_SAFE_HOMING\n#define Z_HOMING_HEIGHT 4\n"
+    draft, machine = load(more=more)
+    assert "y" not in machine.homing and machine.home_mm["y"] == 200
+    assert "takes it to be at 200 mm" in "".join(remarks(draft, "decide"))
+    dropped = "".join(remarks(draft, "dropped"))
+    assert "Z homes where the nozzle is" in dropped and "Z_HOMING_HEIGHT" in dropped
+    draft, _ = load(("(4*60) }", "(5*60) }"), more=f"{PROBE}#define BLTOUCH\n")
+    assert "the probe homes Z with its own speeds" in "".join(remarks(draft, "changed"))
+
+
 def test_heaters_have_sensors_gains_limits_and_protections(load) -> None:
     draft, machine = load()
     hotend, bed = machine.heaters["hotend"], machine.heaters["bed"]
@@ -487,6 +499,17 @@ def test_scara(load, more: str, ends: tuple[float, float]) -> None:
     homes = machine.homing["a"].position, machine.homing["b"].position
     assert homes == pytest.approx(ends, abs=1e-4)
     assert "min_deg and max_deg" in remarks(draft, "decide")[0]
+
+
+@pytest.mark.parametrize(
+    ("length", "limit"), [(150, "the arms reach from 0.010 to 299.990 mm"), (0, "in reach")]
+)
+def test_scara_that_does_not_reach_its_home(load, length: float, limit: str) -> None:
+    home = "#define MANUAL_X_HOME_POS 400\n#define MANUAL_Y_HOME_POS 100\n"
+    with pytest.raises(ConfigError) as caught:
+        load(more=f"{ARMS.replace('LINKAGE_1 150', f'LINKAGE_1 {length}')}{MP}{home}")
+    assert "MANUAL_X_HOME_POS is '400, 100'" in str(caught.value)
+    assert limit in str(caught.value)
 
 
 def test_core_belts(load) -> None:

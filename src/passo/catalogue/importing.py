@@ -24,6 +24,9 @@ IMPORT: Mapping[str, Entry] = {
     "import.size": _import(
         "the files together have more than {limit} bytes", "Give the configuration of one printer"
     ),
+    "import.files": _import(
+        "more than {limit} files are included", "Give the configuration of one printer"
+    ),
     "import.section": _import(
         "the section [{value}] is missing",
         "Give the whole configuration of a printer, not a part that others include",

@@ -73,12 +73,25 @@ def run(arguments: argparse.Namespace) -> int:
 def _report(remarks: list[Remark], problems: list[str]) -> str:
     lines: list[str] = []
     for fate, heading in _HEADINGS.items():
-        found = [remark for remark in remarks if remark.fate == fate]
+        found = _joined([remark for remark in remarks if remark.fate == fate])
         if found:
-            lines += [f"{heading}:", *(f"  {r.place}: {r.what}: {r.text}." for r in found), ""]
+            lines += [f"{heading}:", *found, ""]
     if problems:
         lines += ["To correct in the machine file:", *(f"  {problem}" for problem in problems), ""]
     return "\n".join(lines) + ("\n" if lines else "")
+
+
+def _joined(remarks: list[Remark]) -> list[str]:
+    """A line for each text, with all places in a file to which it applies."""
+    same: dict[tuple[str, str], list[Remark]] = {}
+    for remark in remarks:
+        same.setdefault((remark.place.file, remark.text), []).append(remark)
+    lines: list[str] = []
+    for (_, text), (first, *others) in same.items():
+        places = ", ".join([str(first.place), *(str(other.place.line) for other in others)])
+        parts = "; ".join(dict.fromkeys(remark.what for remark in (first, *others)))
+        lines.append(f"  {places}: {parts}: {text}.")
+    return lines
 
 
 def _write(path: Path, text: str) -> None:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field
 
 from passo.config.chips import chip, chip_names
 from passo.config.findings import Finding, array, table
+from passo.config.klippers_firmware import runs_klippers
 from passo.config.pin_names import placed, section
 from passo.config.types import Model, Pin, Point, Positive
 
 Direction = Literal["x", "y", "z", "-x", "-y", "-z"]
-_ADXL_HZ = 3200
+_Rate = Literal[800, 1600, 3200]
+RATES_HZ: tuple[int, ...] = get_args(_Rate)
+FASTEST_HZ = {"adxl345": 3200, "lis2dw": 1600}  # samples a second, by chip
 _HEIGHT_MM = 20.0  # of the nozzle above the bed, unless the file gives a point
 _WIRES = ("clock_pin", "mosi_pin", "miso_pin")
 
@@ -24,7 +27,7 @@ class Accelerometer(Model):
 
     chip: Literal["adxl345", "lis2dw"] = "adxl345"
     """The chip. An ADXL345 measures up to 3200 times a second, a LIS2DW 1600 times."""
-    rate_hz: Literal[800, 1600, 3200] | None = None
+    rate_hz: _Rate | None = None
     """Samples a second. If not given, as many as the chip can; a serial line of 250 000 baud
     carries 1600."""
     cs_pin: Pin | None = None
@@ -74,7 +77,7 @@ def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:
     if "accelerometer" not in data:
         return
     rate = part.get("rate_hz")
-    if part.get("chip") == "lis2dw" and rate == _ADXL_HZ:
+    if part.get("chip") == "lis2dw" and rate in RATES_HZ and rate > FASTEST_HZ["lis2dw"]:
         yield Finding("config.conflict", (*path, "rate_hz"), rate, "800 or 1600, as of a LIS2DW")
     bus = part.get("spi_bus")
     if bus is None:
@@ -89,7 +92,7 @@ def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:
     written = part.get("cs_pin", bus)
     owner = table(data, *section(placed(str(written))[0]))
     simulated = owner.get("link", "simulated") == "simulated"
-    klippers = "klipper" in (owner.get("base"), owner.get("mcu"), owner.get("firmware"))
+    klippers = runs_klippers(owner)
     if bus is not None and (simulated or not klippers):
         who = "a simulated board" if simulated else "Passo's firmware"
         limit = f"no such key: {who} has no buses; give clock_pin, mosi_pin, miso_pin"

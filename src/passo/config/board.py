@@ -21,6 +21,7 @@ from passo.config.budget import (
     Budget,
 )
 from passo.config.chips import Chip, chip, chip_names
+from passo.config.klippers_firmware import runs_klippers
 from passo.config.pin_names import bare
 from passo.config.types import Model, Pin, Positive
 
@@ -241,7 +242,7 @@ class Board(Model):
     @property
     def is_klippers(self) -> bool:
         """Whether the board runs Klipper's firmware."""
-        return "klipper" in (self.base, self.mcu, self.firmware)
+        return runs_klippers({"base": self.base, "mcu": self.mcu, "firmware": self.firmware})
 
     @property
     def survives(self) -> bool:

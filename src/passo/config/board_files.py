@@ -20,6 +20,7 @@ from passo.config.chips import chip, chip_names, numbering, numberings
 from passo.config.companion_files import MAX_BYTES, read_companion
 from passo.config.console_checks import check_console
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
+from passo.config.klippers_firmware import runs_klippers
 from passo.config.pin_names import placed, section
 from passo.config.toml_lines import Path
 
@@ -137,7 +138,7 @@ def _put_board(
         if "clock_hz" not in own:
             board.pop("clock_hz", None)  # the clock of the dictionary applies
         yield from _read_dictionary(board, (*place, "dictionary"), folder)
-    elif _is_klippers(board) and "clock_hz" not in board:
+    elif runs_klippers(board) and "clock_hz" not in board:
         limit = "the file of the data dictionary that the firmware's build has left, or clock_hz"
         yield Finding("config.missing-key", (*place, "dictionary"), None, limit)
         board["clock_hz"] = _ANY_CLOCK_HZ
@@ -148,7 +149,7 @@ def _put_board(
         hint, limit = did_you_mean(variant, variants), "one of the board's variants"
         yield Finding("config.value", (*place, "variant"), variant, limit, hint)
     resolve_names(board)
-    if not _is_klippers(board):
+    if not runs_klippers(board):
         mcu, known = board.get("mcu"), chip_names()
         if mcu in known:
             yield from check_console(board, own, place)
@@ -157,16 +158,11 @@ def _put_board(
             yield Finding("config.value", (*place, "mcu"), mcu, limit, did_you_mean(mcu, known))
 
 
-def _is_klippers(board: Tables) -> bool:
-    """Whether the board runs Klipper's firmware."""
-    return "klipper" in (board.get("base"), board.get("mcu"), board.get("firmware"))
-
-
 def _put_klippers_budget(board: Tables, own: Mapping[str, Any]) -> None:
     """Fills in the default budget of Klipper's firmware where the machine file does not give one.
     The budget of a shipped board applies only to Passo's firmware."""
     clock_hz, stated = number(board, "clock_hz"), own.get("budget", {})
-    if _is_klippers(board) and clock_hz is not None and isinstance(stated, Mapping):
+    if runs_klippers(board) and clock_hz is not None and isinstance(stated, Mapping):
         board["budget"] = {**klippers_budget(clock_hz), **table(own, "budget")}
 
 

@@ -12,6 +12,7 @@ from passo.config.board import WIPER_MAX, pin_behind
 from passo.config.board_files import known_pins, meant_board
 from passo.config.chips import Chip, Pulse, chip, chip_names
 from passo.config.findings import Finding, array, did_you_mean, key_text, number, table, tables
+from passo.config.klippers_firmware import runs_klippers
 from passo.config.motion import MICROSTEPS
 from passo.config.pin_names import MAIN, bare, named_on, placed, section
 from passo.config.sensors import CONVERTERS
@@ -280,7 +281,7 @@ class _Owners:
         mcu = self.board.get("mcu")
         self.chip: Chip | None = chip(mcu) if mcu in chip_names() else None
         # Klipper's firmware uses the chip in another way, and reports conflicts itself.
-        self.klippers = "klipper" in (self.board.get("base"), self.board.get("firmware"))
+        self.klippers = runs_klippers(self.board)
         self.pins: dict[str, Claim] = {}
         self.units: dict[str, Path] = {}
 

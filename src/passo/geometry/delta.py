@@ -3,7 +3,7 @@ effector."""
 
 from __future__ import annotations
 
-from math import cos, hypot, radians, sin
+from math import cos, hypot, radians, sin, sqrt
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -12,6 +12,12 @@ from passo.geometry.base import GeometryModel, Point
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 Angle = Annotated[float, Field(ge=-360, le=360)]
+
+
+def rise_mm(rod_mm: float, radius_mm: float) -> float:
+    """The height of a carriage above a nozzle in the middle, mm. Raises ValueError for a rod that
+    is shorter than the radius."""
+    return sqrt(rod_mm**2 - radius_mm**2)
 
 
 class Delta(GeometryModel):

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import TYPE_CHECKING
 
 from passo.config.exporting.cfg import Cfg
 from passo.config.exporting.heat import put_heat
 from passo.config.exporting.motors import put_stepper
 from passo.config.pin_names import placed
+from passo.config.square_corner import corner_mm_s
 from passo.errors import ConfigError
-from passo.geometry.delta import Delta
+from passo.geometry.delta import Delta, rise_mm
 from passo.geometry.skewable import SkewableModel
 from passo.probes.base import SensingProbe
 
@@ -93,8 +93,8 @@ def _put_accelerometer(cfg: Cfg) -> None:
 
 
 def _put_printer(cfg: Cfg, kind: str) -> None:
-    """Writes [printer]. Klipper has one limit for X and Y, and a speed at square corners. For a
-    junction deviation d this speed is √(d·a / (√2 - 1)); for a jerk limit it is the jerk."""
+    """Writes [printer]. Klipper has one limit for X and Y, and a speed at square corners, which is
+    that of the junction deviation, or the limit of the jerk."""
     machine, limits = cfg.machine, cfg.machine.limits
     x, y, z = (machine.axes[axis] for axis in "xyz")
     accel = min(limits.print_accel_mm_s2 or x.accel_mm_s2, x.accel_mm_s2, y.accel_mm_s2)
@@ -105,7 +105,7 @@ def _put_printer(cfg: Cfg, kind: str) -> None:
     if limits.junction == "square_corner":
         corner = limits.square_corner_mm_s
     elif limits.junction == "deviation":
-        corner = sqrt(limits.junction_deviation_mm * accel / (sqrt(2) - 1))
+        corner = corner_mm_s(limits.junction_deviation_mm, accel)
     elif limits.junction == "jerk":
         corner = min(x.jerk_mm_s, y.jerk_mm_s)
     else:
@@ -159,7 +159,7 @@ def _put_axis(cfg: Cfg, kind: str, motor: str, letter: str) -> None:
         geometry = machine.geometry
         if isinstance(geometry, Delta):
             index = "abc".index(letter)
-            position -= sqrt(geometry.rods[index] ** 2 - geometry.radius**2)
+            position -= rise_mm(geometry.rods[index], geometry.radius)
             cfg.put(section, arm_length=geometry.rods[index], angle=geometry.angles[index])
         cfg.put(section, position_endstop=round(position, 6))
     if not delta:

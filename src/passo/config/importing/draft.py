@@ -56,6 +56,10 @@ def plain_name(name: str) -> str:
     return plain if plain[0].isalpha() else f"n{plain}"
 
 
+NO_SWITCH = "homing without a switch (sensorless) is not there yet"
+PROBE_SPEEDS = "the probe homes Z with its own speeds, probe.fast_mm_s and slow_mm_s"
+
+
 class Other(NamedTuple):
     """Why a part of a configuration has no key in the machine file: Passo has the feature without a
     key, or does not have it (`lost`). `text` explains the consequence to the owner."""
@@ -101,11 +105,29 @@ class Draft:
         """Reports a part that has no key in the machine file."""
         (self.dropped if other.lost else self.changed)(place, what, other.text)
 
+    def table(self, name: str) -> dict[str, Value]:
+        """The values of a table without tables in it, by key."""
+        return {path[1]: value for path, (value, _) in self.keys.items() if path[0] == name}
+
     def number(self, path: KeyPath) -> float:
         """The numeric value of a key. Raises KeyError if the key was not set."""
         value, _ = self.keys[path]
         assert isinstance(value, int | float)
         return value
+
+    def put_no_homing(
+        self, axis: str, end: tuple[float, Place] | None, place: Place, what: str, why: str
+    ) -> None:
+        """Reports an axis or a tower that does not home. An axis has its position after G28 from
+        its end, within its limits, which must be in the draft."""
+        text = f"{why}: G28 does not move this axis"
+        path = ("axes", axis)
+        if (*path, "max_mm") in self.keys and end is not None:
+            low, high = (self.number((*path, key)) for key in ("min_mm", "max_mm"))
+            at = min(max(end[0], low), high)
+            self.put((*path, "home_mm"), at, end[1])
+            text += f", and takes it to be at {at:g} mm: move it there by hand before"
+        self.decide(place, what, text)
 
     def changed(self, place: Place, what: str, text: str) -> None:
         """Reports a value that has another form in the machine file."""

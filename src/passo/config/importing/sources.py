@@ -8,16 +8,17 @@ from passo.errors import ConfigError
 
 MAX_BYTES = 4 << 20  # of all files together
 MAX_DEPTH = 20
+MAX_FILES = 1000
 MAX_LINE = 20_000
 
 
 class Sources:
     """Reads files, and refuses those that no configuration needs: files that include each other,
-    more than `MAX_BYTES` in total, and lines of more than `max_line` characters."""
+    more than `MAX_BYTES` or `MAX_FILES` in total, and lines of more than `max_line` characters."""
 
     def __init__(self, max_line: int = MAX_LINE) -> None:
         self._max_line = max_line
-        self._bytes = 0
+        self._bytes = self._files = 0
 
     def read(self, path: Path, within: tuple[Path, ...] = ()) -> str:
         """The text of a file that is included by those in `within`, whose paths are resolved.
@@ -35,6 +36,9 @@ class Sources:
             raise ConfigError.of(
                 "config.unreadable", str(path), value=error.strerror or str(error)
             ) from None
+        self._files += 1
+        if self._files > MAX_FILES:
+            raise ConfigError.of("import.files", str(path), limit=MAX_FILES)
         self._bytes += len(raw)
         if self._bytes > MAX_BYTES:
             raise ConfigError.of("import.size", str(path), limit=MAX_BYTES)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from math import cos, hypot, radians, sin, sqrt
+from math import cos, hypot, radians, sin
 from statistics import fmean
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.geometry.base import Point, Unreachable
-from passo.geometry.delta import Delta
+from passo.geometry.delta import Delta, rise_mm
 from passo.levelling.delta_calibration import (
     Calibration,
     ChangeLimits,
@@ -390,7 +390,7 @@ def _heights(delta: DeltaMachine) -> list[float]:
     this tower's endstop."""
     geometry = delta.geometry
     return [
-        q - sqrt(rod**2 - geometry.radius**2)
+        q - rise_mm(rod, geometry.radius)
         for q, rod in zip(delta.endstops, geometry.rods, strict=True)
     ]
 
@@ -399,7 +399,7 @@ def _with_heights(geometry: Delta, heights: Sequence[float]) -> DeltaMachine:
     """The inverse of `_heights`. Raises CommandError if a rod is too short."""
     _check_rods(geometry)
     a, b, c = (
-        e + sqrt(rod**2 - geometry.radius**2) for e, rod in zip(heights, geometry.rods, strict=True)
+        e + rise_mm(rod, geometry.radius) for e, rod in zip(heights, geometry.rods, strict=True)
     )
     return DeltaMachine(geometry, (a, b, c))
 

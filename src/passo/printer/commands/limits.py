@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import nan, sqrt
+from math import nan
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
+from passo.config.square_corner import deviation_mm
 from passo.config.types import MIN_ACCEL, MIN_SPEED
 from passo.errors import CommandError, WordError
 from passo.gcode.command import LARGEST, Command, numeral
@@ -229,10 +230,8 @@ class Limits:
             job.set_limit("minimum_cruise_ratio", ratio, live)
         law = self._machine.limits.junction
         if corner is not None and law == "deviation":
-            # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
-            accel = job.limit("print_accel")
             low, high = _DEVIATION
-            deviation = min(max(corner**2 * (sqrt(2) - 1) / accel, low), high)
+            deviation = min(max(deviation_mm(corner, job.limit("print_accel")), low), high)
             job.set_limit("junction_deviation", deviation, live)
         elif corner is not None and law == "square_corner":
             job.set_limit("square_corner", max(corner, MIN_SPEED), live)

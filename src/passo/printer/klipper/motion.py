@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from passo.config.heater_numbers import heater_of
+from passo.config.square_corner import corner_mm_s
 from passo.printer.klipper.names import heater_object, stepper_object
 
 if TYPE_CHECKING:
@@ -32,8 +32,7 @@ def toolhead(machine: MachineConfig, status: Status) -> Object:
     fastest = max(a.speed_mm_s for a in (x, y, z))
     corner = motion.square_corner_mm_s
     if machine.limits.junction != "square_corner":
-        # A right angle: v² = a δ s/(1 - s) with s = √½.
-        corner = sqrt(motion.junction_deviation_mm * accel / (sqrt(2) - 1))
+        corner = corner_mm_s(motion.junction_deviation_mm, accel)
     return {
         "position": Coord(*motion.end_mm),
         "homed_axes": "".join(name for name in "xyz" if name in status.homed),

@@ -144,7 +144,7 @@ def put_home(job: Job, transform: Node) -> None:
         return
     ends = [job.draft.number(("homing", motor, "position")) for motor in motors]
     a, b, c = [*ends, 0.0][:3]
-    values = {path[1]: value for path, (value, _) in keys.items() if path[0] == "geometry"}
+    values = job.draft.table("geometry")
     try:
         geometry = kind.model.model_validate(values)
         place = geometry.forward((a, b, c))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.aprinter.arms import ARMS, put_arms, put_home
@@ -19,6 +18,7 @@ from passo.config.importing.aprinter.heat import heater_name, put_heat
 from passo.config.importing.draft import Draft, bad
 from passo.config.importing.sources import MAX_BYTES, Sources
 from passo.errors import ConfigError
+from passo.geometry.delta import rise_mm
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -163,7 +163,7 @@ def _put_delta(job: Job, transform: Node) -> list[Node]:
         if homing is not None and homing.kind == "homing":
             _put_homing(job, tower, name, homing, stepper)
             end = job.draft.number(("homing", tower, "position"))
-            tops.append(end - sqrt(length**2 - radius**2))
+            tops.append(end - rise_mm(length, radius))
     for axis in "xy":
         put(("axes", axis, "home_mm"), 0.0, None)
     if tops:

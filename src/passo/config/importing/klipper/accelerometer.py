@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
+from passo.config.accelerometer import FASTEST_HZ, RATES_HZ, Direction
 from passo.config.importing.draft import bad
 from passo.config.importing.numbers import number_of
-from passo.config.pin_names import named_on, placed
+from passo.config.pin_names import MAIN, bare, named_on, placed
 from passo.config.pin_names import section as board_path
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ _WIRES = {
     "mosi_pin": "spi_software_mosi_pin",
     "miso_pin": "spi_software_miso_pin",
 }
-_DIRECTIONS = ("x", "y", "z", "-x", "-y", "-z")
 _NONE = "none"  # the chip select of a bus that has its own
 
 
@@ -31,10 +31,12 @@ def put_accelerometer(job: Import) -> None:
         return
     names = [tester.text(key) for key in ("accel_chip", "accel_chip_x")] if tester else []
     found = next((chip for name in names for chip in chips if chip.name == name), chips[0])
-    if not _put_wires(job, found):
-        return
     job.used.add(found.name)
+    if not _put_wires(job, found):
+        found.used.update(found.options)
+        return
     job.draft.put(("accelerometer", "chip"), found.kind, found.place)
+    _put_rate(job, found)
     _put_axes(job, found)
     if tester is not None:
         job.used.add(tester.name)
@@ -44,36 +46,46 @@ def put_accelerometer(job: Import) -> None:
 
 
 def _put_wires(job: Import, chip: Section) -> bool:
-    """Sets the pins of a chip. False if the file does not say enough for Passo."""
-    draft, path = job.draft, ("accelerometer",)
-    what = f"[{chip.name}]"
-    written = chip.text("cs_pin")
-    head, _, pin = written.rpartition(":")
-    pins: dict[str, str | None] = {}
-    for key, option in _WIRES.items():
-        pins[key] = job.pins.of(chip, option) if option in chip.options else None
+    """Sets the pins of a chip, or the bus of its board. False if the file does not say enough for
+    Passo, which is reported."""
+    put, path = job.draft.put, ("accelerometer",)
+    board, _, pin = bare(chip.text("cs_pin")).rpartition(":")
+    bus, select = chip.text("spi_bus"), None
     if pin.lower() == _NONE:
-        select, board = None, job.pins.further.get(head, "")
+        board = job.pins.further.get(board, MAIN)
     else:
         select = job.pins.of(chip, "cs_pin")
         board = placed(select or "")[0]
-    base, _ = draft.keys.get((*board_path(board), "base"), ("klipper", None))
-    linked = (*board_path(board), "link") in draft.keys
-    bus = chip.text("spi_bus")
-    by_pins = select is not None and all(pins.values())
-    if base != "klipper" or not (by_pins or (bus and linked)):
-        text = "give the pins of its SPI bus, and a board that is fast enough"
-        draft.decide(chip.place, what, f"the accelerometer is not used: {text} ([accelerometer])")
-        chip.used.update(chip.options)
-        job.used.add(chip.name)
-        return False
-    draft.put((*path, "cs_pin"), select, chip.at("cs_pin"))
-    if by_pins:
+    pins = {key: job.pins.of(chip, option) for key, option in _WIRES.items()}
+    if select is not None and all(pins.values()):
         for key, option in _WIRES.items():
-            draft.put((*path, key), pins[key], chip.at(option))
+            put((*path, key), pins[key], chip.at(option))
+    elif bus and pin and (*board_path(board), "link") in job.draft.keys:
+        put((*path, "spi_bus"), named_on(board, bus), chip.at("spi_bus"))
     else:
-        draft.put((*path, "spi_bus"), named_on(board, bus), chip.at("spi_bus"))
+        missing = "cs_pin, clock_pin, mosi_pin and miso_pin"
+        if bus and pin:
+            missing = f"spi_bus = {named_on(board, bus)!r} when its board has link and port"
+        elif pin:
+            missing = "its spi_bus, or clock_pin, mosi_pin and miso_pin"
+        text = f"the accelerometer is not used: give [accelerometer] {missing}"
+        job.draft.decide(chip.place, f"[{chip.name}]", text)
+        return False
+    put((*path, "cs_pin"), select, chip.at("cs_pin"))
     return True
+
+
+def _put_rate(job: Import, chip: Section) -> None:
+    """Sets the samples a second: as many as Klipper has, or the next that Passo has."""
+    rate = chip.read("rate")
+    if rate is None:
+        return
+    rates = [hz for hz in RATES_HZ if hz <= FASTEST_HZ[chip.kind]]
+    used = next((hz for hz in rates if hz >= rate.value), rates[-1])
+    if used != rate.value:
+        text = f"{rate.value:g} became {used}: the chip samples {', '.join(map(str, rates))} times"
+        job.draft.changed(rate.place, f"[{chip.name}] rate", f"{text} a second")
+    job.draft.put(("accelerometer", "rate_hz"), used, rate.place)
 
 
 def _put_axes(job: Import, chip: Section) -> None:
@@ -81,25 +93,26 @@ def _put_axes(job: Import, chip: Section) -> None:
         return
     place = chip.at("axes_map")
     axes = [part.strip() for part in chip.text("axes_map").split(",")]
-    if len(axes) != 3 or not set(axes) <= {*_DIRECTIONS}:
+    if len(axes) != 3 or not set(axes) <= {*get_args(Direction)}:
         limit = "three of x, y, z, -x, -y and -z"
         raise bad(place, f"axes_map in [{chip.name}]", ", ".join(axes), limit)
     job.draft.put(("accelerometer", "axes_map"), list(axes), place)
 
 
 def _put_test(job: Import, tester: Section) -> None:
-    draft, path = job.draft, ("accelerometer",)
-    points = tester.text("probe_points")
+    """Sets the place of the measurement, and its strength."""
+    put, path = job.draft.put, ("accelerometer",)
+    points = tester.text("probe_points").strip().splitlines()
     if points:
-        place = tester.at("probe_points")
-        first = points.strip().splitlines()[0]
+        place, what = tester.at("probe_points"), f"probe_points in [{tester.name}]"
         try:
-            point = [number_of(part.strip()) for part in first.split(",")]
+            point = [number_of(part.strip()) for part in points[0].split(",")]
         except ValueError:
             point = []
         if len(point) != 3:
-            raise bad(place, f"probe_points in [{tester.name}]", first, "X, Y and Z in mm")
-        draft.put((*path, "point_mm"), list(point), place)
-    put = draft.put
-    put((*path, "accel_per_hz"), tester.number("accel_per_hz"), tester.at("accel_per_hz"))
-    put((*path, "max_smoothing_mm"), tester.number("max_smoothing"), tester.at("max_smoothing"))
+            raise bad(place, what, points[0], "X, Y and Z in mm")
+        put((*path, "point_mm"), list(point), place)
+        if points[1:]:
+            job.draft.changed(place, what, "Passo measures at one place: the first")
+    for option, key in (("accel_per_hz", "accel_per_hz"), ("max_smoothing", "max_smoothing_mm")):
+        put((*path, key), tester.number(option), tester.at(option))

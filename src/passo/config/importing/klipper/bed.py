@@ -11,9 +11,10 @@ from passo.config.importing.numbers import Read, number_of
 if TYPE_CHECKING:
     from passo.config.importing.klipper.conversion import Import
 
-_START_MM, _LOW_MM = 10.0, -2.0  # default heights of a descent: start and lowest
+START_MM, LOW_MM = 10.0, -2.0  # default heights of a descent: start and lowest
+HIGHEST_MM = 100.0  # start of a descent
 _ABOVE_MM, _BELOW_MM = 5.0, 2.0  # minimum distances of these heights from the trigger height
-_DESCENT_S = 19.0  # a descent that would take longer is refused
+DESCENT_S = 19.0  # a descent that would take longer is refused
 _MOST_RETRIES = 20  # of a probe
 _SAMPLES = {"average": "mean", "median": "median"}
 
@@ -46,10 +47,10 @@ def _put_probe(job: Import, section: Section) -> None:
     put((*path, "offset_mm"), [*offset], section.at("x_offset"))
     put((*path, "trigger_height_mm"), height, section.at("z_offset"))
     speed = section.number("speed", 5.0) or 5.0
-    low = round(min(_LOW_MM, height - _BELOW_MM), 3)
-    start = round(max(height + _ABOVE_MM, min(_START_MM, low + _DESCENT_S * speed)), 3)
-    put((*path, "low_mm"), low if low != _LOW_MM else None, None)
-    put((*path, "start_mm"), start if start != _START_MM else None, None)
+    low = round(min(LOW_MM, height - _BELOW_MM), 3)
+    start = round(max(height + _ABOVE_MM, min(START_MM, low + DESCENT_S * speed)), 3)
+    put((*path, "low_mm"), low if low != LOW_MM else None, None)
+    put((*path, "start_mm"), start if start != START_MM else None, None)
     put((*path, "fast_mm_s"), speed, section.at("speed"))
     put((*path, "slow_mm_s"), speed, section.at("speed"))
     put((*path, "lift_mm_s"), section.number("lift_speed", speed), section.at("lift_speed"))
@@ -91,7 +92,7 @@ def _put_touch(job: Import, section: Section) -> None:
         put((*path, key), value if value != usual else None, section.at(option))
     output = section.text("set_output_mode").lower()
     put((*path, "output"), output or None, section.at("set_output_mode"))
-    section.used |= {"stow_on_each_sample", "pin_move_time"}
+    section.used.add("stow_on_each_sample")
 
 
 def put_mesh(job: Import) -> None:
@@ -122,6 +123,7 @@ def put_mesh(job: Import) -> None:
     algorithm = section.text("algorithm", "lagrange").lower()
     smooth = "bicubic" if algorithm == "bicubic" else "bilinear"
     put((*path, "interpolation"), smooth, section.at("algorithm"))
+    put(("probe", "travel_mm_s"), section.number("speed"), section.at("speed"))
     if algorithm == "lagrange" and max(count) > 3:
         text = "Passo has no Lagrange surface: the mesh is bicubic"
         put((*path, "interpolation"), "bicubic", section.at("algorithm"))

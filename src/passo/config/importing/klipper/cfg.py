@@ -13,10 +13,11 @@ from passo.config.importing.numbers import NUMBER, Read, number_of
 from passo.config.importing.sources import Sources
 from passo.errors import ConfigError
 
-_HEADER = re.compile(r"\[([^\]]*)\]")
+_HEADER = re.compile(r"\[(.*)\]")
 _OPTION = re.compile(r"([^\s:=][^:=]*?)\s*[:=]\s?(.*)")
 _INLINE = re.compile(r"\s;.*")
 _SAVED = "#*#"
+_MOST_WILD = 2  # parts of a path with wildcards, as in `*/*.cfg`
 
 
 @dataclass
@@ -163,15 +164,22 @@ class Config:
 
 
 def _included(path: Path, pattern: str, place: Place) -> Iterator[Path]:
-    """The files of an include. A pattern may match none; a plain name must exist."""
-    wild = any(mark in pattern for mark in "*?[")
-    try:
-        files = sorted(path.parent.glob(pattern)) if wild else [path.parent / pattern]
-    except (ValueError, NotImplementedError):  # an absolute path
-        files = [Path(pattern)]
-    for file in files:
-        if not file.is_file() and not wild:
-            raise ConfigError.of(
-                "import.missing", place.file, place.line, value=pattern, limit=str(path.parent)
-            )
-        yield file
+    """The files of an include, whose path may be absolute. A pattern may match none, and a plain
+    name must exist. As in Klipper, `~` is a plain character, and `**` is `*`. Raises ConfigError
+    for a pattern that could search a whole disk."""
+    parts = [part.replace("**", "*") for part in Path(pattern).parts]
+    wild = [at for at, part in enumerate(parts) if any(mark in part for mark in "*?[")]
+    if len(wild) > _MOST_WILD:
+        limit = f"wildcards in at most {_MOST_WILD} parts of the path"
+        raise bad(place, "include", pattern, limit)
+    if wild:
+        folder = path.parent.joinpath(*parts[: wild[0]])
+        found = sorted(folder.glob("/".join(parts[wild[0] :])))
+        yield from (file for file in found if not file.name.startswith("."))
+        return
+    file = path.parent / pattern
+    if not file.is_file():
+        raise ConfigError.of(
+            "import.missing", place.file, place.line, value=pattern, limit=str(path.parent)
+        )
+    yield file

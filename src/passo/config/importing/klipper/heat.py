@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.klipper.conversion import Import
 
+_PT100_AMPLIFIER, _FULL_SCALE_V = "PT100 INA826", 5.0
 _PLATINUM = {"pt1000": "pt1000", "pt100": "pt100"}
 _AMPLIFIERS = {"AD595": "ad595", "AD8494": None, "AD8495": "ad8495", "AD8496": None, "AD8497": None}
 _CONVERTERS = {
@@ -24,13 +25,13 @@ _CONVERTERS = {
     "MAX31856": "max31856",
     "MAX31865": "max31865",
 }
-_FASTEST_HZ = 200.0  # maximum for boards of 16 MHz and more
+_FAN_S, _FAN_HZ = 0.01, (1.0, 200.0)  # Klipper's cycle, and the limits of a slow board
+_HEATER_S, _HEATER_HZ = 0.1, (4.0, 1000.0)
 _SPI = {
     "spi_software_sclk_pin": "clock_pin",
     "spi_software_miso_pin": "miso_pin",
     "spi_software_mosi_pin": "mosi_pin",
 }
-_BY_HAND = "Passo switches it by no rule of its own: use M106 P with the fan's number, or a macro"
 
 
 def put_heat(job: Import) -> None:
@@ -81,9 +82,7 @@ def _put_heater(job: Import, section: Section, name: str) -> None:
         put((*path, key), value, section.at(option))
     power = section.number("max_power")
     put((*path, "max_power"), power, section.at("max_power"))
-    cycle = section.number("pwm_cycle_time")
-    if cycle:
-        put((*path, "pwm_hz"), max(4.0, 1 / cycle), section.at("pwm_cycle_time"))
+    _put_frequency(job, section, path, ("pwm_cycle_time", _HEATER_S), _HEATER_HZ)
     _put_control(job, section, path)
     _put_protection(job, section, path)
 
@@ -136,7 +135,7 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
     elif written.lower() in _PLATINUM:
         keys = {"kind": _PLATINUM[written.lower()], "pullup_ohm": pullup}
     elif _AMPLIFIERS.get(written):
-        keys = {"kind": _AMPLIFIERS[written]}
+        keys = {"kind": _AMPLIFIERS[written], **_full_scale(section)}
     elif written in _CONVERTERS:
         keys = {"kind": _CONVERTERS[written]}
         for option, pin_key in _SPI.items():
@@ -150,6 +149,8 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
             keys[pin_key] = pin
         if "spi_bus" in section.options or "spi_speed" in section.options:
             section.used |= {"spi_bus", "spi_speed"}
+    elif written == _PT100_AMPLIFIER:
+        keys = {"kind": written, **_full_scale(section)}
     elif values_of(written) is not None:
         keys = {"kind": written} | ({"pullup_ohm": pullup} if pullup != 4700.0 else {})
     else:
@@ -161,6 +162,12 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
         return
     for key, value in keys.items():
         job.draft.put((*path, "sensor", key), value, place)
+
+
+def _full_scale(section: Section) -> dict[str, float]:
+    """The voltage of the ADC that reads an amplifier, if it is not the usual one."""
+    volt = section.number("adc_voltage", _FULL_SCALE_V)
+    return {"full_scale_v": volt} if volt and volt != _FULL_SCALE_V else {}
 
 
 def _own_thermistor(section: Section) -> Ntc:
@@ -222,22 +229,16 @@ def _put_fans(job: Import) -> None:
 def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
     put, kind = job.draft.put, section.kind
     put((*path, "pin"), pin, section.at("pin"))
-    power = section.number("max_power", 1.0) or 1.0
-    if kind in ("heater_fan", "controller_fan"):
-        power *= section.number("fan_speed", 1.0) or 1.0
-    put((*path, "max_power"), power if power < 1.0 else None, section.at("max_power"))
+    power, option = section.number("max_power", 1.0) or 1.0, "max_power"
+    if kind in ("heater_fan", "controller_fan") and "fan_speed" in section.options:
+        power, option = power * (section.number("fan_speed") or 1.0), "fan_speed"
+    put((*path, "max_power"), power if power < 1.0 else None, section.at(option))
     off = section.number("off_below", 0.0)
     put((*path, "off_below"), off or None, section.at("off_below"))
     kick = section.number("kick_start_time", 0.1)
     if kind not in ("heater_fan", "controller_fan"):  # these fans always start with full power
         put((*path, "kick_start_s"), kick, section.at("kick_start_time"))
-    cycle = section.number("cycle_time")
-    if cycle:
-        wanted, place = 1 / cycle, section.at("cycle_time")
-        put((*path, "pwm_hz"), min(_FASTEST_HZ, max(1.0, wanted)), place)
-        if wanted > _FASTEST_HZ:
-            text = f"boards pulse a fan in software, {_FASTEST_HZ:g} times a second at most"
-            job.draft.changed(place, f"[{section.name}] cycle_time", text)
+    _put_frequency(job, section, path, ("cycle_time", _FAN_S), _FAN_HZ)
     if kind == "heater_fan":
         heaters = [h.strip() for h in section.text("heater", "extruder").split(",")]
         put((*path, "follows"), job.heater(section, "heater", heaters[0]), section.at("heater"))
@@ -255,14 +256,30 @@ def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
             section.used.add("heater")
             text = "the fan runs with the motors alone, not with heaters"
             job.draft.changed(section.at("heater"), f"[{section.name}] heater", text)
-    elif kind == "temperature_fan":
-        job.draft.decide(section.place, f"[{section.name}]", _BY_HAND)
-        section.used.update(section.options)
-    if kind in ("fan_generic", "temperature_fan"):
+    elif kind in ("fan_generic", "temperature_fan"):
         job.fan_numbers += 1
         put((*path, "number"), job.fan_numbers, section.place)
         text = f"M106 P{job.fan_numbers} sets it"
-        job.draft.changed(section.place, f"[{section.name}]", text)
+        if kind == "fan_generic":
+            job.draft.changed(section.place, f"[{section.name}]", text)
+        else:
+            text = f"it is off until {text}: Passo does not control a fan by a temperature"
+            job.draft.decide(section.place, f"[{section.name}]", text)
+            section.used.update(section.options)
+
+
+def _put_frequency(
+    job: Import, section: Section, path: KeyPath, cycle: tuple[str, float], hz: tuple[float, float]
+) -> None:
+    """Converts the cycle of an output, from the option or Klipper's value without it, to pulses per
+    second within limits."""
+    option, usual = cycle
+    wanted, place = 1 / (section.number(option) or usual), section.at(option)
+    used = min(max(wanted, hz[0]), hz[1])
+    job.draft.put((*path, "pwm_hz"), used, place)
+    if used != wanted:
+        text = f"{wanted:g} Hz became {used:g} Hz: Passo pulses outputs in software"
+        job.draft.changed(place, f"[{section.name}] {option}", text)
 
 
 def _put_tools(job: Import) -> None:

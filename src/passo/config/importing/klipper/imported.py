@@ -27,7 +27,6 @@ _NO_PORT = {  # what to do, by whether the board is on a CAN bus
 }
 # Options with values that Passo determines itself, or that have no meaning in Passo.
 _SILENT = {
-    "printer": {"max_accel_to_decel"},
     MAIN: {"restart_method", "max_stepper_error"},
 }
 
@@ -39,9 +38,9 @@ def imported(path: Path) -> Draft:
     job = Import(config, draft, Pins(config, draft))
     draft.put_head(path, path.stem)
     put_probe(job)
-    probe = [key for key in draft.keys if key[0] == "probe"]
     put_motion(job)
     put_heat(job)
+    probe = [key for key in draft.keys if key[0] == "probe"]
     for key in probe:  # after motion and heat, as in other machine files
         draft.keys[key] = draft.keys.pop(key)
     put_mesh(job)

@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING, cast
 
 from passo.config.importing.draft import plain_name
-from passo.config.importing.klipper.bed import pair
+from passo.config.importing.klipper.safe_home import put_homing_macro
 from passo.config.macro_checks import KEPT, LETTERED, is_built_in
 from passo.config.types import COMMAND, VARIABLE
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
-_HOME = "G28.1"  # the command of Passo, for a macro G28
 _FREE = 9000  # code numbers from here on are not used by any firmware
 
 
@@ -24,74 +23,13 @@ def put_macros(job: Import) -> None:
     """Imports all macros, and a homing that moves otherwise as a macro G28."""
     for section in job.config.of("gcode_macro"):
         _put_macro(job, section)
-    _put_homing(job)
+    put_homing_macro(job)
     for section in job.config.of("delayed_gcode"):
         job.used.add(section.name)
         path, put = ("delayed_gcode", plain_name(section.rest)), job.draft.put
         put((*path, "gcode"), section.text("gcode"), section.at("gcode"))
         after = section.number("initial_duration", 0.0)
         put((*path, "initial_duration_s"), after, section.at("initial_duration"))
-
-
-def _put_homing(job: Import) -> None:
-    """Imports [homing_override], or a [safe_z_home] of a machine that homes Z with a switch. Each
-    moves the nozzle to the place where Z can be homed."""
-    override, safe = job.config.get("homing_override"), job.config.get("safe_z_home")
-    section = override or safe
-    if section is None or section.name in job.used:
-        return
-    job.used.add(section.name)
-    path, put = ("macros", "G28"), job.draft.put
-    if path in {key[:2] for key in job.draft.keys}:
-        text = "the macro G28 replaces it: home Z only where its switch or the probe can trigger"
-        job.draft.decide(section.place, f"[{section.name}]", text)
-        section.used.update(section.options)
-        return
-    if section is override:
-        put((*path, "gcode"), _override(section), section.at("gcode"))
-    else:
-        put((*path, "gcode"), _safe_home(section), section.at("home_xy_position"))
-    put((*path, "rename_existing"), _HOME, None)
-    text = f"it is a macro G28, which reaches the command of Passo as {_HOME}"
-    job.draft.changed(section.place, f"[{section.name}]", text)
-
-
-def _override(section: Section) -> str:
-    """The G-code of [homing_override], for a G28 without letters or with one of its axes."""
-    axes = [letter for letter in section.text("axes", "xyz").lower() if letter in "xyz"]
-    set_to = {axis.upper(): section.number(f"set_position_{axis}") for axis in "xyz"}
-    places = " ".join(f"{axis}{mm:g}" for axis, mm in set_to.items() if mm is not None)
-    gcode = re.sub(r"\bG28\b", _HOME, section.text("gcode"), flags=re.IGNORECASE)
-    body = f"G92 {places}\n{gcode}" if places else gcode
-    return _for_axes(axes, body)
-
-
-def _safe_home(section: Section) -> str:
-    """The moves of [safe_z_home], without its hop before X and Y are homed."""
-    found = pair(section, "home_xy_position")
-    if found is None:
-        raise section.missing("home_xy_position")
-    hop, speed = section.number("z_hop", 0.0) or 0.0, section.number("speed", 50.0) or 50.0
-    hop_speed = section.number("z_hop_speed", 15.0) or 15.0
-    section.used.add("move_to_previous")
-    lines = [
-        f"{_HOME} X Y",
-        "G90",
-        f"G1 X{found[0]:g} Y{found[1]:g} F{speed * 60:g}",
-        f"{_HOME} Z",
-        *([f"G1 Z{hop:g} F{hop_speed * 60:g}"] if hop else []),
-    ]
-    return _for_axes(["z"], "\n".join(lines))
-
-
-def _for_axes(axes: list[str], body: str) -> str:
-    """A template that has `body` for a G28 without letters of axes, or with one of these; any other
-    one homes as usual."""
-    asked = " or ".join(f"'{axis.upper()}' in params" for axis in axes)
-    alone = "not ('X' in params or 'Y' in params or 'Z' in params)"
-    return (
-        f"{{% if {asked} or {alone} %}}\n{body}\n{{% else %}}\n{_HOME} {{rawparams}}\n{{% endif %}}"
-    )
 
 
 def _put_macro(job: Import, section: Section) -> None:

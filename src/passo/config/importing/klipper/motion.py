@@ -7,9 +7,9 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
-from passo.config.importing.klipper.bed import pair
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.filters import put_advance
+from passo.config.importing.klipper.homing import put_homing
 from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
 from passo.config.importing.numbers import NUMBER, in_range, number_of
 from passo.config.types import MIN_SPEED
@@ -26,6 +26,7 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
     "delta": {"a": "a", "b": "b", "c": "c"},
 }
 _ANGLES = (210.0, 330.0, 90.0)
+_SPI = {"sclk": "clock", "mosi": "mosi", "miso": "miso"}
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
 _LONGEST_MM = 1e6
@@ -65,12 +66,22 @@ def put_motion(job: Import) -> None:
     job.draft.put(("limits", "junction"), "square_corner", None)
     place = printer.at("square_corner_velocity")
     job.draft.put(("limits", "square_corner_mm_s"), corner, place)
-    ratio = printer.number("minimum_cruise_ratio", 0.5)
-    job.draft.put(("limits", "minimum_cruise_ratio"), ratio, printer.at("minimum_cruise_ratio"))
+    _put_cruise_ratio(job, printer, accel)
     if kind == "delta":
         _put_delta(job, printer)
     for section in [*job.config.of("extruder"), *_numbered(job, "extruder")]:
         _put_extruder(job, section, speed, accel)
+
+
+def _put_cruise_ratio(job: Import, printer: Section, accel: float) -> None:
+    """Converts minimum_cruise_ratio, or max_accel_to_decel of older configurations: Klipper takes
+    1 - max_accel_to_decel / max_accel."""
+    option, old = "minimum_cruise_ratio", "max_accel_to_decel"
+    ratio, slower = printer.number(option, 0.5), printer.number(old)
+    if option not in printer.options and slower is not None:
+        option, ratio = old, round(1 - min(max(slower / accel, 0.0), 1.0), 6)
+        job.draft.changed(printer.at(old), old, f"it is a minimum_cruise_ratio of {ratio:g}")
+    job.draft.put(("limits", "minimum_cruise_ratio"), ratio, printer.at(option))
 
 
 def _put_axes(job: Import, printer: Section, kind: str, speed: float, accel: float) -> None:
@@ -140,7 +151,7 @@ def _put_motors(job: Import, section: Section, letter: str, motor: str) -> None:
     first = job.required("stepper_a") if letter in "bc" else section
     for name, one in zip(names, sections, strict=True):
         put_stepper(job, one, name, first)
-    _put_homing(job, sections, names, letter, motor)
+    put_homing(job, sections, names, letter, motor)
 
 
 def _put_arm(job: Import, section: Section, name: str) -> None:
@@ -224,8 +235,11 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
         pins = {"uart_pin": "uart_pin", "tx_pin": "tx_pin", "cs_pin": "cs_pin"}
         pins |= {f"spi_software_{a}_pin": f"{b}_pin" for a, b in _SPI.items()}
         if chip in _CHIPS[2:] and "spi_software_sclk_pin" not in section.options:
-            text = "Passo sets drivers over pins, not over the SPI unit of a chip: name the pins"
-            job.draft.decide(section.at("spi_bus"), f"[{section.name}] spi_bus", text)
+            text = "Passo sets this driver only over the pins of its SPI bus"
+            text += f": give driver and tmc of steppers.{path[-1]}"
+            if run is not None:
+                text += f", with run_current_a = {run:g}"
+            job.draft.decide(section.at("spi_bus"), f"[{section.name}]", text)
             section.used.update(section.options)
             continue
         put((*path, "driver"), chip.upper(), section.place)
@@ -247,114 +261,6 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
             put((*tmc, key), job.pins.of(section, option), section.at(option))
 
 
-_SPI = {"sclk": "clock", "mosi": "mosi", "miso": "miso"}
-
-
-def _put_homing(
-    job: Import, sections: list[Section], names: list[str], letter: str, motor: str
-) -> None:
-    first, put = sections[0], job.draft.put
-    path = ("homing", motor if letter in "abc" else letter)
-    written = first.text("endstop_pin")
-    by_probe = "probe" in written and "virtual_endstop" in written
-    if "virtual_endstop" in written and not by_probe:
-        text = "homing without a switch (sensorless) is not there yet; the axis is not homed"
-        job.draft.decide(first.at("endstop_pin"), f"[{first.name}] endstop_pin {written}", text)
-        for name in ("position_endstop", "homing_speed", "homing_retract_dist"):
-            first.used.add(name)
-        return
-    if by_probe:
-        if job.probe_pin is not None:
-            put((*path, "direction"), "min", first.at("endstop_pin"))
-            put((*path, "probe"), True, first.at("endstop_pin"))
-            _put_safe_home(job, path)
-            _put_homing_speeds(job, first, path, letter)
-        for section in sections:
-            section.used |= {"endstop_pin", "position_endstop", "homing_speed"}
-            section.used |= {"second_homing_speed", "homing_retract_dist"}
-        return
-    found = first.option("endstop_pin")
-    if found is None:
-        raise first.missing("endstop_pin")
-    pin = job.pins.pin(first, "endstop_pin", found)
-    if pin is None:
-        return
-    place = found.place
-    towers = (job.config.get("stepper_a") or first) if letter in "abc" else first
-    position = first.number("position_endstop", towers.number("position_endstop"))
-    if position is None:
-        raise first.missing("position_endstop")
-    put((*path, "direction"), _direction(job, first, letter, position), place)
-    if letter in "abc":
-        position = _carriage_mm(job, first, position)
-    put((*path, "position"), position, first.at("position_endstop"))
-    own = {n: job.pins.of(s, "endstop_pin") for n, s in zip(names[1:], sections[1:], strict=True)}
-    if own and all(own.values()):
-        put((*path, "stepper_pins", motor), pin, place)
-        for name, section in zip(names[1:], sections[1:], strict=True):
-            put((*path, "stepper_pins", name), own[name], section.at("endstop_pin"))
-    else:
-        put((*path, "pin"), pin, place)
-        if any(own.values()):
-            text = "motors without an endstop of their own: all of the axis stop at the first one"
-            job.draft.decide(place, f"[{first.name}] endstop_pin", text)
-    _put_homing_speeds(job, first, path, letter)
-
-
-def _put_safe_home(job: Import, path: KeyPath) -> None:
-    """Imports [safe_z_home]: the position of the nozzle while the probe homes Z."""
-    section = job.config.get("safe_z_home")
-    place = pair(section, "home_xy_position") if section else None
-    if section is None or place is None:
-        return
-    job.used.add(section.name)
-    section.used |= {"speed", "z_hop", "z_hop_speed", "move_to_previous"}
-    at = [round(mm + offset, 4) for mm, offset in zip(place, job.probe_offset, strict=True)]
-    job.draft.put((*path, "probe_at_mm"), [*at], section.at("home_xy_position"))
-
-
-def _put_homing_speeds(job: Import, section: Section, path: KeyPath, letter: str) -> None:
-    """Imports the homing speeds; all towers have the speeds of the first one."""
-    first = job.required("stepper_a") if letter in "abc" else section
-    options = {
-        "homing_speed": "fast",
-        "homing_retract_dist": "retract",
-        "second_homing_speed": "slow",
-    }
-    values = {"homing_speed": 5.0, "homing_retract_dist": 5.0}
-    for option, key in options.items():
-        source = section if option in section.options else first
-        section.used.add(option)
-        value = source.number(option, values.get(option))
-        # Klipper's default for the second approach is half the speed of the first
-        if value is None:
-            value = (values["homing_speed"]) / 2
-        values[option] = value
-        job.draft.put((*path, key), value or None, source.at(option))
-
-
-def _direction(job: Import, section: Section, letter: str, position: float) -> str:
-    if letter in "abc":
-        return "max"
-    if "homing_positive_dir" in section.options:
-        return "max" if section.flag("homing_positive_dir", False) else "min"
-    low, high = section.number("position_min", 0.0), section.needed("position_max")
-    assert low is not None
-    return "min" if position <= (low + high) / 2 else "max"
-
-
-def _carriage_mm(job: Import, section: Section, height: float) -> float:
-    """The height of a carriage at its endstop, mm: the nozzle height plus the rise of the rod with
-    the nozzle in the middle."""
-    first = job.required("stepper_a")
-    rod = section.number("arm_length", first.needed("arm_length"))
-    radius = job.required("printer").needed("delta_radius")
-    assert rod is not None
-    if rod <= radius:
-        raise bad(section.at("arm_length"), "arm_length", f"{rod:g}", f"more than {radius:g}")
-    return round(height + math.sqrt(rod**2 - radius**2), 6)
-
-
 def _put_extruder(job: Import, section: Section, speed: float, accel: float) -> None:
     number = section.kind.removeprefix("extruder") or "0"
     name = "e" if number == "0" else f"e{number}"
@@ -364,8 +270,9 @@ def _put_extruder(job: Import, section: Section, speed: float, accel: float) -> 
     put_stepper(job, section, name, section)
     nozzle = section.number("nozzle_diameter", 0.4) or 0.4
     filament = section.number("filament_diameter", 1.75) or 1.75
-    area = section.number("max_extrude_cross_section", 4 * nozzle**2) or 4 * nozzle**2
-    ratio = area / (math.pi * (filament / 2) ** 2)
+    # Klipper's default limits of a move of filament alone are those of a line as wide as four
+    # squares of the nozzle, at full speed.
+    ratio = 4 * nozzle**2 / (math.pi * (filament / 2) ** 2)
     put, path = job.draft.put, ("extruders", name)
     values = (
         ("speed_mm_s", "max_extrude_only_velocity", speed),

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from passo.config.importing.draft import Other, built_in, lost
 
+_NOT_SWITCHED = (
+    "Passo does not switch this pin: check whether it selects microsteps, motor currents or power"
+)
 # The effect of dropping an option, by its name in any section.
 OPTIONS: dict[str, str] = {
     "max_extrude_only_distance": "a move of filament alone may have any length",
@@ -12,6 +15,15 @@ OPTIONS: dict[str, str] = {
     "diag1_pin": "the driver's own stall detection is not used",
     "driver_sgthrs": "the driver's own stall detection is not used",
     "speed": "the speed between points is probe.travel_mm_s",
+    "z_hop_speed": "the nozzle rises with probe.lift_mm_s",
+    "max_extrude_cross_section": "a line may be of any width",
+    "voltage_offset": "the sensor reads another temperature: give another sensor",
+    "select_pins": "Passo does not switch the UART: it reaches the first driver alone",
+    "min_freq": "FREQ_START of TEST_RESONANCES sets it",
+    "max_freq": "FREQ_END of TEST_RESONANCES sets it",
+    "hz_per_sec": "HZ_PER_SEC of TEST_RESONANCES sets it",
+    "pin_move_time": "the pin of the BLTouch has 0.68 s",
+    "enable_pin": "the pin is not switched: the fan may stay off",
     "max_adjust": "a motor moves by levelling.motors.max_adjust_mm at most in a round",
     "probe_height": "the nozzle stops at Z 0 above each screw",
     "probe_speed": "the speed of Z counts",
@@ -57,10 +69,10 @@ OTHERS: dict[str, Other] = {
     "display": lost("the display stays dark"),
     "display_glyph": lost("the display stays dark"),
     "menu": lost("the display stays dark"),
-    "output_pin": lost("the output keeps the state that it has after a reset"),
-    "pwm_tool": lost("the output keeps the state that it has after a reset"),
-    "pwm_cycle_time": lost("the output keeps the state that it has after a reset"),
-    "static_digital_output": lost("the output keeps the state that it has after a reset"),
+    "output_pin": lost(_NOT_SWITCHED),
+    "pwm_tool": lost(_NOT_SWITCHED),
+    "pwm_cycle_time": lost(_NOT_SWITCHED),
+    "static_digital_output": lost(_NOT_SWITCHED),
     "multi_pin": lost("outputs that are switched together are not joined"),
     "servo": lost("the servo does not move"),
     "neopixel": lost("the light stays off"),
@@ -88,6 +100,6 @@ OTHERS: dict[str, Other] = {
     "axis_twist_compensation": lost("heights are used as they are measured"),
     "homing_heaters": lost("heaters stay on while the machine homes"),
     "samd_sercom": built_in("Passo sets drivers over pins"),
-    "static_pwm_clock": lost("the output keeps the state that it has after a reset"),
+    "static_pwm_clock": lost(_NOT_SWITCHED),
     "adc_scaled": lost("the sensor is read without this scaling"),
 }

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, degrees, radians, sin
+from math import radians
 from typing import TYPE_CHECKING
+
+from pydantic import ValidationError
+
+from passo.config.importing.draft import bad
+from passo.geometry.base import Unreachable
+from passo.geometry.scara import Scara
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
@@ -48,21 +54,13 @@ def put_home(job: Job, path: KeyPath, letter: str) -> None:
     if external and job.defines.first("SCARA_OFFSET_THETA1"):
         job.put((*path, "position"), job.needed(f"SCARA_OFFSET_THETA{'xy'.index(letter) + 1}"))
         return
-    place: list[float] = []
-    for axis in "XY":
-        shoulder = job.defines.number(f"SCARA_OFFSET_{axis}")
-        home = job.needed(f"MANUAL_{axis}_HOME_POS")
-        place.append(home.value - (shoulder.value if shoulder else 0.0))
-    angle = _angles(job, place[0], place[1], external)["xy".index(letter)]
-    job.draft.put((*path, "position"), angle, job.place(f"MANUAL_{letter.upper()}_HOME_POS"))
-
-
-def _angles(job: Job, x: float, y: float, external: bool) -> tuple[float, float]:
-    """The angles of both arms for a place of the nozzle, seen from the shoulder. The law of cosines
-    gives the elbow; a place out of reach counts as one at the limit of the reach, as in Marlin."""
-    one, two = (job.draft.number(("geometry", key)) for key in ("arm1", "arm2"))
-    bend = (x * x + y * y - one * one - two * two) / (2 * one * two)
-    elbow = acos(min(max(bend, -1.0), 1.0))
-    shoulder = atan2(y, x) - atan2(two * sin(elbow), one + two * cos(elbow))
-    second = elbow + shoulder if external else elbow
-    return round(degrees(shoulder), 4), round(degrees(second), 4)
+    homes = [job.needed(f"MANUAL_{axis}_HOME_POS") for axis in "XY"]
+    try:
+        arms = Scara.model_validate(job.draft.table("geometry"))
+        angles = arms.inverse((homes[0].value, homes[1].value, 0.0))
+    except (Unreachable, ValidationError) as error:
+        value = ", ".join(f"{home.value:g}" for home in homes)
+        why = f": {error}" if isinstance(error, Unreachable) else ""
+        raise bad(homes[0].place, homes[0].name, value, f"a place in reach{why}") from None
+    at = round(angles["xy".index(letter)], 4)
+    job.draft.put((*path, "position"), at, homes["xy".index(letter)].place)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.draft import bad
 from passo.config.importing.marlin.derived import PROBES
-from passo.config.importing.marlin.motion import is_inverted, switch_pin
+from passo.config.importing.marlin.motion import PROBE_FAST, is_inverted, switch_pin
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
@@ -84,7 +84,7 @@ def put_probe(job: Job) -> None:
     put((*path, "low_mm"), round(height + below, 4), low.place if low else None)
     job.put(
         (*path, "fast_mm_s"),
-        defines.number("Z_PROBE_FEEDRATE_FAST", "Z_PROBE_SPEED_FAST"),
+        defines.number(*PROBE_FAST),
         _TO_MM_S,
     )
     job.put(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from math import sqrt
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import Place, bad
+from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, Place, bad
 from passo.config.importing.marlin.arms import (
     ARMS,
     FULL_TURN_DEG,
@@ -17,6 +16,7 @@ from passo.config.importing.marlin.arms import (
 from passo.config.importing.marlin.conversion import plain
 from passo.config.importing.marlin.drivers import put_driver
 from passo.errors import ConfigError
+from passo.geometry.delta import rise_mm
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
@@ -61,6 +61,7 @@ _OTHER_KINDS = (
 _FURTHER = "IJKUVW"
 _ANGLES = (210.0, 330.0, 90.0)
 _TO_MM_S = 1 / 60
+PROBE_FAST = ("Z_PROBE_FEEDRATE_FAST", "Z_PROBE_SPEED_FAST")  # in mm/min
 _BUMPS_MM, _DIVISORS = (5.0, 5.0, 2.0), (2.0, 2.0, 4.0)  # of Marlin, if the file gives none
 
 
@@ -266,9 +267,11 @@ def _put_homing(job: Job, index: int, letter: str, motor: str) -> None:
     path = ("homing", motor if delta or arm else letter)
     way = defines.number(f"{axis}_HOME_DIR")
     side = "max" if delta or (way is not None and way.value > 0) else "min"
-    if defines.first(f"{axis}_STALL_SENSITIVITY") and defines.on("SENSORLESS_HOMING"):
-        text = "homing without a switch (sensorless) is not there yet; the axis is not homed"
-        job.decide(f"{axis}_STALL_SENSITIVITY", text)
+    stalls = f"{axis}_STALL_SENSITIVITY"
+    if defines.first(stalls) and defines.on("SENSORLESS_HOMING"):
+        home = None if delta or arm else _home_position(job, axis, side)
+        end = (home.value, home.place) if home else None
+        job.draft.put_no_homing(letter, end, job.place(stalls), stalls, NO_SWITCH)
         return
     place = way.place if way else None
     put((*path, "direction"), side, place)
@@ -280,13 +283,19 @@ def _put_homing(job: Job, index: int, letter: str, motor: str) -> None:
             job.place("Z_MIN_PROBE_USES_Z_MIN_ENDSTOP_PIN", "USE_PROBE_FOR_Z_HOMING"),
         )
         _put_safe_home(job, path)
+        speed, own = _homing_speed(job, index, axis), defines.number(*PROBE_FAST)
+        if speed is not None and (own is None or own.value != speed.value):
+            job.draft.changed(speed.place, speed.name, PROBE_SPEEDS)
+        return
+    if letter == "z" and defines.on("Z_SAFE_HOMING"):
+        text = "Z homes where the nozzle is: write a macro G28 that moves it before"
+        job.dropped("Z_SAFE_HOMING", text)
+    _put_switch(job, path, axis, side)
+    if arm:
+        put_home(job, path, letter)
+        put((*path, "max_travel"), FULL_TURN_DEG, None)
     else:
-        _put_switch(job, path, axis, side)
-        if arm:
-            put_home(job, path, letter)
-            put((*path, "max_travel"), FULL_TURN_DEG, None)
-        else:
-            _put_position(job, path, index, axis, side)
+        _put_position(job, path, index, axis, side)
     _put_speeds(job, path, index, axis)
 
 
@@ -383,26 +392,34 @@ def _put_position(job: Job, path: KeyPath, index: int, axis: str, side: str) -> 
         rods = defines.numbers("DELTA_DIAGONAL_ROD_TRIM_TOWER")
         length = rod.value + (rods[index].value if rods else 0.0)
         trim = trims[index].value if trims else 0.0
-        at = height.value + sqrt(length**2 - radius.value**2) - trim
+        at = height.value + rise_mm(length, radius.value) - trim
         job.draft.put((*path, "position"), round(at, 6), height.place)
         return
-    end = f"{axis}_{side.upper()}_POS"
-    found = defines.number(f"MANUAL_{axis}_HOME_POS", end, f"{axis}_MAX_LENGTH")
+    found = _home_position(job, axis, side)
     if found is None:
         job.draft.put((*path, "position"), 0.0, None)
     else:
         job.put((*path, "position"), found)
 
 
+def _home_position(job: Job, axis: str, side: str) -> Read | None:
+    """The position of an axis at its endstop, mm."""
+    end = f"{axis}_{side.upper()}_POS"
+    return job.defines.number(f"MANUAL_{axis}_HOME_POS", end, f"{axis}_MAX_LENGTH")
+
+
+def _homing_speed(job: Job, index: int, axis: str) -> Read | None:
+    """The speed towards an endstop, mm/min."""
+    speeds = job.defines.numbers("HOMING_FEEDRATE_MM_M", "HOMING_FEEDRATE")
+    if speeds is not None:
+        return speeds[index] if index < len(speeds) else None
+    group = "Z" if axis == "Z" else "XY"
+    return job.defines.number(f"HOMING_FEEDRATE_{axis}", f"HOMING_FEEDRATE_{group}")
+
+
 def _put_speeds(job: Job, path: KeyPath, index: int, axis: str) -> None:
     defines = job.defines
-    speeds = defines.numbers("HOMING_FEEDRATE_MM_M", "HOMING_FEEDRATE")
-    found: Read | None
-    if speeds is not None:
-        found = speeds[index] if index < len(speeds) else None
-    else:
-        group = "Z" if axis == "Z" else "XY"
-        found = defines.number(f"HOMING_FEEDRATE_{axis}", f"HOMING_FEEDRATE_{group}")
+    found = _homing_speed(job, index, axis)
     divisors = defines.numbers("HOMING_BUMP_DIVISOR")
     divisor = divisors[index].value if divisors and index < len(divisors) else _DIVISORS[index]
     bumps = defines.numbers("HOMING_BUMP_MM")

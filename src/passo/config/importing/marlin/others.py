@@ -6,6 +6,7 @@ import re
 
 from passo.config.importing.draft import Other, built_in, lost
 
+_NO_RISE = "before X and Y home, the nozzle rises to probe.start_mm; without a probe it does not"
 OTHERS: dict[str, Other] = {
     "SDSUPPORT": built_in("passo serve --sd DIR has the files"),
     "ARC_SUPPORT": built_in("arcs are always there, and are exact"),
@@ -15,7 +16,8 @@ OTHERS: dict[str, Other] = {
     "POWER_LOSS_RECOVERY": built_in("each print has a journal: resume after a power cut"),
     "CANCEL_OBJECTS": built_in("M486 is always there"),
     "GCODE_MACROS": built_in("write macros in the machine file"),
-    "PREVENT_COLD_EXTRUSION": built_in("filament moves from 170 °C; M302 S sets another limit"),
+    "Z_HOMING_HEIGHT": lost(_NO_RISE),
+    "Z_CLEARANCE_FOR_HOMING": lost(_NO_RISE),
     "EXTRUDE_MINTEMP": built_in("filament moves from 170 °C; M302 S sets another limit"),
     "S_CURVE_ACCELERATION": lost("speeds change with constant acceleration; shape them instead"),
     "FILAMENT_RUNOUT_SENSOR": lost("a print does not pause when the filament ends"),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
 from passo.config.importing.marlin.conversion import plain
+from passo.geometry.delta import rise_mm
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -61,7 +61,7 @@ def _trims(draft: Draft) -> list[float]:
 def _tops(draft: Draft) -> list[float]:
     """The heights of the carriages with the nozzle in the middle, at the top."""
     radius, height = draft.number(("geometry", "radius")), draft.number(("axes", "z", "home_mm"))
-    return [height + sqrt(rod**2 - radius**2) for rod in _list(draft, "rods")]
+    return [height + rise_mm(rod, radius) for rod in _list(draft, "rods")]
 
 
 def _list(draft: Draft, key: str) -> list[float]:

@@ -1,0 +1,136 @@
+"""The endstops of axes and towers, with the speeds of homing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, bad
+from passo.config.importing.klipper.safe_home import put_safe_home_of_probe
+from passo.geometry.delta import rise_mm
+
+if TYPE_CHECKING:
+    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.klipper.cfg import Section
+    from passo.config.importing.klipper.conversion import Import
+
+_OF_HOMING = (
+    "endstop_pin",
+    "position_endstop",
+    "homing_speed",
+    "second_homing_speed",
+    "homing_retract_dist",
+)
+
+
+def put_homing(
+    job: Import, sections: list[Section], names: list[str], letter: str, motor: str
+) -> None:
+    """Imports the endstops of an axis or a tower. `names` are the motors of the `sections`; `motor`
+    is the first one."""
+    first, put = sections[0], job.draft.put
+    path = ("homing", motor if letter in "abc" else letter)
+    written = first.text("endstop_pin")
+    by_probe = "probe" in written and "virtual_endstop" in written
+    if "virtual_endstop" in written and (not by_probe or job.probe_pin is None):
+        why = "Passo does not have this probe" if by_probe else NO_SWITCH
+        _put_no_homing(job, sections, letter, why)
+        return
+    if by_probe:
+        put((*path, "direction"), "min", first.at("endstop_pin"))
+        put((*path, "probe"), True, first.at("endstop_pin"))
+        put_safe_home_of_probe(job, path)
+        _remark_on_speed(job, first)
+        for section in sections:
+            section.used.update(_OF_HOMING)
+        return
+    found = first.option("endstop_pin")
+    if found is None:
+        raise first.missing("endstop_pin")
+    pin = job.pins.pin(first, "endstop_pin", found)
+    if pin is None:
+        _put_no_homing(job, sections, letter, "Passo does not reach its endstop")
+        return
+    place = found.place
+    towers = (job.config.get("stepper_a") or first) if letter in "abc" else first
+    position = first.number("position_endstop", towers.number("position_endstop"))
+    if position is None:
+        raise first.missing("position_endstop")
+    put((*path, "direction"), _direction(job, first, letter, position), place)
+    if letter in "abc":
+        position = _carriage_mm(job, first, position)
+    put((*path, "position"), position, first.at("position_endstop"))
+    own = {n: job.pins.of(s, "endstop_pin") for n, s in zip(names[1:], sections[1:], strict=True)}
+    if own and all(own.values()):
+        put((*path, "stepper_pins", motor), pin, place)
+        for name, section in zip(names[1:], sections[1:], strict=True):
+            put((*path, "stepper_pins", name), own[name], section.at("endstop_pin"))
+    else:
+        put((*path, "pin"), pin, place)
+        if any(own.values()):
+            text = "motors without an endstop of their own: all of the axis stop at the first one"
+            job.draft.decide(place, f"[{first.name}] endstop_pin", text)
+    _put_homing_speeds(job, first, path, letter)
+
+
+def _put_no_homing(job: Import, sections: list[Section], letter: str, why: str) -> None:
+    first = sections[0]
+    for section in sections:
+        section.used.update(_OF_HOMING)
+    what = f"[{first.name}] endstop_pin {first.text('endstop_pin')}"
+    mm, place = first.number("position_endstop"), first.at("endstop_pin")
+    end = None if mm is None else (mm, first.at("position_endstop"))
+    job.draft.put_no_homing(letter, end, place, what, why)
+
+
+def _remark_on_speed(job: Import, section: Section) -> None:
+    """Reports speeds of homing that the probe does not have."""
+    speed = section.number("homing_speed")
+    if speed is not None and speed != job.draft.number(("probe", "fast_mm_s")):
+        place = section.at("homing_speed")
+        job.draft.changed(place, f"[{section.name}] homing_speed {speed:g}", PROBE_SPEEDS)
+
+
+def _put_homing_speeds(job: Import, section: Section, path: KeyPath, letter: str) -> None:
+    """Imports the homing speeds; all towers have the speeds of the first one."""
+    first = job.required("stepper_a") if letter in "abc" else section
+    options = {
+        "homing_speed": "fast",
+        "homing_retract_dist": "retract",
+        "second_homing_speed": "slow",
+    }
+    values = {"homing_speed": 5.0, "homing_retract_dist": 5.0}
+    for option, key in options.items():
+        source = section if option in section.options else first
+        section.used.add(option)
+        value = source.number(option, values.get(option))
+        # Klipper's default for the second approach is half the speed of the first
+        if value is None:
+            value = (values["homing_speed"]) / 2
+        values[option] = value
+        job.draft.put((*path, key), value or None, source.at(option))
+    if values["homing_retract_dist"] == 0:
+        text = "an axis approaches its endstop twice: it goes back by 3 mm between"
+        what = f"[{section.name}] homing_retract_dist 0"
+        job.draft.changed(section.at("homing_retract_dist"), what, text)
+
+
+def _direction(job: Import, section: Section, letter: str, position: float) -> str:
+    if letter in "abc":
+        return "max"
+    if "homing_positive_dir" in section.options:
+        return "max" if section.flag("homing_positive_dir", False) else "min"
+    low, high = section.number("position_min", 0.0), section.needed("position_max")
+    assert low is not None
+    return "min" if position <= (low + high) / 2 else "max"
+
+
+def _carriage_mm(job: Import, section: Section, height: float) -> float:
+    """The height of a carriage at its endstop, mm: the nozzle height plus the rise of the rod with
+    the nozzle in the middle."""
+    first = job.required("stepper_a")
+    rod = section.number("arm_length", first.needed("arm_length"))
+    radius = job.required("printer").needed("delta_radius")
+    assert rod is not None
+    if rod <= radius:
+        raise bad(section.at("arm_length"), "arm_length", f"{rod:g}", f"more than {radius:g}")
+    return round(height + rise_mm(rod, radius), 6)
