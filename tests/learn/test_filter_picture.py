@@ -133,6 +133,7 @@ def test_corner_is_the_fastest_of_printed_lines(printed):
     )
     job = printed(program, text_of(MZV))
     assert job.corner[:3] == (10, 60, 20)
+    assert len(job.corner_law(0, True)) > len(job.corner_law(0, False))
     job = printed(program.replace(" E", " ;"), text_of(MZV))
     assert job.corner[0] == 8
     job = printed("G28\nG1 X20 F3000\n", text_of(MZV))
