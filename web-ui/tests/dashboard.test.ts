@@ -1,7 +1,9 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
 import { expectAccessible, picture } from "./browser";
-import { test } from "./fixtures";
+import { testOf } from "./fixtures";
+
+const test = testOf({ state: true });
 
 const state = (page: Page, text: string) => page.locator("header .state", { hasText: text }).waitFor();
 const position = (page: Page, axis: string) =>
@@ -26,6 +28,11 @@ test("an axis can be moved once it is homed, and moves by the step", async ({ pa
   await page.getByText("0.1", { exact: true }).click();
   await page.getByRole("button", { name: "Move X by −0.1 mm" }).click();
   await position(page, "X").getByText("9.90").waitFor();
+  await page.getByRole("button", { name: "+0.05" }).click();
+  await page.getByRole("button", { name: "Keep it" }).click();
+  await page.getByRole("log").getByText("M206 Z: 0.000 -> -0.050").waitFor();
+  await page.getByRole("log").getByText("Settings Stored").waitFor();
+  await page.getByRole("button", { name: "Keep it" }).waitFor({ state: "detached" });
 });
 
 test("a heater heats to its target, and its field refuses what is too hot", async ({ page }) => {
