@@ -286,10 +286,10 @@ class Limits(Model):
     speed_mm_s: Speed | None = None
     """The maximum speed of the path in X, Y and Z."""
     jerk_mm_s3: JerkLimit | None = None
-    """The maximum change of the acceleration of X, Y and Z in a second (SET_JERK_LIMIT). All
-    positions are then averaged over twice the largest acceleration of X, Y and Z divided by this,
-    0.15 s at most. Corners are cut by this: `passo check` prints by how much. If not given,
-    acceleration changes at once."""
+    """The maximum change of the acceleration of X, Y and Z in a second, between corners
+    (SET_JERK_LIMIT). All positions are then averaged over twice the largest acceleration of X, Y
+    and Z divided by this, 0.15 s at most. Corners are cut by this: `passo check` prints by how
+    much. If not given, acceleration changes at once."""
     junction: Junction = "deviation"
     """The law of corners: a deviation from the corner (grbl), a speed at right angles (Klipper), a
     distance in steps (APrinter), or an instant change of speed for each axis (Marlin)."""
