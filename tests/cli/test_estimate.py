@@ -84,6 +84,23 @@ def test_estimates_of_several_files_at_once(capsys, tmp_path):
     assert ["no machine called" in row["errors"][0] for row in rows] == [True] * 4
 
 
+@pytest.mark.parametrize(
+    ("text", "cold"),
+    [
+        ("G28\nG1 X9 E2 F300\n", True),
+        ("G28\nM104 S100\nG1 X9 E2 F300\n", True),
+        ("G28\nM104 S200\nG1 X9 E2 F300\n", False),
+        ("G28\nM302 P1\nG1 X9 E2 F300\n", False),
+        ("G28\nG1 X9 F300\n", False),
+    ],
+)
+def test_an_estimate_warns_of_filament_that_nothing_heats(tmp_path, text, cold):
+    path = tmp_path / "cold.gcode"
+    path.write_text(text)
+    warnings = Machine.load("i3").estimate(path).warnings
+    assert any("no hotend is heated" in warning for warning in warnings) is cold
+
+
 def test_layers_of_an_estimate_are_those_of_the_print(capsys, tmp_path):
     path = tmp_path / "layers.gcode"
     layer = ";LAYER_CHANGE\nG1 Z{} F600\nG1 X{} F3000\n"

@@ -17,6 +17,14 @@ from passo.printer.commands.program import Commands
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+    from passo.gcode.command import Command
+    from passo.printer.wait_requests import Reply, Wait
+
+
+_COLD = (
+    "filament moves, and no hotend is heated. Heat the hotend before the print (M109), or the print"
+    " stops at its first extrusion."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +59,17 @@ class Estimate:
         return asdict(self)
 
 
+class _Commands(Commands):
+    """The commands of a plan. `sets_cold`: one of them decides about cold extrusion."""
+
+    sets_cold = False
+
+    def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
+        """Like `Commands.run`."""
+        self.sets_cold = self.sets_cold or command.code == "M302"
+        return super().run(command, reply)
+
+
 def estimate(
     machine: MachineConfig,
     path: str | os.PathLike[str],
@@ -83,7 +102,7 @@ def estimate_open(
     if take_path:
         job.keep_toolpath()
     heating = Heating(machine, job)
-    commands = Commands(machine, job, heating, [1] * len(machine.timed_outputs))
+    commands = _Commands(machine, job, heating, [1] * len(machine.timed_outputs))
     for _ in run_open_program(
         job, commands, source, size, name, lambda wait: heating.settle(wait, commands)
     ):
@@ -92,6 +111,8 @@ def estimate_open(
         heating.finish()
         take_path(encoded_toolpath(job, heating.targets))
     plan = job.statistics()
+    moves_cold = any(plan["filament_mm"]) and heating.stays_cold and not commands.sets_cold
+    cold = [f"{name}: {_COLD}"] if moves_cold else []
     layers, layers_s = plan["layers"], plan["layer_s"]
     # If a file has layer marks, moves before the first mark belong to no layer.
     counted_s = layers_s[1 : layers + 1]
@@ -112,5 +133,5 @@ def estimate_open(
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
         budget=budget_use(plan, machine),
-        warnings=commands.warnings(name) + heating.warnings(name),
+        warnings=commands.warnings(name) + heating.warnings(name) + cold,
     )
