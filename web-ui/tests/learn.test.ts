@@ -36,6 +36,9 @@ test("a pulled thermistor halts the printer, and the way out leads back", async 
   await page.getByRole("alert").getByText(/hotend/).first().waitFor();
   await expectAccessible(page);
   await picture(page, "learn-fault-1280-light");
+  await page.getByRole("navigation").getByRole("link", { name: "Dashboard" }).click();
+  await page.getByText("Switched off: its sensor has an open circuit.").waitFor();
+  await page.getByRole("link", { name: "Learn" }).click();
   await page.getByRole("button", { name: "Repair" }).click();
   await page.getByRole("button", { name: "Start again" }).click();
   await page.locator("header .state", { hasText: "Ready" }).waitFor();

@@ -32,8 +32,9 @@ class PrinterState(Enum):
 @dataclass(frozen=True, slots=True)
 class HeaterStatus:
     """A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
-    `power` is a fraction of full power; `fault` is the sentence of a protection, or empty. Below
-    `min_extrude_c` a hotend moves no filament; 0 means no limit (M302), or not a hotend."""
+    `power` is a fraction of full power; `fault` is the kind of the protection that has switched it
+    off (its error is `heat.` and the kind), or empty. Below `min_extrude_c` a hotend moves no
+    filament; 0 means no limit (M302), or not a hotend."""
 
     celsius: float | None
     target_c: float
