@@ -13,6 +13,7 @@ from passo.job.batch.heating import Heating
 from passo.job.batch.program import run_open_program
 from passo.job.batch.source import open_source
 from passo.job.batch.toolpath import encoded_toolpath
+from passo.printer.cold_extrusion import COLD_C
 from passo.printer.commands.program import Commands
 
 if TYPE_CHECKING:
@@ -60,13 +61,15 @@ class Estimate:
 
 
 class _Commands(Commands):
-    """The commands of a plan. `sets_cold`: one of them decides about cold extrusion."""
+    """The commands of a plan. `allows_cold`: one of them allows cold extrusion."""
 
-    sets_cold = False
+    allows_cold = False
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
         """Like `Commands.run`."""
-        self.sets_cold = self.sets_cold or command.code == "M302"
+        if command.code == "M302":
+            words = command.words()
+            self.allows_cold |= bool(words.get("P")) or words.get("S", COLD_C) < COLD_C
         return super().run(command, reply)
 
 
@@ -111,7 +114,7 @@ def estimate_open(
         heating.finish()
         take_path(encoded_toolpath(job, heating.targets))
     plan = job.statistics()
-    moves_cold = any(plan["filament_mm"]) and heating.stays_cold and not commands.sets_cold
+    moves_cold = any(plan["filament_mm"]) and heating.stays_cold and not commands.allows_cold
     cold = [f"{name}: {_COLD}"] if moves_cold else []
     layers, layers_s = plan["layers"], plan["layer_s"]
     # If a file has layer marks, moves before the first mark belong to no layer.
