@@ -120,6 +120,8 @@ void bind_chips(nb::module_& m) {
           },
           "The chip lies still.")
       .def_rw("plugged", &AccelerometerChip::plugged)
+      .def_rw("nacks", &AccelerometerChip::nacks,
+              "This number of its next addresses on I2C is not acknowledged.")
       .def_rw("rate_error", &AccelerometerChip::rate_error,
               "The deviation of its sample rate, as a fraction.");
   m.def(
@@ -136,4 +138,15 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "kind"_a,
       "clock_hz"_a, "Connects an accelerometer, which lies still, to the SPI bus on these pins.");
+  m.def(
+      "add_i2c_accelerometer",
+      [](Bench& bench, uint32_t clock_pin, uint32_t data_pin, uint8_t address,
+         AccelerometerChip::Kind kind, double clock_hz) {
+        auto chip = std::make_shared<AccelerometerChip>(kind, clock_hz);
+        bench.plant().i2c_devices.emplace_back(I2cPins{clock_pin, data_pin}, address,
+                                               AccelerometerChip::on_i2c(chip));
+        return chip;
+      },
+      "bench"_a, "clock_pin"_a, "data_pin"_a, "address"_a, "kind"_a, "clock_hz"_a,
+      "Connects an accelerometer, which lies still, to the I2C bus on these pins.");
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace passo::wire {
 
@@ -32,14 +33,53 @@ Bytes AccelerometerChip::read(uint8_t address, Ticks clock) {
   if (!plugged || !(address & kRead)) return {};
   fill(clock);
   const uint8_t first = address & kAddress;
-  if (first == (kind_ == Kind::adxl345 ? kAdxlData : kLisData) && !fifo_.empty()) {
-    shown_ = fifo_.front();
-    fifo_.pop_front();
-  }
+  show(first);
   Bytes out;
   for (uint8_t i = 0; i < 8; ++i) out.push_back(at(uint8_t((first + i) & kAddress)));
   if (first == kLisFifo && kind_ == Kind::lis2dw) overflow_ = false;
   return out;
+}
+
+// A read that begins with the data takes the next sample.
+void AccelerometerChip::show(uint8_t address) {
+  if (address != (kind_ == Kind::adxl345 ? kAdxlData : kLisData) || fifo_.empty()) return;
+  shown_ = fifo_.front();
+  fifo_.pop_front();
+}
+
+I2cChip AccelerometerChip::on_i2c(std::shared_ptr<AccelerometerChip> chip) {
+  return {[chip](bool reads) { return chip->begin(reads); },
+          [chip](uint8_t byte, Ticks clock) { return chip->take(byte, clock); },
+          [chip](Ticks clock) { return chip->give(clock); }};
+}
+
+bool AccelerometerChip::begin(bool reads) {
+  if (!reads) pointed_ = false;
+  if (nacks == 0) return plugged;
+  --nacks;
+  return false;
+}
+
+// The first byte is the address of a register.
+bool AccelerometerChip::take(uint8_t byte, Ticks clock) {
+  now_ = clock;
+  if (std::exchange(pointed_, true))
+    write(pointer_++ & kAddress, byte);
+  else
+    pointer_ = byte;
+  return true;
+}
+
+// After the last byte of a sample, the first one of the next sample follows.
+uint8_t AccelerometerChip::give(Ticks clock) {
+  fill(clock);
+  const uint8_t address = pointer_ & kAddress;
+  show(address);
+  const uint8_t value = at(address);
+  const bool lis = kind_ == Kind::lis2dw;
+  if (lis && address == kLisFifo) overflow_ = false;
+  pointer_ = uint8_t(lis && address == kLisData + 5 ? kLisData : address + 1);
+  return value;
 }
 
 void AccelerometerChip::take(const Bytes& in) {

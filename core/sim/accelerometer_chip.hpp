@@ -1,12 +1,14 @@
-// A simulated accelerometer on an SPI bus, according to its data sheet.
+// A simulated accelerometer on an SPI or I2C bus, according to its data sheet.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <utility>
 
 #include "link/device.hpp"
+#include "sim/i2c_device.hpp"
 
 namespace passo::wire {
 
@@ -29,6 +31,7 @@ class AccelerometerChip {
     measures_ = std::move(measures);
   }
   bool plugged = true;
+  int nacks = 0;          // this number of its next addresses on I2C is not acknowledged
   double rate_error = 0;  // of the chip's own clock, as a fraction
 
   // A transfer begins.
@@ -37,6 +40,9 @@ class AccelerometerChip {
   Bytes read(uint8_t address, Ticks clock);
   // The whole transfer.
   void take(const Bytes& in);
+
+  // The same over I2C, byte by byte.
+  static I2cChip on_i2c(std::shared_ptr<AccelerometerChip> chip);
 
  private:
   static constexpr size_t kFifo = 32;
@@ -55,10 +61,16 @@ class AccelerometerChip {
   std::array<double, 3> last_{};
   std::deque<Sample> fifo_;
   Sample shown_{};
+  uint8_t pointer_ = 0;  // on I2C: the next register
+  bool pointed_ = false;
   uint64_t random_ = 0x9e3779b97f4a7c15u;
 
   double interval() const;
   void fill(Ticks clock);
+  void show(uint8_t address);
+  bool begin(bool reads);
+  bool take(uint8_t byte, Ticks clock);
+  uint8_t give(Ticks clock);
   int16_t quantized(double mm_s2, int axis);
   void write(uint8_t address, uint8_t value);
   uint8_t at(uint8_t address) const;

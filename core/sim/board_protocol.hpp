@@ -55,6 +55,9 @@ enum class Command : int32_t {
   config_lis2dw,
   query_lis2dw,
   query_lis2dw_status,
+  config_i2c,
+  i2c_set_sw_bus,
+  i2c_transfer,
   end_
 };
 enum class Report : int32_t {
@@ -75,6 +78,7 @@ enum class Report : int32_t {
   thermocouple_result,
   sensor_bulk_data,
   sensor_bulk_status,
+  i2c_response,
 };
 
 struct Declaration {
@@ -146,6 +150,10 @@ inline constexpr Declaration kCommands[] = {
      "config_lis2dw oid=%c bus_oid=%c bus_oid_type=%c lis_chip_type=%c"},
     {int(Command::query_lis2dw), "query_lis2dw oid=%c rest_ticks=%u"},
     {int(Command::query_lis2dw_status), "query_lis2dw_status oid=%c"},
+    {int(Command::config_i2c), "config_i2c oid=%c"},
+    {int(Command::i2c_set_sw_bus),
+     "i2c_set_sw_bus oid=%c scl_pin=%u sda_pin=%u pulse_ticks=%u address=%u"},
+    {int(Command::i2c_transfer), "i2c_transfer oid=%c write=%*s read_len=%u"},
 };
 
 inline constexpr Declaration kReports[] = {
@@ -169,6 +177,7 @@ inline constexpr Declaration kReports[] = {
     {int(Report::sensor_bulk_status),
      "sensor_bulk_status oid=%c clock=%u query_ticks=%u next_sequence=%hu buffered=%u"
      " possible_overflows=%hu"},
+    {int(Report::i2c_response), "i2c_response oid=%c i2c_bus_status=%c response=%*s"},
 };
 
 // Why a board shuts down. The number goes over the wire as static_string_id.
@@ -196,6 +205,8 @@ enum class Fault : uint16_t {
   thermocouple_range,
   thermocouple_fault,
   accelerometer_type,
+  i2c_without_bus,
+  i2c_too_long,
 };
 inline constexpr const char* kFaults[] = {
     "",
@@ -221,8 +232,10 @@ inline constexpr const char* kFaults[] = {
     "Thermocouple ADC out of range",
     "Thermocouple reader fault",
     "Invalid accelerometer type",
+    "I2C device without a bus",
+    "I2C data too large",
 };
-static_assert(std::size(kFaults) == size_t(Fault::accelerometer_type) + 1);
+static_assert(std::size(kFaults) == size_t(Fault::i2c_too_long) + 1);
 
 // Thrown by the parts of the board; the board stops all motion and outputs.
 struct Shutdown {

@@ -6,6 +6,10 @@
 
 namespace passo::wire {
 
+namespace {
+constexpr size_t kI2cHead = 4;  // bytes of a report before those that were read
+}
+
 template <class T>
 T& SerialParts::get(uint32_t oid) {
   auto it = parts_.find(oid);
@@ -45,6 +49,13 @@ Bytes BoardSpi::transfer(Ticks now, const Bytes& data, Plant& plant) const {
   return device ? device->exchange(data, now) : Bytes(data.size(), 0xff);
 }
 
+I2cStatus BoardI2c::transfer(Ticks now, const Bytes& out, Bytes& in, Plant& plant) const {
+  if (!has_bus) throw Shutdown{Fault::i2c_without_bus};
+  I2cDevice* device = plant.i2c_device(pins, address);
+  if (device) return device->exchange(out, in, now);
+  return out.empty() && !in.empty() ? I2cStatus::start_read_nack : I2cStatus::start_nack;
+}
+
 void BoardThermocouple::watch(uint32_t word, bool fault) {
   if (minimum == 0 && maximum == UINT32_MAX) return;
   bool outside = word < minimum || word > maximum;
@@ -61,29 +72,52 @@ BoardThermocouple::Type BoardThermocouple::type_of(uint32_t number) {
   return types[number];
 }
 
-size_t BoardAccelerometer::sample(const BoardSpi& spi, Ticks now, Plant& plant) {
+bool BoardAccelerometer::take(const BoardSpi& spi, Ticks now, Plant& plant) {
   if (lis2dw) {
     Bytes in = spi.transfer(now, {0xa8, 0, 0, 0, 0, 0, 0}, plant);
     data.insert(data.end(), in.begin() + 1, in.end());
-    Bytes state = spi.transfer(now, {0xaf, 0}, plant);
-    if (state[1] & 0x40) ++overflows;
-    return state[1] & 0x3f;
+    return waiting(spi, now, plant) != 0;
   }
   Bytes in = spi.transfer(now, {0xf2, 0, 0, 0, 0, 0, 0, 0, 0}, plant);
   size_t left = in[8] & 0x7f;
   auto extended = [&](size_t i) { return (in[i] & 0xf0) == 0 || (in[i] & 0xf0) == 0xf0; };
-  if (!extended(2) || !extended(4) || !extended(6) || in[7] != 0x90 || left > 32) {
+  if (!extended(2) || !extended(4) || !extended(6) || in[7] != 0x90 || left > kFifo) {
     data.insert(data.end(), sample_bytes(), 0xff);  // a disturbed transfer
-    return 0;
+    return false;
   }
   data.insert(data.end(), {in[1], in[3], in[5], uint8_t((in[2] & 0x1f) | in[6] << 5),
                            uint8_t((in[4] & 0x1f) | (in[6] << 2 & 0x60))});
-  if (left >= 31) ++overflows;
-  return left;
+  if (left >= kFifo - 1) ++overflows;
+  return left > 1;
 }
 
-size_t BoardAccelerometer::waiting(const BoardSpi& spi, Ticks now, Plant& plant) const {
-  return spi.transfer(now, {uint8_t(lis2dw ? 0xaf : 0xb9), 0}, plant)[1] & (lis2dw ? 0x3f : 0x7f);
+bool BoardAccelerometer::take(const BoardI2c& i2c, Ticks now, Plant& plant) {
+  const size_t count = waiting(i2c, now, plant).value_or(0);
+  if (count == 0) return false;
+  const size_t room = (block_bytes() - data.size()) / sample_bytes();
+  Bytes in(std::min(count, room) * sample_bytes());
+  if (i2c.transfer(now, {0x28}, in, plant) != I2cStatus::success) return false;
+  data.insert(data.end(), in.begin(), in.end());
+  return count > room;
+}
+
+std::optional<size_t> BoardAccelerometer::waiting(const BoardSpi& spi, Ticks now, Plant& plant) {
+  if (lis2dw) return lis_waiting(spi.transfer(now, {0xaf, 0}, plant)[1]);
+  const size_t samples = spi.transfer(now, {0xb9, 0}, plant)[1] & 0x7f;
+  return samples > kFifo ? std::nullopt : std::optional(samples);
+}
+
+std::optional<size_t> BoardAccelerometer::waiting(const BoardI2c& i2c, Ticks now, Plant& plant) {
+  Bytes in(1);
+  if (i2c.transfer(now, {0x2f}, in, plant) != I2cStatus::success) return {};
+  return lis_waiting(in[0]);
+}
+
+std::optional<size_t> BoardAccelerometer::lis_waiting(uint8_t state) {
+  const size_t samples = state & 0x3f;
+  if (samples > kFifo) return {};
+  if (state & 0x40) ++overflows;
+  return samples;
 }
 
 std::optional<SerialParts::Part> SerialParts::made(Command id, const uint32_t* a) {
@@ -93,11 +127,18 @@ std::optional<SerialParts::Part> SerialParts::made(Command id, const uint32_t* a
     get<BoardSpi>(a[1]);
     return BoardThermocouple(a[1], a[2]);
   }
-  if (id == Command::config_adxl345 || id == Command::config_lis2dw) {
-    if (id == Command::config_lis2dw && (a[2] != 0 || a[3] != 0))
-      throw Shutdown{Fault::accelerometer_type};
+  if (id == Command::config_i2c) return BoardI2c();
+  if (id == Command::config_adxl345) {
     get<BoardSpi>(a[1]);
-    return BoardAccelerometer(a[1], id == Command::config_lis2dw);
+    return BoardAccelerometer(a[1], false, false);
+  }
+  if (id == Command::config_lis2dw) {
+    if (a[2] > 1 || a[3] != 0) throw Shutdown{Fault::accelerometer_type};
+    if (a[2] == 0)
+      get<BoardSpi>(a[1]);
+    else
+      get<BoardI2c>(a[1]);
+    return BoardAccelerometer(a[1], true, a[2] != 0);
   }
   return {};
 }
@@ -136,14 +177,15 @@ void SerialParts::shut_down() {
 }
 
 void SerialParts::empty(uint32_t oid, BoardAccelerometer& it, Ticks now) {
-  const BoardSpi& spi = get<BoardSpi>(it.spi_oid);
-  size_t left;
-  do {
-    left = it.sample(spi, now, plant_);
+  bool more = true;
+  // More than its FIFO can hold: the answers are not those of the chip.
+  for (size_t taken = 0; more && taken < BoardAccelerometer::kFifo; ++taken) {
+    more = it.on_i2c ? it.take(get<BoardI2c>(it.bus_oid), now, plant_)
+                     : it.take(get<BoardSpi>(it.bus_oid), now, plant_);
     if (it.data.size() < it.block_bytes()) continue;
     tell_(Report::sensor_bulk_data, {oid, it.sequence++}, &it.data);
     it.data.clear();
-  } while (left > (it.lis2dw ? 0u : 1u));
+  }
   it.begin = now + it.rest;
 }
 
@@ -174,10 +216,25 @@ void SerialParts::command(Command id, const uint32_t* a, const Bytes& data, Tick
     case Command::spi_send:
       get<BoardSpi>(a[0]).transfer(now, data, plant_);
       break;
+    case Command::i2c_set_sw_bus: {
+      auto& it = get<BoardI2c>(a[0]);
+      it.pins = {a[1], a[2]};
+      it.address = uint8_t(a[4] & 0x7f);
+      it.has_bus = true;
+      break;
+    }
+    case Command::i2c_transfer: {
+      if (a[2] > kFrameMax) throw Shutdown{Fault::i2c_too_long};
+      Bytes in(a[2]);
+      I2cStatus status = get<BoardI2c>(a[0]).transfer(now, data, in, plant_);
+      in.resize(std::min(in.size(), kPayloadMax - kI2cHead));
+      tell_(Report::i2c_response, {a[0], uint32_t(status)}, &in);
+      break;
+    }
     case Command::query_adxl345:
     case Command::query_lis2dw: {
       auto& it = get<BoardAccelerometer>(a[0]);
-      it = BoardAccelerometer(it.spi_oid, it.lis2dw);
+      it = BoardAccelerometer(it.bus_oid, it.lis2dw, it.on_i2c);
       it.rest = a[1];
       if (a[1] == 0) break;
       if (a[1] < kMinPeriodTicks) throw Shutdown{Fault::period_too_short};
@@ -187,9 +244,10 @@ void SerialParts::command(Command id, const uint32_t* a, const Bytes& data, Tick
     case Command::query_adxl345_status:
     case Command::query_lis2dw_status: {
       auto& it = get<BoardAccelerometer>(a[0]);
-      size_t waiting = it.waiting(get<BoardSpi>(it.spi_oid), now, plant_);
-      if (waiting > 32) break;  // a disturbed transfer: the host asks again
-      auto buffered = uint32_t(it.data.size() + waiting * it.sample_bytes());
+      const auto waiting = it.on_i2c ? it.waiting(get<BoardI2c>(it.bus_oid), now, plant_)
+                                     : it.waiting(get<BoardSpi>(it.bus_oid), now, plant_);
+      if (!waiting) break;  // a disturbed transfer: the host asks again
+      auto buffered = uint32_t(it.data.size() + *waiting * it.sample_bytes());
       tell_(Report::sensor_bulk_status,
             {a[0], uint32_t(now), 0, it.sequence, buffered, it.overflows}, nullptr);
       break;

@@ -1,5 +1,5 @@
-// UARTs of motor drivers, SPI devices, converters and accelerometers of the virtual board, datagram
-// by datagram.
+// UARTs of motor drivers, SPI and I2C devices, converters and accelerometers of the virtual board,
+// datagram by datagram.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -44,6 +44,16 @@ struct BoardSpi {
   Bytes transfer(Ticks now, const Bytes& data, Plant& plant) const;
 };
 
+// A device with an address on two lines.
+struct BoardI2c {
+  I2cPins pins{};
+  uint8_t address = 0;
+  bool has_bus = false;
+
+  static Ticks next() { return kNever; }
+  I2cStatus transfer(Ticks now, const Bytes& out, Bytes& in, Plant& plant) const;
+};
+
 // A converter that is read every `rest` ticks. Words outside minimum…maximum, or with a fault, more
 // than `most_faults` times in a row are a fault of the board.
 struct BoardThermocouple {
@@ -69,33 +79,39 @@ struct BoardThermocouple {
   static Type type_of(uint32_t number);
 };
 
-// An accelerometer on an SPI device. Every `rest` ticks its FIFO is emptied; samples are reported
-// in blocks.
+// An accelerometer on an SPI or an I2C device. Every `rest` ticks its FIFO is emptied; samples are
+// reported in blocks.
 struct BoardAccelerometer {
-  uint32_t spi_oid;
-  bool lis2dw;
+  uint32_t bus_oid;
+  bool lis2dw, on_i2c;
   Ticks begin = kNever, rest = 0;
   uint16_t sequence = 0, overflows = 0;
   Bytes data;
 
-  BoardAccelerometer(uint32_t spi, bool lis) : spi_oid(spi), lis2dw(lis) {}
+  BoardAccelerometer(uint32_t bus, bool lis, bool i2c) : bus_oid(bus), lis2dw(lis), on_i2c(i2c) {}
   Ticks next() const { return begin; }
   size_t sample_bytes() const { return lis2dw ? 6 : 5; }
   // Of a whole block, which fits in a frame.
   size_t block_bytes() const { return kBlockBytes / sample_bytes() * sample_bytes(); }
-  // Takes a sample from the chip; returns the number of those that are left there.
-  size_t sample(const BoardSpi& spi, Ticks now, Plant& plant);
-  // The number of samples in the chip.
-  size_t waiting(const BoardSpi& spi, Ticks now, Plant& plant) const;
+  // Takes a sample from the chip, or as many as fit in the block over I2C; true if the chip may
+  // have more.
+  bool take(const BoardSpi& spi, Ticks now, Plant& plant);
+  bool take(const BoardI2c& i2c, Ticks now, Plant& plant);
+  // The number of samples in the chip; none if the answer was disturbed.
+  std::optional<size_t> waiting(const BoardSpi& spi, Ticks now, Plant& plant);
+  std::optional<size_t> waiting(const BoardI2c& i2c, Ticks now, Plant& plant);
+
+  static constexpr size_t kFifo = 32;
 
  private:
+  std::optional<size_t> lis_waiting(uint8_t state);
   static constexpr size_t kBlockBytes = 51;
 };
 
 // All of these on one board, by their object numbers.
 class SerialParts {
  public:
-  using Part = std::variant<BoardUart, BoardSpi, BoardThermocouple, BoardAccelerometer>;
+  using Part = std::variant<BoardUart, BoardSpi, BoardI2c, BoardThermocouple, BoardAccelerometer>;
   using Tell = std::function<void(Report, std::initializer_list<uint32_t>, const Bytes*)>;
 
   SerialParts(Plant& plant, double clock_hz, Tell tell)

@@ -45,6 +45,7 @@ void Plant::edge(uint32_t pin, bool level, Ticks clock) {
   for (UartLine& line : uarts)
     if (line.tx_pin() == pin) line.edge(level, clock);
   for (SpiDevice& device : spi_devices) device.edge(pin, level, clock);
+  for (I2cDevice& device : i2c_devices) device.edge(pin, level, clock);
 }
 
 UartLine* Plant::uart(uint32_t rx_pin) {
@@ -56,6 +57,12 @@ UartLine* Plant::uart(uint32_t rx_pin) {
 SpiDevice* Plant::spi_device(uint32_t select_pin) {
   for (SpiDevice& device : spi_devices)
     if (device.pins().select == select_pin) return &device;
+  return nullptr;
+}
+
+I2cDevice* Plant::i2c_device(I2cPins pins, uint8_t address) {
+  for (I2cDevice& device : i2c_devices)
+    if (device.pins() == pins && device.address() == address) return &device;
   return nullptr;
 }
 
@@ -111,6 +118,8 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
   if (UartLine* line = uart(pin)) return line->level(clock);
   for (const SpiDevice& device : spi_devices)
     if (device.drives(pin)) return device.level();
+  for (const I2cDevice& device : i2c_devices)
+    if (device.pins().data == pin && device.pulls()) return false;
   for (const Switch& s : switches) {
     if (s.pin != pin) continue;
     double at = 0;

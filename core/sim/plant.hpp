@@ -11,6 +11,7 @@
 #include "heat/curve.hpp"
 #include "link/device.hpp"
 #include "sim/bed.hpp"
+#include "sim/i2c_device.hpp"
 #include "sim/spi_device.hpp"
 #include "sim/uart_line.hpp"
 
@@ -80,6 +81,7 @@ class Plant {
   std::vector<uint32_t> low_is_on;  // output pins
   std::deque<UartLine> uarts;
   std::deque<SpiDevice> spi_devices;
+  std::deque<I2cDevice> i2c_devices;
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
       : hz_(clock_hz), step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)),
@@ -93,10 +95,11 @@ class Plant {
   // The reading of the sensor on a pin at `clock`, as a fraction of full scale; 1 if there is none.
   double share(uint32_t pin, Ticks clock);
   uint32_t adc(uint32_t pin, Ticks clock) { return uint32_t(share(pin, clock) * adc_max_ + 0.5); }
-  // A pin of a UART or an SPI bus takes a level.
+  // A pin of a UART, an SPI or an I2C bus takes a level.
   void edge(uint32_t pin, bool level, Ticks clock);
   UartLine* uart(uint32_t rx_pin);
   SpiDevice* spi_device(uint32_t select_pin);
+  I2cDevice* i2c_device(I2cPins pins, uint8_t address);
   using Position = std::function<double(uint32_t step_pin)>;
   // Level of an input pin; position(step_pin) returns the position of a motor's actuator.
   bool level(uint32_t pin, Ticks clock, const Position& position);

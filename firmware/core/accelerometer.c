@@ -8,6 +8,7 @@
 
 DECL_SHUTDOWN_REASON(ACCELEROMETER_TYPE, "Invalid accelerometer type");
 DECL_ENUMERATION("bus_oid_type", "spi", 0);
+DECL_ENUMERATION("bus_oid_type", "i2c", 1);
 DECL_ENUMERATION("lis_chip_type", "LIS2DW", 0);
 DECL_REPORT("sensor_bulk_data oid=%c sequence=%hu data=%*s");
 DECL_REPORT(
@@ -25,6 +26,9 @@ DECL_REPORT(
 #define LIS_OVERFLOW 0x40
 #define LIS_BYTES 6
 #define FIFO_DEEP 32
+#define DISTURBED 0xff  // in place of a number of samples
+
+enum { BUS_SPI, BUS_I2C };
 
 static bool run(struct timer *timer) {
   struct accelerometer *it =
@@ -41,7 +45,7 @@ static uint8_t sample_bytes(const struct accelerometer *it) {
   return it->lis2dw ? LIS_BYTES : ADXL_BYTES;
 }
 
-static uint8_t register_of(const struct accelerometer *it, uint8_t address) {
+static uint8_t spi_register(const struct accelerometer *it, uint8_t address) {
   uint8_t bytes[2] = {(uint8_t)(address | READ), 0};
   spi_exchange(it->spi, bytes, sizeof bytes);
   return bytes[1];
@@ -50,10 +54,11 @@ static uint8_t register_of(const struct accelerometer *it, uint8_t address) {
 // The upper bits of a number of 13 bits are those of its sign.
 static bool extended(uint8_t high) { return (high & 0xf0) == 0 || (high & 0xf0) == 0xf0; }
 
-// Puts the oldest sample into the block; true if the FIFO holds more.
-static bool sample_adxl345(struct accelerometer *it, uint8_t *to) {
+// Each of these appends samples to the block; true if the FIFO may hold more.
+static bool take_adxl345(struct accelerometer *it, uint8_t *to) {
   uint8_t in[9] = {ADXL_DATA | READ | SEVERAL};
   spi_exchange(it->spi, in, sizeof in);
+  it->size = (uint8_t)(it->size + ADXL_BYTES);
   uint8_t left = in[8] & 0x7f;
   if (!extended(in[2]) || !extended(in[4]) || !extended(in[6]) || in[7] != ADXL_FIFO_SETTING ||
       left > FIFO_DEEP) {
@@ -69,24 +74,54 @@ static bool sample_adxl345(struct accelerometer *it, uint8_t *to) {
   return left > 1;
 }
 
-static bool sample_lis2dw(struct accelerometer *it, uint8_t *to) {
-  uint8_t in[1 + LIS_BYTES] = {LIS_DATA | READ};
-  spi_exchange(it->spi, in, sizeof in);
-  memcpy(to, in + 1, LIS_BYTES);
-  uint8_t state = register_of(it, LIS_FIFO);
+// The number of samples that wait, according to the register; DISTURBED if no FIFO has so many.
+static uint8_t lis_waiting(struct accelerometer *it, uint8_t state) {
+  uint8_t samples = state & 0x3f;
+  if (samples > FIFO_DEEP) return DISTURBED;
   if (state & LIS_OVERFLOW) ++it->overflows;
-  return (state & 0x3f) != 0;
+  return samples;
 }
 
-// Takes one sample of each that is due: other tasks run in between.
+static bool take_lis2dw_spi(struct accelerometer *it, uint8_t *to) {
+  uint8_t in[1 + LIS_BYTES] = {LIS_DATA | READ};
+  spi_exchange(it->spi, in, sizeof in);
+  it->size = (uint8_t)(it->size + LIS_BYTES);
+  memcpy(to, in + 1, LIS_BYTES);
+  return lis_waiting(it, spi_register(it, LIS_FIFO)) != 0;
+}
+
+static uint8_t i2c_waiting(struct accelerometer *it) {
+  uint8_t address = LIS_FIFO, state;
+  enum i2c_status status = i2c_exchange(it->i2c, &address, 1, &state, 1);
+  return status == I2C_SUCCESS ? lis_waiting(it, state) : DISTURBED;
+}
+
+// The bus is slow: one transfer takes all samples that wait and fit. After a transfer that the chip
+// has not acknowledged they wait until the next time, or until the chip tells that its FIFO has
+// overflowed.
+static bool take_lis2dw_i2c(struct accelerometer *it, uint8_t *to) {
+  uint8_t waiting = i2c_waiting(it), address = LIS_DATA;
+  if (waiting == DISTURBED || waiting == 0) return false;
+  uint8_t room = (uint8_t)((BLOCK_BYTES - it->size) / LIS_BYTES);
+  uint8_t bytes = (uint8_t)((waiting < room ? waiting : room) * LIS_BYTES);
+  if (i2c_exchange(it->i2c, &address, 1, to, bytes) != I2C_SUCCESS) return false;
+  it->size = (uint8_t)(it->size + bytes);
+  return waiting > room;
+}
+
+static bool take(struct accelerometer *it) {
+  uint8_t *to = it->block + it->size;
+  if (it->spi == NULL) return take_lis2dw_i2c(it, to);
+  return it->lis2dw ? take_lis2dw_spi(it, to) : take_adxl345(it, to);
+}
+
+// Takes a few samples of each that is due: other tasks run in between.
 DECL_TASK(accelerometer_task, BUSES);
 void accelerometer_task(void) {
   struct accelerometer *it;
   for (int16_t oid = -1; (it = object_next(&oid, OBJECT_ACCELEROMETER)) != NULL;) {
     if (!it->due) continue;
-    uint8_t *to = it->block + it->size;
-    bool more = it->lis2dw ? sample_lis2dw(it, to) : sample_adxl345(it, to);
-    it->size = (uint8_t)(it->size + sample_bytes(it));
+    bool more = take(it);
     if (it->size + sample_bytes(it) > BLOCK_BYTES) {
       uint32_t values[] = {(uint8_t)oid, it->sequence++};
       report_bytes(REPORT_SENSOR_BULK_DATA, values, 2, it->block, it->size);
@@ -105,20 +140,23 @@ void accelerometer_task(void) {
   }
 }
 
-// Some hosts give the SPI device its bus later: it is needed from the first transfer on.
+// Some hosts give the device its bus later: it is needed from the first transfer on.
 static bool check_bus(const struct accelerometer *it) {
-  if (it->spi->has_bus) return true;
-  shut_down(SHUTDOWN_SPI_NO_BUS);
+  if (it->spi != NULL ? it->spi->has_bus : it->i2c->has_bus) return true;
+  shut_down(it->spi != NULL ? SHUTDOWN_SPI_NO_BUS : SHUTDOWN_I2C_NO_BUS);
   return false;
 }
 
-static void configure(const uint32_t *args, bool lis2dw) {
-  const struct spi *spi = object_get(args[1], OBJECT_SPI);
-  if (spi == NULL) return;
+static void configure(const uint32_t *args, bool lis2dw, bool on_i2c) {
+  void *device = object_get(args[1], on_i2c ? OBJECT_I2C : OBJECT_SPI);
+  if (device == NULL) return;
   struct accelerometer *it = object_add(args[0], &kind, sizeof *it);
   if (it == NULL) return;
   it->timer.run = run;
-  it->spi = spi;
+  if (on_i2c)
+    it->i2c = device;
+  else
+    it->spi = device;
   it->lis2dw = lis2dw;
 }
 
@@ -141,20 +179,25 @@ static void query(const uint32_t *args) {
   hal_irq_restore(irq);
 }
 
+static uint8_t waiting(struct accelerometer *it) {
+  if (it->spi == NULL) return i2c_waiting(it);
+  if (it->lis2dw) return lis_waiting(it, spi_register(it, LIS_FIFO));
+  return spi_register(it, ADXL_FIFO) & 0x7f;
+}
+
 static void tell_state(const uint32_t *args) {
-  const struct accelerometer *it = object_get(args[0], OBJECT_ACCELEROMETER);
+  struct accelerometer *it = object_get(args[0], OBJECT_ACCELEROMETER);
   if (it == NULL || !check_bus(it)) return;
   uint32_t clock = hal_clock();
-  uint8_t waiting =
-      it->lis2dw ? register_of(it, LIS_FIFO) & 0x3f : register_of(it, ADXL_FIFO) & 0x7f;
-  if (waiting > FIFO_DEEP) return;  // a disturbed transfer: the host asks again
-  uint32_t ticks = hal_clock() - clock, buffered = it->size + (uint32_t)waiting * sample_bytes(it);
+  uint8_t samples = waiting(it);
+  if (samples > FIFO_DEEP) return;  // a disturbed transfer: the host asks again
+  uint32_t ticks = hal_clock() - clock, buffered = it->size + (uint32_t)samples * sample_bytes(it);
   uint32_t values[] = {args[0], clock, ticks, it->sequence, buffered, it->overflows};
   report(REPORT_SENSOR_BULK_STATUS, values, 6);
 }
 
 DECL_COMMAND(command_config_adxl345, "config_adxl345 oid=%c spi_oid=%c", 0);
-void command_config_adxl345(const uint32_t *args) { configure(args, false); }
+void command_config_adxl345(const uint32_t *args) { configure(args, false, false); }
 
 DECL_COMMAND(command_query_adxl345, "query_adxl345 oid=%c rest_ticks=%u", 0);
 void command_query_adxl345(const uint32_t *args) { query(args); }
@@ -165,11 +208,11 @@ void command_query_adxl345_status(const uint32_t *args) { tell_state(args); }
 DECL_COMMAND(command_config_lis2dw,
              "config_lis2dw oid=%c bus_oid=%c bus_oid_type=%c lis_chip_type=%c", 0);
 void command_config_lis2dw(const uint32_t *args) {
-  if (args[2] != 0 || args[3] != 0) {
+  if (args[2] > BUS_I2C || args[3] != 0) {
     shut_down(SHUTDOWN_ACCELEROMETER_TYPE);
     return;
   }
-  configure(args, true);
+  configure(args, true, args[2] == BUS_I2C);
 }
 
 DECL_COMMAND(command_query_lis2dw, "query_lis2dw oid=%c rest_ticks=%u", 0);

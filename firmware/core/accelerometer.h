@@ -1,9 +1,10 @@
-// Accelerometers on an SPI bus: an ADXL345 or a LIS2DW, whose FIFO is read at regular times. The
-// host sets up and starts the chip; samples go to it in blocks.
+// Accelerometers: an ADXL345 on an SPI bus, or a LIS2DW on SPI or I2C, whose FIFO is read at
+// regular times. The host sets up and starts the chip; samples go to it in blocks.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "i2c.h"
 #include "object.h"
 #include "scheduler.h"
 #include "spi.h"
@@ -13,7 +14,8 @@
 struct accelerometer {
   struct object object;
   struct timer timer;
-  const struct spi *spi;
+  const struct spi *spi;  // or null, and
+  struct i2c *i2c;
   uint32_t rest_ticks;
   uint16_t sequence, overflows;
   bool lis2dw;

@@ -1,12 +1,9 @@
-// I2C over any two pins, by software, as the only master: for sensors and displays that are read
-// now and then. A line is pulled low or released; the pull-ups are those of the bus, and the pins'.
-#include <stdbool.h>
+#include "i2c.h"
+
 #include <string.h>
 
 #include "command.h"
 #include "frame.h"
-#include "hal.h"
-#include "object.h"
 #include "shutdown.h"
 #include "wait.h"
 
@@ -21,30 +18,13 @@ DECL_ENUMERATION("i2c_bus_status", "START_NACK", 3);
 DECL_ENUMERATION("i2c_bus_status", "START_READ_NACK", 4);
 DECL_REPORT("i2c_response oid=%c i2c_bus_status=%c response=%*s");
 
-enum { SUCCESS, NACK, BUS_TIMEOUT, START_NACK, START_READ_NACK };
-
 #define STRETCH_PULSES 1000  // so long, in all of a transfer, devices may hold the clock low
-
-struct line {
-  struct hal_output output;
-  struct hal_input input;
-  uint16_t pin;
-};
-
-struct i2c {
-  struct object object;
-  struct line clock, data;
-  uint16_t pulse_ticks;  // half a bit, at least
-  uint8_t address;       // in the upper seven bits
-  bool has_bus;
-  uint16_t patience;  // pulses; none left: the clock stays low
-};
 
 static const struct object_kind kind = {OBJECT_I2C, NULL};
 
-static void pull(struct line *line) { hal_output_setup(&line->output, line->pin, false); }
-static void let_go(struct line *line) { hal_input_setup(&line->input, line->pin, true); }
-static void set(struct line *line, bool high) {
+static void pull(struct i2c_line *line) { hal_output_setup(&line->output, line->pin, false); }
+static void let_go(struct i2c_line *line) { hal_input_setup(&line->input, line->pin, true); }
+static void set(struct i2c_line *line, bool high) {
   if (high)
     let_go(line);
   else
@@ -101,25 +81,40 @@ static uint8_t receive(struct i2c *i2c, bool more) {
   return byte;
 }
 
-static uint8_t exchange(struct i2c *i2c, const uint8_t *out, uint8_t out_size, uint8_t *in,
-                        uint8_t in_size) {
+static enum i2c_status exchange(struct i2c *i2c, const uint8_t *out, uint8_t out_size, uint8_t *in,
+                                uint8_t in_size) {
   if (out_size > 0 || in_size == 0) {
     start(i2c);
-    if (!send(i2c, i2c->address)) return START_NACK;
+    if (!send(i2c, i2c->address)) return I2C_START_NACK;
     for (; out_size > 0; --out_size)
-      if (!send(i2c, *out++)) return NACK;
+      if (!send(i2c, *out++)) return I2C_NACK;
   }
-  if (in_size == 0) return SUCCESS;
+  if (in_size == 0) return I2C_SUCCESS;
   start(i2c);
-  if (!send(i2c, i2c->address | 1)) return START_READ_NACK;
+  if (!send(i2c, i2c->address | 1)) return I2C_START_READ_NACK;
   while (in_size-- > 0) *in++ = receive(i2c, in_size > 0);
-  return SUCCESS;
+  return I2C_SUCCESS;
+}
+
+enum i2c_status i2c_exchange(struct i2c *i2c, const uint8_t *out, uint8_t out_size, uint8_t *in,
+                             uint8_t in_size) {
+  i2c->patience = STRETCH_PULSES;
+  enum i2c_status status = exchange(i2c, out, out_size, in, in_size);
+  stop(i2c);
+  return i2c->patience == 0 ? I2C_BUS_TIMEOUT : status;
+}
+
+struct i2c *i2c_get(uint32_t oid) {
+  struct i2c *i2c = object_get(oid, OBJECT_I2C);
+  if (i2c == NULL || i2c->has_bus) return i2c;
+  shut_down(SHUTDOWN_I2C_NO_BUS);
+  return NULL;
 }
 
 DECL_COMMAND(command_config_i2c, "config_i2c oid=%c", 0);
 void command_config_i2c(const uint32_t *args) { object_add(args[0], &kind, sizeof(struct i2c)); }
 
-static bool line_setup(struct line *line, uint32_t pin) {
+static bool line_setup(struct i2c_line *line, uint32_t pin) {
   line->pin = (uint16_t)pin;
   return pin <= 0xffff && hal_output_setup(&line->output, line->pin, true) &&
          hal_input_setup(&line->input, line->pin, true);
@@ -142,17 +137,14 @@ void command_i2c_set_sw_bus(const uint32_t *args) {
 
 DECL_COMMAND(command_i2c_transfer, "i2c_transfer oid=%c write=%*s read_len=%u", 0);
 void command_i2c_transfer(const uint32_t *args) {
-  struct i2c *i2c = object_get(args[0], OBJECT_I2C);
+  struct i2c *i2c = i2c_get(args[0]);
   if (i2c == NULL) return;
   uint8_t in[FRAME_MAX];
-  if (!i2c->has_bus || args[2] > sizeof in) {
-    shut_down(i2c->has_bus ? SHUTDOWN_I2C_TOO_LONG : SHUTDOWN_I2C_NO_BUS);
+  if (args[2] > sizeof in) {
+    shut_down(SHUTDOWN_I2C_TOO_LONG);
     return;
   }
   memset(in, 0, sizeof in);
-  i2c->patience = STRETCH_PULSES;
-  uint8_t status = exchange(i2c, command_bytes(), (uint8_t)args[1], in, (uint8_t)args[2]);
-  if (i2c->patience == 0) status = BUS_TIMEOUT;
-  stop(i2c);
+  uint8_t status = i2c_exchange(i2c, command_bytes(), (uint8_t)args[1], in, (uint8_t)args[2]);
   report_bytes(REPORT_I2C_RESPONSE, (uint32_t[]){args[0], status}, 2, in, (uint8_t)args[2]);
 }

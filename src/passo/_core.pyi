@@ -1364,6 +1364,13 @@ class AccelerometerChip:
     def plugged(self, arg: bool, /) -> None: ...
 
     @property
+    def nacks(self) -> int:
+        """This number of its next addresses on I2C is not acknowledged."""
+
+    @nacks.setter
+    def nacks(self, arg: int, /) -> None: ...
+
+    @property
     def rate_error(self) -> float:
         """The deviation of its sample rate, as a fraction."""
 
@@ -1373,6 +1380,11 @@ class AccelerometerChip:
 def add_accelerometer(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, kind: AccelerometerKind, clock_hz: float) -> AccelerometerChip:
     """
     Connects an accelerometer, which lies still, to the SPI bus on these pins.
+    """
+
+def add_i2c_accelerometer(bench: Bench, clock_pin: int, data_pin: int, address: int, kind: AccelerometerKind, clock_hz: float) -> AccelerometerChip:
+    """
+    Connects an accelerometer, which lies still, to the I2C bus on these pins.
     """
 
 def sincos(x: float) -> tuple[float, float]: ...

@@ -9,7 +9,7 @@ import pytest
 from tests.support.klipper_board import dictionary
 from tests.support.klipper_printer import machine
 
-from passo.board.description import BoardDescription
+from passo.board.description import Accelerometer, BoardDescription, I2cPins
 from passo.board.dictionary import Dictionary, DictionaryError
 from passo.board.words import check_words
 from passo.printer.setup.boards import board_description
@@ -112,3 +112,15 @@ def test_messages_for_missing_parts_are_not_required(told: dict, board: BoardDes
     always = {"get_config", "get_uptime", "get_clock", "emergency_stop"}
     commands = {text: n for text, n in told["commands"].items() if text.split()[0] in always}
     check_words(bare, parsed(told, commands, told["responses"]))
+
+
+def test_words_for_i2c_are_those_of_either_age(told: dict, board: BoardDescription) -> None:
+    chip = Accelerometer("lis2dw", I2cPins("", "", 25, bus="i2c1"))
+    board = replace(board, accelerometers=(chip,))
+    check_words(board, parsed(told, told["commands"], told["responses"]))
+    commands = {text: n for text, n in told["commands"].items() if "i2c_read" not in text}
+    with pytest.raises(DictionaryError, match="the board has no message 'i2c_transfer'"):
+        check_words(board, parsed(told, commands, told["responses"]))
+    commands["i2c_transfer oid=%c write=%*s read_len=%u"] = 4000
+    reports = {**told["responses"], "i2c_response oid=%c i2c_bus_status=%c response=%*s": 4001}
+    check_words(board, parsed(told, commands, reports))

@@ -12,7 +12,15 @@ from passo.errors import ConfigError
 from passo.printer.setup.boards import board_descriptions
 
 REAL = ('base = "ramps"', 'base = "ramps"\nlink = "serial"\nport = "/dev/ttyUSB0"')
+I2C = 'chip = "lis2dw"\nscl_pin = "D40"\nsda_pin = "D42"\n'
 SPI = 'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"\n'
+RPI = """
+[boards.rpi]
+base = "klipper"
+clock_hz = 50_000_000
+link = "serial"
+port = "/tmp/klipper_host_mcu"
+"""
 
 
 def problems(table: str, *changes: tuple[str, str]) -> list[str]:
@@ -32,6 +40,14 @@ def problems(table: str, *changes: tuple[str, str]) -> list[str]:
         (f'{SPI}axes_map = ["x", "-x", "z"]', "accelerometer.axes_map", "x, y and z once each"),
         (f'{SPI}chip = "lis2dw"\nrate_hz = 3200', "accelerometer.rate_hz", "800 or 1600"),
         (f'{SPI}chip = "bmi160"', "accelerometer.chip", "adxl345"),
+        (f"{SPI}i2c_hz = 100000", "accelerometer.i2c_hz", "the accelerometer is on SPI"),
+        (f'{I2C}cs_pin = "D59"', "accelerometer.cs_pin", "the accelerometer is on I2C"),
+        (I2C.replace("lis2dw", "adxl345"), "accelerometer.chip", "lis2dw, because it is on I2C"),
+        (I2C.replace("D42", "D54"), "accelerometer.sda_pin", "belongs to"),
+        (I2C.replace("sda_pin", "i2c_bus"), "accelerometer.scl_pin", "i2c_bus has the pins"),
+        (f"{I2C}i2c_address = 0x1a", "accelerometer.i2c_address", "24 or 25"),
+        ('chip = "lis2dw"\nscl_pin = "D40"', "accelerometer.sda_pin", "or the key i2c_bus"),
+        ('chip = "lis2dw"\ni2c_bus = "i2c1"', "accelerometer.i2c_bus", "give scl_pin, sda_pin"),
     ],
 )
 def test_what_is_wrong_is_named(table: str, key: str, says: str) -> None:
@@ -44,16 +60,13 @@ def test_a_real_avr_is_too_slow() -> None:
     assert "accelerometer.cs_pin" in text and "ATmega2560 is too slow" in text
     text, *_ = problems('spi_bus = "spi1"', REAL)
     assert "accelerometer.spi_bus" in text and "Passo's firmware has no buses" in text
+    (text,) = problems(I2C, REAL)
+    assert "accelerometer.scl_pin" in text and "ATmega2560 is too slow" in text
 
 
 def test_a_raspberry_pi_has_a_bus_of_its_own() -> None:
     """The words for Klipper's firmware."""
-    tables = """
-[boards.rpi]
-base = "klipper"
-clock_hz = 50_000_000
-link = "serial"
-port = "/tmp/klipper_host_mcu"
+    tables = f"""{RPI}
 [accelerometer]
 spi_bus = "rpi:spidev0.0"
 axes_map = ["-y", "x", "z"]
@@ -68,6 +81,38 @@ axes_map = ["-y", "x", "z"]
         "config_spi_without_cs oid=0",
         "spi_set_bus oid=0 spi_bus=spidev0.0 mode=3 rate=5000000",
         "config_adxl345 oid=1 spi_oid=0",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("keys", "words", "bus"),
+    [
+        (
+            'i2c_bus = "rpi:i2c.1"\ni2c_hz = 100000',
+            [],
+            "i2c_set_bus oid=0 i2c_bus=i2c.1 rate=100000 address=25",
+        ),
+        (
+            'scl_pin = "rpi:gpio3"\nsda_pin = "rpi:gpio2"\ni2c_address = 0x18',
+            ["i2c_set_sw_bus oid=%c scl_pin=%u sda_pin=%u pulse_ticks=%u address=%u"],
+            "i2c_set_sw_bus oid=0 scl_pin=gpio3 sda_pin=gpio2 pulse_ticks=62 address=24",
+        ),
+        (
+            'scl_pin = "rpi:gpio3"\nsda_pin = "rpi:gpio2"',
+            [],
+            "i2c_set_software_bus oid=0 scl_pin=gpio3 sda_pin=gpio2 rate=400000 address=25",
+        ),
+    ],
+)
+def test_i2c_in_the_words_of_klippers_firmware(keys: str, words: list[str], bus: str) -> None:
+    """As its host sends them: the pins' words are newer than those of a bus."""
+    board = f'{RPI}[accelerometer]\nchip = "lis2dw"\n{keys}\n'
+    described = board_descriptions(edited("i3", REAL, more=board))["rpi"]
+    known = Dictionary(tuple(enumerate(words)), (), {}, {})
+    assert [line for line in commands(described, known) if "allocate" not in line] == [
+        "config_i2c oid=0",
+        bus,
+        "config_lis2dw oid=1 bus_oid=0 bus_oid_type=i2c lis_chip_type=LIS2DW",
     ]
 
 

@@ -100,6 +100,9 @@ def test_gains_shapers_advance_and_macros_come_back(tmp_path: Path) -> None:
         'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"\n',
         'spi_bus = "rpi:spidev0.0"\n[boards.rpi]\nbase = "klipper"\nclock_hz = 50000000\n'
         'link = "serial"\nport = "/tmp/rpi"\n',
+        'chip = "lis2dw"\ni2c_bus = "rpi:i2c.1"\ni2c_address = 0x18\n[boards.rpi]\n'
+        'base = "klipper"\nclock_hz = 50000000\nlink = "serial"\nport = "/tmp/rpi"\n',
+        'chip = "lis2dw"\nscl_pin = "D40"\nsda_pin = "D42"\n',
     ],
 )
 def test_an_accelerometer_comes_back(bus: str, tmp_path: Path) -> None:
@@ -108,9 +111,10 @@ def test_an_accelerometer_comes_back(bus: str, tmp_path: Path) -> None:
     more = f'[accelerometer]\naxes_map = ["x", "-z", "y"]\naccel_per_hz = 75.0\n{bus}'
     machine = edited("i3", board, more=more)
     sections = exported(machine).sections
-    assert sections["adxl345"]["axes_map"] == "x, -z, y"
+    chip = machine.accelerometer.chip
+    assert sections[chip]["axes_map"] == "x, -z, y"
     assert sections["resonance_tester"] == {
-        "accel_chip": "adxl345",
+        "accel_chip": chip,
         "probe_points": "125, 110, 20",
         "accel_per_hz": "75",
     }
@@ -119,7 +123,15 @@ def test_an_accelerometer_comes_back(bus: str, tmp_path: Path) -> None:
         assert its is not None and its.point_mm == [125, 110, 20]
         own = machine.accelerometer.model_copy(update={"point_mm": its.point_mm})
         assert its == own
-    else:  # the board is known to run Passo's firmware, and is an AVR
+    elif chip == "lis2dw":  # the board is known to run Passo's firmware, and is an AVR
+        assert sections["lis2dw"] == {
+            "i2c_address": "25",
+            "i2c_software_scl_pin": "PG1",
+            "i2c_software_sda_pin": "PL7",
+            "i2c_speed": "400000",
+            "axes_map": "x, -z, y",
+        }
+    else:
         assert sections["adxl345"]["spi_software_sclk_pin"] == "PL7"
 
 

@@ -310,16 +310,40 @@ def test_the_accelerometer_has_its_bus_point_and_directions(load) -> None:
 @pytest.mark.parametrize(
     ("more", "expected"),
     [
+        (
+            "i2c_mcu: rpi\ni2c_bus: i2c.1\ni2c_speed: 100000\n",
+            ("rpi:i2c.1", None, None, 25, 100_000),
+        ),
+        (
+            "i2c_software_scl_pin: PE1\ni2c_software_sda_pin: PE2\ni2c_address: 24\n",
+            (None, "PE1", "PE2", 24, 400_000),
+        ),
+    ],
+)
+def test_the_accelerometer_may_be_on_i2c(load, more: str, expected: tuple) -> None:
+    rpi = "[mcu rpi]\nserial: /tmp/klipper_host_mcu\n"
+    _, machine = load(more=f"{rpi}[lis2dw]\n{more}")
+    part = machine.accelerometer
+    found = (part.i2c_bus, part.scl_pin, part.sda_pin, part.i2c_address, part.i2c_hz)
+    assert (part.chip, found) == ("lis2dw", expected)
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
         ("cs_pin: PE1\n", "give [accelerometer] its spi_bus, or clock_pin"),
         ("spi_bus: spi1\n", "give [accelerometer] cs_pin, clock_pin"),
         ("cs_pin: can:PE1\nspi_bus: spi1\n", "spi_bus = 'can:spi1' when its board has link"),
+        ("[lis2dw]\n", "give [accelerometer] its i2c_bus, or scl_pin"),
+        ("[lis2dw]\ni2c_mcu: can\ni2c_bus: i2c1\n", "i2c_bus = 'can:i2c1' when its board has link"),
     ],
 )
 def test_accelerometer_without_a_bus_is_a_decision(
     tmp_path: Path, more: str, expected: str
 ) -> None:
     path = tmp_path / "printer.cfg"
-    path.write_text(f"{BASE}[mcu can]\ncanbus_uuid: 1\n[adxl345]\nrate: 800\n{more}")
+    head = "" if more.startswith("[") else "[adxl345]\nrate: 800\n"
+    path.write_text(f"{BASE}[mcu can]\ncanbus_uuid: 1\n{head}{more}")
     draft = imported(path)
     assert not any(key[0] == "accelerometer" for key in draft.keys)
     assert any(expected in text for text in remarks(draft, "decide"))

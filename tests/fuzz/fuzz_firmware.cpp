@@ -49,7 +49,7 @@ void configure() {
     uint32_t command;
     std::vector<uint32_t> values;
   };
-  static const std::vector<Line> lines = {{COMMAND_ALLOCATE_OIDS, {16}},
+  static const std::vector<Line> lines = {{COMMAND_ALLOCATE_OIDS, {17}},
                                           {COMMAND_CONFIG_STEPPER, {0, 1, 2, 0, 32}},
                                           {COMMAND_CONFIG_STEPPER, {1, 3, 4, 1, 0}},
                                           {COMMAND_CONFIG_DIGITAL_OUT, {2, 5, 0, 0, 0}},
@@ -71,6 +71,7 @@ void configure() {
                                           {COMMAND_CONFIG_THERMOCOUPLE, {13, 9, 2}},
                                           {COMMAND_CONFIG_ADXL345, {14, 9}},
                                           {COMMAND_CONFIG_LIS2DW, {15, 9, 0, 0}},
+                                          {COMMAND_CONFIG_LIS2DW, {16, 12, 1, 0}},
                                           {COMMAND_FINALIZE_CONFIG, {1}}};
   for (const Line& line : lines) {
     uint8_t payload[64], *end = passo::wire::put_vlq(payload, line.command);

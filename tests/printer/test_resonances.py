@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import tempfile
 from pathlib import Path
 
@@ -13,7 +14,8 @@ from tests.support.scenario import Scenario
 from passo.config.machine import MachineConfig
 from passo.printer.setup.boards import head_dynamics
 
-PINS = 'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"'
+SPI = 'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"'
+I2C = 'scl_pin = "D40"\nsda_pin = "D42"\ni2c_address = 0x18'
 
 
 @pytest.fixture(autouse=True)
@@ -24,7 +26,13 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def machine(
-    x_hz: float, y_hz: float, *, chip: str = "adxl345", firmware: str = "virtual", rate: str = ""
+    x_hz: float,
+    y_hz: float,
+    *,
+    chip: str = "adxl345",
+    pins: str = SPI,
+    firmware: str = "virtual",
+    rate: str = "",
 ) -> MachineConfig:
     """An i3 whose axes vibrate at these frequencies."""
     masses = "".join(
@@ -32,7 +40,7 @@ def machine(
         for axis, hz in (("x", x_hz), ("y", y_hz))
     )
     board = ('base = "ramps"', f'base = "ramps"\nfirmware = "{firmware}"')
-    return edited("i3", board, more=f'[accelerometer]\nchip = "{chip}"\n{rate}\n{PINS}\n{masses}')
+    return edited("i3", board, more=f'[accelerometer]\nchip = "{chip}"\n{rate}\n{pins}\n{masses}')
 
 
 def shapers(s: Scenario) -> dict[str, tuple[str, float]]:
@@ -108,14 +116,14 @@ def test_another_frequency_shows_even_if_the_clock_of_the_chip_is_wrong(tmp_path
         assert shapers(s) == found  # U=1 has stored them
 
 
-@pytest.mark.parametrize("chip", ["adxl345", "lis2dw"])
-def test_the_firmware_measures_as_the_model_of_the_board(chip: str, files: Path) -> None:
+@pytest.mark.parametrize(("chip", "pins"), [("adxl345", SPI), ("lis2dw", SPI), ("lis2dw", I2C)])
+def test_the_firmware_measures_as_the_model_of_the_board(chip: str, pins: str, files: Path) -> None:
     """At rest to the last bit; and what vibrates, and when."""
-    with at_home(machine(50, 35, chip=chip)) as s:
+    with at_home(machine(50, 35, chip=chip, pins=pins)) as s:
         said = answers(s, "ACCELEROMETER_QUERY")
         x, y, z = (float(v) for v in said[0].partition(": ")[2].split(","))
         assert (x, y, z) == pytest.approx((0, 0, 9806), abs=250)
-    with at_home(machine(50, 35, chip=chip, firmware="passo")) as s:
+    with at_home(machine(50, 35, chip=chip, pins=pins, firmware="passo")) as s:
         assert answers(s, "ACCELEROMETER_QUERY") == said
         begun_s = s.printer.queue.now_s
         answers(s, "TEST_RESONANCES AXIS=X OUTPUT=raw_data FREQ_START=48 FREQ_END=50 NAME=a")
@@ -173,3 +181,29 @@ def test_an_accelerometer_beside_the_moved_part_is_noticed() -> None:
         *_, text = answers(s, "SHAPER_CALIBRATE AXIS=X FREQ_START=30 FREQ_END=33 HZ_PER_SEC=2")
         assert "while it was to vibrate" in text and "Fix it to the part" in text
         assert shapers(s)["x"][1] == 0
+
+
+@pytest.mark.parametrize("firmware", ["virtual", "passo"])
+def test_a_chip_on_i2c_that_does_not_answer_is_told(firmware: str) -> None:
+    with Scenario(machine(50, 35, chip="lis2dw", pins=I2C, firmware=firmware)) as s:
+        chip = s.printer.board.boards[""].accelerometers[0]
+        chip.plugged = False
+        (text,) = answers(s, "ACCELEROMETER_QUERY")
+        assert "LIS2DW at address 0x18 of PG1 and PL7 does not answer: START_NACK" in text
+        assert "Check its cable, its supply, and i2c_address" in text
+        chip.plugged = True
+        for nacks, plugged, says in (
+            (5, True, "accelerometer values (x, y, z): "),  # its FIFO keeps the samples
+            (0, False, "does not answer: START_NACK"),
+            (0, True, "accelerometer values (x, y, z): "),  # the board has not shut down
+        ):
+            s.host.send("ACCELEROMETER_QUERY")
+            s.passes(0.2)
+            chip.nacks, chip.plugged = nacks, plugged
+            s.host.expect(re.escape(says), 5)
+            s.host.expect("^ok")
+            chip.plugged = True
+        chip.rate_error = 19.0  # more samples than its FIFO holds until the board reads it
+        (text,) = answers(s, "ACCELEROMETER_QUERY")
+        assert "overflowed 200 times in 6400 samples, of at most 2%" in text
+        assert "Lower rate_hz" in text

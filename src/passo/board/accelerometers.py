@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import TYPE_CHECKING
 
+from passo.board.chip_registers import I2cRegisters, NotAcknowledgedError, SpiRegisters
+from passo.board.description import I2cPins, SpiPins
 from passo.errors import CommandError
 from passo.resonance.measurement import SAMPLE_BYTES, AccelerometerChip, Measurement
 
@@ -15,7 +17,6 @@ if TYPE_CHECKING:
     from passo.board.description import Accelerometer
     from passo.board.exchange import Values
 
-_READ = 0x80
 _RESTS = 4  # the board empties the FIFO of the chip each time it has this number of samples
 _SEQUENCES = 1 << 16
 _BLOCK_BYTES = 51
@@ -67,16 +68,24 @@ class AccelerometerReader:
         self._sample_bytes = SAMPLE_BYTES[part.chip]
         self._block_samples = _BLOCK_BYTES // self._sample_bytes
         self._rate_hz = part.rate_hz or max(self._chip.rates)
-        self._oid = connection.oids.accelerometers[part.spi]
-        self._spi = connection.oids.spi_devices[part.spi]
+        self._oid = connection.oids.accelerometers[part.wire]
+        self._registers = (
+            SpiRegisters(connection, part.wire)
+            if isinstance(part.wire, SpiPins)
+            else I2cRegisters(connection, part.wire)
+        )
         self._blocks: list[bytes] = []
         self._points: list[tuple[float, int, int]] = []  # clock, samples before it, ticks it took
         self.lost = 0  # samples that did not arrive
+        self.overflows = 0  # of the FIFO of the chip: each has lost a sample
 
     @property
     def place(self) -> str:
         """The pin or the bus of the chip, for messages."""
-        return self._connection.named(self._part.spi.cs_pin or self._part.spi.bus)
+        wire = self._part.wire
+        if isinstance(wire, SpiPins):
+            return self._connection.named(wire.cs_pin or wire.bus)
+        return self._connection.named(wire.bus or f"{wire.scl_pin} and {wire.sda_pin}")
 
     def start(self) -> None:
         """Sets up the chip and starts it."""
@@ -90,13 +99,19 @@ class AccelerometerReader:
         for register, value in self._chip.setup:
             self._write(register, value)
         self._connection.take_responses("sensor_bulk_data", "sensor_bulk_status")
-        self._blocks, self._points, self.lost = [], [], 0
+        self._blocks, self._points, self.lost, self.overflows = [], [], 0, 0
         *first, last = (self._chip.rates[self._rate_hz], *self._chip.measure)
         for register, value in first:
             self._write(register, value)
         # The chip starts before the board reads it: an empty FIFO would give an invalid sample.
-        self._send(*last)
+        # Over I2C, whose writes wait for the board, it would be full by then, and an empty one
+        # gives none.
+        fast = isinstance(self._part.wire, SpiPins)
+        if fast:
+            self._send(*last)
         self._query(round(_RESTS / self._rate_hz * self._connection.board.clock_hz))
+        if not fast:
+            self._send(*last)
         self._check(*last)
 
     def poll(self) -> None:
@@ -156,6 +171,7 @@ class AccelerometerReader:
         blocks = len(self._blocks) + (sequence - len(self._blocks) + _SEQUENCES // 2) % _SEQUENCES
         blocks -= _SEQUENCES // 2
         samples = blocks * self._block_samples + buffered // self._sample_bytes
+        self.overflows = int(values["possible_overflows"])
         main = self._connection.main_clock(clock & 0xFFFFFFFF)
         self._points.append((main - self._base, samples, ticks))
 
@@ -174,13 +190,27 @@ class AccelerometerReader:
         return (mean_t - mean_n / rate_hz if rate_hz else 0.0), rate_hz
 
     def _register(self, address: int) -> int:
-        question = f"spi_transfer oid={self._spi} data={address | _READ:02x}00"
-        response = self._connection.ask(question, "spi_transfer_response")["response"]
-        assert isinstance(response, bytes)
-        return response[1]
+        try:
+            return self._registers.read(address)
+        except NotAcknowledgedError as error:
+            raise self._no_answer(error) from None
 
     def _send(self, register: int, value: int) -> None:
-        self._connection.command(f"spi_send oid={self._spi} data={register:02x}{value:02x}")
+        try:
+            self._registers.send(register, value)
+        except NotAcknowledgedError as error:
+            raise self._no_answer(error) from None
+
+    def _no_answer(self, error: NotAcknowledgedError) -> CommandError:
+        wire = self._part.wire
+        assert isinstance(wire, I2cPins)
+        return CommandError.of(
+            "resonance.no-acknowledge",
+            value=self._part.chip.upper(),
+            address=wire.address,
+            limit=self.place,
+            found=str(error),
+        )
 
     def _write(self, register: int, value: int) -> None:
         self._send(register, value)

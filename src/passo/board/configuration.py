@@ -11,6 +11,7 @@ from passo import _core
 from passo.board.description import (
     BoardDescription,
     Heater,
+    I2cPins,
     Output,
     Sensor,
     SpiPins,
@@ -35,9 +36,9 @@ _FAST_HZ = 20_000_000
 @dataclass(frozen=True, slots=True)
 class Oids:
     """The object number of each part of the board, in this order: steppers, outputs, sensors,
-    endstops, trsyncs, UARTs, SPI devices, accelerometers. A trsync is the group of motors on this
-    board that one endstop stops; the endstop may be on another board. UARTs, SPI devices and
-    accelerometers are found by their pins."""
+    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers. A trsync is the group of
+    motors on this board that one endstop stops; the endstop may be on another board. UARTs, devices
+    and accelerometers are found by their pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -46,7 +47,8 @@ class Oids:
     trsyncs: dict[str, int]
     uarts: dict[UartPins, int]
     spi_devices: dict[SpiPins, int]
-    accelerometers: dict[SpiPins, int]
+    i2c_devices: dict[I2cPins, int]
+    accelerometers: dict[SpiPins | I2cPins, int]
     count: int
 
     @classmethod
@@ -68,7 +70,8 @@ class Oids:
             numbered([*(e.name for e in board.endstops), *board.endstops_elsewhere]),
             numbered(board.uarts),
             numbered(board.spi_devices),
-            numbered(a.spi for a in board.accelerometers),
+            numbered(board.i2c_devices),
+            numbered(a.wire for a in board.accelerometers),
             count,
         )
 
@@ -109,6 +112,8 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         )
     for pins, oid in oids.spi_devices.items():
         lines += _spi_device(pins, oid, board.clock_hz, dictionary)
+    for pins, oid in oids.i2c_devices.items():
+        lines += _i2c_device(pins, oid, board.clock_hz, dictionary)
     # Only firmware of early versions of Passo has this parameter.
     early = dictionary.takes("config_thermocouple", "consecutive_fault_limit")
     limit = f" consecutive_fault_limit={SENSOR_RANGE_CHECKS - 1}" if early else ""
@@ -119,12 +124,16 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
                 f" spi_oid={oids.spi_devices[s.spi]} thermocouple_type={s.converter.name}{limit}"
             )
     for a in board.accelerometers:
-        oid, spi = oids.accelerometers[a.spi], oids.spi_devices[a.spi]
+        oid = oids.accelerometers[a.wire]
+        if isinstance(a.wire, SpiPins):
+            bus, kind = oids.spi_devices[a.wire], "spi"
+        else:
+            bus, kind = oids.i2c_devices[a.wire], "i2c"
         if a.chip == "adxl345":
-            lines.append(f"config_adxl345 oid={oid} spi_oid={spi}")
+            lines.append(f"config_adxl345 oid={oid} spi_oid={bus}")
         else:
             lines.append(
-                f"config_lis2dw oid={oid} bus_oid={spi} bus_oid_type=spi lis_chip_type=LIS2DW"
+                f"config_lis2dw oid={oid} bus_oid={bus} bus_oid_type={kind} lis_chip_type=LIS2DW"
             )
     return lines
 
@@ -151,6 +160,19 @@ def _spi_device(pins: SpiPins, oid: int, clock_hz: int, dictionary: Dictionary) 
     else:  # older firmware
         bus = f"spi_set_software_bus oid={oid} {wires} rate={pins.hz}"
     return [f"config_spi oid={oid} pin={bare(pins.cs_pin)} cs_active_high=0", bus]
+
+
+def _i2c_device(pins: I2cPins, oid: int, clock_hz: int, dictionary: Dictionary) -> list[str]:
+    if pins.bus:
+        bus = f"i2c_set_bus oid={oid} i2c_bus={pins.bus} rate={pins.hz} address={pins.address}"
+        return [f"config_i2c oid={oid}", bus]
+    wires = f"scl_pin={bare(pins.scl_pin)} sda_pin={bare(pins.sda_pin)}"
+    if dictionary.takes("i2c_set_sw_bus", "pulse_ticks"):
+        ticks = clock_hz // (2 * pins.hz)
+        bus = f"i2c_set_sw_bus oid={oid} {wires} pulse_ticks={ticks} address={pins.address}"
+    else:  # older firmware
+        bus = f"i2c_set_software_bus oid={oid} {wires} rate={pins.hz} address={pins.address}"
+    return [f"config_i2c oid={oid}", bus]
 
 
 def _output(output: Output, oid: int, full: int) -> list[str]:

@@ -100,6 +100,23 @@ class SpiPins:
 
 
 @dataclass(frozen=True, slots=True)
+class I2cPins:
+    """A device with an `address` on an I2C bus; `hz` is the frequency of the clock. With `bus`, the
+    board knows the pins by that name."""
+
+    scl_pin: str
+    sda_pin: str
+    address: int
+    hz: int = 400_000
+    bus: str = ""
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """All pins that are given."""
+        return tuple(pin for pin in (self.scl_pin, self.sda_pin) if pin)
+
+
+@dataclass(frozen=True, slots=True)
 class Sensor:
     """A temperature sensor on an analog input, or on a converter chip that `pin` selects on the bus
     `spi`; then ratios refer to the full scale of the converter. The board sends the bytes of
@@ -132,12 +149,12 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Accelerometer:
-    """An accelerometer on an SPI bus. `axes` has, for X, Y and Z of the machine, the axis of the
-    chip (0 to 2) and its sign. `rate_hz` is the number of samples a second; 0: as many as it
+    """An accelerometer; an ADXL345 is on SPI. `axes` has, for X, Y and Z of the machine, the axis
+    of the chip (0 to 2) and its sign. `rate_hz` is the number of samples a second; 0: as many as it
     can."""
 
     chip: AccelerometerChip
-    spi: SpiPins
+    wire: SpiPins | I2cPins
     axes: tuple[tuple[int, int], ...] = ((0, 1), (1, 1), (2, 1))
     rate_hz: int = 0
 
@@ -244,9 +261,14 @@ class BoardDescription:
             *(d.wire for d in self.drivers),
             *(s.spi for s in self.sensors),
             *(s.spi for s in self.settings),
-            *(a.spi for a in self.accelerometers),
+            *(a.wire for a in self.accelerometers),
         )
         return tuple(wire for wire in wires if isinstance(wire, SpiPins))
+
+    @property
+    def i2c_devices(self) -> tuple[I2cPins, ...]:
+        """All devices on I2C buses."""
+        return tuple(a.wire for a in self.accelerometers if isinstance(a.wire, I2cPins))
 
     @property
     def pins(self) -> tuple[str, ...]:
@@ -257,7 +279,9 @@ class BoardDescription:
             *(s.pin for s in self.sensors if s.spi is None),
             *(e.pin for e in self.endstops),
             *{
-                bare(pin): pin for wire in (*self.uarts, *self.spi_devices) for pin in wire.pins
+                bare(pin): pin
+                for wire in (*self.uarts, *self.spi_devices, *self.i2c_devices)
+                for pin in wire.pins
             }.values(),
         )
 

@@ -64,6 +64,7 @@ _TOO_LATE = (
     "No next step",
 )
 _SENSORS = ("ADC out of range", "Thermocouple ADC out of range", "Thermocouple reader fault")
+_I2C = ("I2C NACK", "I2C START NACK", "I2C START READ NACK", "I2C Timeout")
 _OVERLOADED = "Rescheduled timer in the past"
 
 
@@ -83,6 +84,11 @@ def shutdown_error(reason: str, named: str, time_scale: float) -> MachineError:
         hint = (
             "A temperature sensor reads outside of its heater's min_c to max_c. Check the sensors'"
             " cables, then send M999"
+        )
+    elif reason in _I2C:
+        hint = (
+            "A device on I2C, such as the accelerometer, did not answer. Check its cable, or use a"
+            " shorter one, then send M999"
         )
     elif reason == _OVERLOADED:
         hint = (

@@ -68,6 +68,10 @@ _UARTS = _Words(("tmcuart_send oid write read",), ("tmcuart_response oid read",)
 _SPI = _Words(
     ("spi_send oid data", "spi_transfer oid data"), ("spi_transfer_response oid response",)
 )
+_I2C = _Words(("i2c_transfer oid write read_len",), ("i2c_response oid i2c_bus_status response",))
+_OLDER_I2C = _Words(
+    ("i2c_write oid data", "i2c_read oid reg read_len"), ("i2c_read_response oid response",)
+)
 
 
 def check_words(board: BoardDescription, dictionary: Dictionary) -> None:
@@ -79,14 +83,14 @@ def check_words(board: BoardDescription, dictionary: Dictionary) -> None:
         {name: words for _, text in texts for name, *words in (text.split(),)}
         for texts in (dictionary.commands, dictionary.reports)
     )
-    for needed in _needed(board):
+    for needed in _needed(board, dictionary):
         for word in needed.commands:
             _check(word, commands)
         for word in needed.reports:
             _check(word, reports, may_go_on=True)
 
 
-def _needed(board: BoardDescription) -> Iterator[_Words]:
+def _needed(board: BoardDescription, dictionary: Dictionary) -> Iterator[_Words]:
     kinds = {output.kind for output in board.outputs}
     yield _ALWAYS
     if board.steppers:
@@ -105,6 +109,8 @@ def _needed(board: BoardDescription) -> Iterator[_Words]:
         yield _UARTS
     if board.spi_devices:
         yield _SPI
+    if board.i2c_devices:
+        yield _OLDER_I2C if dictionary.takes("i2c_read", "reg") else _I2C
 
 
 def _check(word: str, declared: Mapping[str, list[str]], *, may_go_on: bool = False) -> None:

@@ -16,6 +16,11 @@ RESONANCE: Mapping[str, Entry] = {
         "the accelerometer {value} at {limit} does not answer",
         "Check that it is plugged in, its supply, and the pins of [accelerometer]",
     ),
+    "resonance.no-acknowledge": _resonance(
+        "the accelerometer {value} at address 0x{address:02x} of {limit} does not answer: {found}",
+        "Check its cable, its supply, and i2c_address in [accelerometer]: 0x18 if its pin SA0 is"
+        " low, else 0x19",
+    ),
     "resonance.other-chip": _resonance(
         "the chip at {limit} answers as 0x{found:02x}, where {value} answers as 0x{wanted:02x}",
         "Check its wires, and chip in [accelerometer]",
@@ -28,6 +33,12 @@ RESONANCE: Mapping[str, Entry] = {
     "resonance.lost": _resonance(
         "{value} of {all} samples of the accelerometer were lost, of at most {limit}",
         "Lower rate_hz in [accelerometer], or use a faster link for its board or shorter wires",
+    ),
+    "resonance.overflow": _resonance(
+        "the FIFO of the accelerometer overflowed {value} times in {all} samples, of at most"
+        " {limit}: the board reads it too slowly",
+        "Lower rate_hz in [accelerometer], or raise i2c_hz. Many boards with Klipper's firmware use"
+        " 100 kHz for I2C, which is enough for 800 samples a second",
     ),
     "resonance.still": _resonance(
         "the accelerometer measured {value:.0f} mm/s² while it was to vibrate, of at least"

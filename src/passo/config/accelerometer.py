@@ -18,12 +18,17 @@ _Rate = Literal[800, 1600, 3200]
 RATES_HZ: tuple[int, ...] = get_args(_Rate)
 FASTEST_HZ = {"adxl345": 3200, "lis2dw": 1600}  # samples a second, by chip
 _HEIGHT_MM = 20.0  # of the nozzle above the bed, unless the file gives a point
-_WIRES = ("clock_pin", "mosi_pin", "miso_pin")
+_SPI_WIRES = ("clock_pin", "mosi_pin", "miso_pin")
+_I2C_WIRES = ("scl_pin", "sda_pin")
+_SPI_KEYS = ("cs_pin", *_SPI_WIRES, "spi_bus")
+_I2C_KEYS = ("i2c_address", "i2c_hz")
+_BUS = r"^([a-z][a-z0-9_-]*:)?[A-Za-z0-9_.]+$"
 
 
 class Accelerometer(Model):
     """An accelerometer on the head or on the bed, for TEST_RESONANCES and SHAPER_CALIBRATE. It is
-    on an SPI bus: of three pins, or of `spi_bus` on a board with Klipper's firmware."""
+    on an SPI bus: of three pins, or of `spi_bus` on a board with Klipper's firmware. A LIS2DW may
+    be on I2C: of two pins, or of `i2c_bus`."""
 
     chip: Literal["adxl345", "lis2dw"] = "adxl345"
     """The chip. An ADXL345 measures up to 3200 times a second, a LIS2DW 1600 times."""
@@ -39,9 +44,22 @@ class Accelerometer(Model):
     """The data to the chip (SDA of the chip)."""
     miso_pin: Pin | None = None
     """The data from the chip (SDO of the chip)."""
-    spi_bus: Annotated[str, Field(pattern=r"^([a-z][a-z0-9_-]*:)?[A-Za-z0-9_.]+$")] | None = None
+    spi_bus: Annotated[str, Field(pattern=_BUS)] | None = None
     """The bus in the words of Klipper's firmware, such as `spi1` or `rpi:spidev0.0`, in place of
     the three pins."""
+    scl_pin: Pin | None = None
+    """The clock of the I2C bus. Its board is the board of the chip."""
+    sda_pin: Pin | None = None
+    """The data of the I2C bus."""
+    i2c_bus: Annotated[str, Field(pattern=_BUS)] | None = None
+    """The bus in the words of Klipper's firmware, such as `i2c1` or `rpi:i2c.1`, in place of the
+    two pins."""
+    i2c_address: Literal[0x18, 0x19] = 0x19
+    """The address on I2C: 0x18 (24) if the pin SA0 of the chip is low, 0x19 (25) if it is high or
+    open."""
+    i2c_hz: Annotated[int, Field(ge=100_000, le=400_000)] = 400_000
+    """The clock of the I2C bus, in Hz. A lower one allows longer wires. 1600 samples a second need
+    200 000 Hz, 800 need 100 000 Hz."""
     axes_map: Annotated[list[Direction], Field(min_length=3, max_length=3)] = ["x", "y", "z"]
     """The direction of the chip along X, Y and Z of the machine, as in Klipper."""
     point_mm: Point | None = None
@@ -56,7 +74,12 @@ class Accelerometer(Model):
     @property
     def written_board(self) -> str:
         """The name of the board of the chip."""
-        return placed(self.cs_pin or self.spi_bus or "")[0]
+        return placed(self.cs_pin or self.spi_bus or self.scl_pin or self.i2c_bus or "")[0]
+
+    @property
+    def on_i2c(self) -> bool:
+        """Whether the chip is on I2C."""
+        return self.scl_pin is not None or self.i2c_bus is not None
 
     def point_of(
         self, bed_mm: tuple[float, float, float, float], top_mm: float
@@ -79,30 +102,46 @@ def check_accelerometer(data: Mapping[str, Any]) -> Iterator[Finding]:
     rate = part.get("rate_hz")
     if part.get("chip") == "lis2dw" and rate in RATES_HZ and rate > FASTEST_HZ["lis2dw"]:
         yield Finding("config.conflict", (*path, "rate_hz"), rate, "800 or 1600, as of a LIS2DW")
-    bus = part.get("spi_bus")
+    i2c = any(key in part for key in (*_I2C_WIRES, "i2c_bus"))
+    yield from _check_bus(data, part, "i2c_bus" if i2c else "spi_bus")
+    for key in _SPI_KEYS if i2c else _I2C_KEYS:
+        if key in part:
+            limit = f"no such key: the accelerometer is on {'I2C' if i2c else 'SPI'}"
+            yield Finding("config.conflict", (*path, key), part[key], limit)
+    if i2c and part.get("chip", "adxl345") != "lis2dw":
+        limit = "lis2dw, because it is on I2C"
+        yield Finding("config.conflict", (*path, "chip"), part.get("chip", "adxl345"), limit)
+    directions = array(part, "axes_map")
+    if len({str(d).removeprefix("-") for d in directions}) < len(directions):
+        shown = ", ".join(map(str, directions))
+        yield Finding("config.value", (*path, "axes_map"), shown, "x, y and z once each")
+
+
+def _check_bus(data: Mapping[str, Any], part: Mapping[str, Any], key: str) -> Iterator[Finding]:
+    """Checks the pins of a bus, or the bus itself, which is the value of `key`."""
+    path = ("accelerometer",)
+    wires = _I2C_WIRES if key == "i2c_bus" else _SPI_WIRES
+    first = "scl_pin" if key == "i2c_bus" else "cs_pin"
+    bus = part.get(key)
     if bus is None:
-        for key in ("cs_pin", *_WIRES):
-            if key not in part:
-                yield Finding("config.missing-key", (*path, key), None, "a pin, or the key spi_bus")
+        for pin in dict.fromkeys((first, *wires)):
+            if pin not in part:
+                yield Finding("config.missing-key", (*path, pin), None, f"a pin, or the key {key}")
     else:
-        for key in _WIRES:
-            if key in part:
-                limit = "no such key: spi_bus has the pins"
-                yield Finding("config.conflict", (*path, key), part[key], limit)
-    written = part.get("cs_pin", bus)
+        for pin in wires:
+            if pin in part:
+                limit = f"no such key: {key} has the pins"
+                yield Finding("config.conflict", (*path, pin), part[pin], limit)
+    written = part.get(first, bus)
     owner = table(data, *section(placed(str(written))[0]))
     simulated = owner.get("link", "simulated") == "simulated"
     klippers = runs_klippers(owner)
     if bus is not None and (simulated or not klippers):
         who = "a simulated board" if simulated else "Passo's firmware"
-        limit = f"no such key: {who} has no buses; give clock_pin, mosi_pin, miso_pin"
-        yield Finding("config.conflict", (*path, "spi_bus"), bus, limit)
+        limit = f"no such key: {who} has no buses; give {', '.join(wires)}"
+        yield Finding("config.conflict", (*path, key), bus, limit)
     mcu = owner.get("mcu")
-    real = "cs_pin" in part and not (simulated or klippers)
+    real = first in part and not (simulated or klippers)
     if real and mcu in chip_names() and chip(str(mcu)).core == "avr":
         limit = f"a pin of another board: an {chip(str(mcu)).name} is too slow for this chip"
-        yield Finding("config.conflict", (*path, "cs_pin"), written, limit)
-    directions = array(part, "axes_map")
-    if len({str(d).removeprefix("-") for d in directions}) < len(directions):
-        shown = ", ".join(map(str, directions))
-        yield Finding("config.value", (*path, "axes_map"), shown, "x, y and z once each")
+        yield Finding("config.conflict", (*path, first), written, limit)

@@ -31,6 +31,7 @@ Need = Literal[
     "clock",
     "to-device",
     "from-device",
+    "line",
 ]
 
 # Drivers that are set up over SPI: each needs the chip select of its socket.
@@ -45,6 +46,7 @@ _WIRES: dict[str, Need] = {
     "miso_pin": "from-device",
 }
 _SHARED = ("enable", *_WIRES.values())
+_LINES = ("scl_pin", "sda_pin")  # of I2C
 # The marks with an effect, by function; pins of other functions allow none.
 _MARKS: dict[Need, str] = {
     "digital": "!",
@@ -121,6 +123,8 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
     accelerometer = table(data, "accelerometer")
     yield from _claim(("accelerometer", "cs_pin"), accelerometer.get("cs_pin"), "select")
     yield from _wires(("accelerometer",), accelerometer)
+    for key in _LINES:
+        yield from _claim(("accelerometer", key), accelerometer.get(key), "line")
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
     for part in ("mains", "beeper"):
         yield from _claim((part, "pin"), table(data, part).get("pin"))
@@ -161,9 +165,8 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
         first = stepper.get("step_pin", stepper.get("socket"))
         keys = ("socket", "cs_pin", *_WIRES)
         yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
-    yield from _check_together(
-        ("accelerometer",), table(data, "accelerometer"), ("cs_pin", "spi_bus", *_WIRES)
-    )
+    keys = ("cs_pin", "spi_bus", *_WIRES, "i2c_bus", *_LINES)
+    yield from _check_together(("accelerometer",), table(data, "accelerometer"), keys)
     fans = dict(tables(data, "fans"))
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)

@@ -82,8 +82,8 @@ class ResonanceTest:
     async def still(self, seconds: float) -> Measurement:
         """Measures while nothing moves."""
         reader = self._reader()
-        reader.start()
         try:
+            reader.start()
             await self._rig.queue.catch_up()
             start_s = self._rig.queue.now_s
             await self._pass(reader, seconds)
@@ -143,9 +143,13 @@ class ResonanceTest:
         """Stops the reader, and returns the samples of a span. Raises CommandError if too many are
         missing."""
         found = reader.stop()
-        if reader.lost > _MAX_LOST * found.count:
-            limit = f"{_MAX_LOST:.0%}"
-            raise CommandError.of("resonance.lost", value=reader.lost, all=found.count, limit=limit)
+        for code, lost in (
+            ("resonance.lost", reader.lost),
+            ("resonance.overflow", reader.overflows),
+        ):
+            if lost > _MAX_LOST * found.count:
+                limit = f"{_MAX_LOST:.0%}"
+                raise CommandError.of(code, value=lost, all=found.count, limit=limit)
         return found.between(start_s, end_s)
 
     async def _pass(self, reader: AccelerometerReader, seconds: float) -> None:

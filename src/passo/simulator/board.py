@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from passo import _core
-from passo.board.description import BoardDescription, UartPins, bare, inverted
+from passo.board.description import BoardDescription, I2cPins, UartPins, bare, inverted
 from passo.simulator.dictionary import (
     ADC_MAX,
     PWM_MAX,
@@ -92,9 +92,16 @@ class SimulatedBoard:
         kinds = _core.AccelerometerKind
         for part in self.board.accelerometers:
             kind = kinds.ADXL345 if part.chip == "adxl345" else kinds.LIS2DW
-            select, clock, mosi, miso = (self._pins[bare(pin)] for pin in part.spi.pins)
+            pins = [self._pins[bare(pin)] for pin in part.wire.pins]
             hz = float(self.board.clock_hz)
-            yield _core.add_accelerometer(self.device, select, clock, mosi, miso, kind, hz)
+            if isinstance(part.wire, I2cPins):
+                clock, data = pins
+                yield _core.add_i2c_accelerometer(
+                    self.device, clock, data, part.wire.address, kind, hz
+                )
+            else:
+                select, clock, mosi, miso = pins
+                yield _core.add_accelerometer(self.device, select, clock, mosi, miso, kind, hz)
 
     def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:
         device = _core.FirmwareBoard(

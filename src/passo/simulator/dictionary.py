@@ -66,7 +66,14 @@ def _virtual() -> dict[str, Any]:
                 text: number for number, text in enumerate(_core.board_faults()) if text
             },
             "thermocouple_type": {"MAX31855": 0, "MAX31856": 1, "MAX31865": 2, "MAX6675": 3},
-            "bus_oid_type": {"spi": 0},
+            "bus_oid_type": {"spi": 0, "i2c": 1},
+            "i2c_bus_status": {
+                "SUCCESS": 0,
+                "NACK": 1,
+                "BUS_TIMEOUT": 2,
+                "START_NACK": 3,
+                "START_READ_NACK": 4,
+            },
             "lis_chip_type": {"LIS2DW": 0},
         },
         "config": {

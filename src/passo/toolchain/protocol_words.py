@@ -71,7 +71,10 @@ COMMANDS = {
         "config_adxl345": "An accelerometer on an SPI device.",
         "query_adxl345": "Empties its FIFO every `rest_ticks`; 0: stops.",
         "query_adxl345_status": "Asks for the number of samples so far, with the clock.",
-        "config_lis2dw": "The same for a LIS2DW, on an SPI device.",
+        "config_lis2dw": (
+            "The same for a LIS2DW, on an SPI or an I2C device. What it does not acknowledge on I2C"
+            " is read again later."
+        ),
         "query_lis2dw": "As `query_adxl345`.",
         "query_lis2dw_status": "As `query_adxl345_status`.",
         "config_buttons": "Up to eight inputs that the board reports when they change.",

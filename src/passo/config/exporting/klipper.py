@@ -68,20 +68,30 @@ def _put_accelerometer(cfg: Cfg) -> None:
     if part is None:
         return
     board = part.written_board
-    pins = [
-        cfg.pin(pin) if pin else None
-        for pin in (part.cs_pin, part.clock_pin, part.mosi_pin, part.miso_pin)
-    ]
-    select, clock, mosi, miso = pins
-    cfg.put(
-        part.chip,
-        cs_pin=select or (f"{board}:None" if board else "None"),
-        spi_bus=placed(part.spi_bus)[1] if part.spi_bus else None,
-        spi_software_sclk_pin=clock,
-        spi_software_mosi_pin=mosi,
-        spi_software_miso_pin=miso,
-        axes_map=", ".join(part.axes_map),
-    )
+    pins = (part.cs_pin, part.clock_pin, part.mosi_pin, part.miso_pin, part.scl_pin, part.sda_pin)
+    select, clock, mosi, miso, scl, sda = (cfg.pin(pin) if pin else None for pin in pins)
+    axes = ", ".join(part.axes_map)
+    if part.on_i2c:
+        cfg.put(
+            part.chip,
+            i2c_address=part.i2c_address,
+            i2c_mcu=board or None,
+            i2c_bus=placed(part.i2c_bus)[1] if part.i2c_bus else None,
+            i2c_software_scl_pin=scl,
+            i2c_software_sda_pin=sda,
+            i2c_speed=part.i2c_hz,
+            axes_map=axes,
+        )
+    else:
+        cfg.put(
+            part.chip,
+            cs_pin=select or (f"{board}:None" if board else "None"),
+            spi_bus=placed(part.spi_bus)[1] if part.spi_bus else None,
+            spi_software_sclk_pin=clock,
+            spi_software_mosi_pin=mosi,
+            spi_software_miso_pin=miso,
+            axes_map=axes,
+        )
     x, y, z = part.point_of(cfg.machine.bed_area_mm, cfg.machine.axes["z"].max_mm)
     cfg.put(
         "resonance_tester",

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from passo.board.description import Accelerometer, Driver, Setting, SpiPins, UartPins
+from passo.board.description import Accelerometer, Driver, I2cPins, Setting, SpiPins, UartPins
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
 from passo.config.pin_names import named_on, placed
@@ -98,11 +98,18 @@ def accelerometers(machine: MachineConfig, on: str) -> Iterator[Accelerometer]:
     part = machine.accelerometer
     if part is None or part.written_board != on:
         return
-    select, clock, mosi, miso = (
+    select, clock, mosi, miso, scl, sda = (
         machine.pin(pin) if pin else ""
-        for pin in (part.cs_pin, part.clock_pin, part.mosi_pin, part.miso_pin)
+        for pin in (
+            *(part.cs_pin, part.clock_pin, part.mosi_pin, part.miso_pin),
+            *(part.scl_pin, part.sda_pin),
+        )
     )
-    bus = placed(part.spi_bus)[1] if part.spi_bus else ""
+    if part.on_i2c:
+        bus = placed(part.i2c_bus)[1] if part.i2c_bus else ""
+        wire = I2cPins(scl, sda, part.i2c_address, part.i2c_hz, bus)
+    else:
+        bus = placed(part.spi_bus)[1] if part.spi_bus else ""
+        wire = SpiPins(select, clock, mosi, miso, 3, ACCELEROMETER_HZ, bus)
     axes = tuple(("xyz".index(d[-1]), -1 if d[0] == "-" else 1) for d in part.axes_map)
-    spi = SpiPins(select, clock, mosi, miso, 3, ACCELEROMETER_HZ, bus)
-    yield Accelerometer(part.chip, spi, axes, part.rate_hz or 0)
+    yield Accelerometer(part.chip, wire, axes, part.rate_hz or 0)

@@ -14,11 +14,13 @@ if TYPE_CHECKING:
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
-_WIRES = {
+_SPI_WIRES = {
     "clock_pin": "spi_software_sclk_pin",
     "mosi_pin": "spi_software_mosi_pin",
     "miso_pin": "spi_software_miso_pin",
 }
+_I2C_WIRES = {"scl_pin": "i2c_software_scl_pin", "sda_pin": "i2c_software_sda_pin"}
+_I2C_KEYS = {"i2c_address": "i2c_address", "i2c_hz": "i2c_speed"}
 _NONE = "none"  # the chip select of a bus that has its own
 
 
@@ -48,6 +50,8 @@ def put_accelerometer(job: Import) -> None:
 def _put_wires(job: Import, chip: Section) -> bool:
     """Sets the pins of a chip, or the bus of its board. False if the file does not say enough for
     Passo, which is reported."""
+    if chip.kind == "lis2dw" and "cs_pin" not in chip.options:  # as Klipper decides
+        return _put_i2c(job, chip)
     put, path = job.draft.put, ("accelerometer",)
     board, _, pin = bare(chip.text("cs_pin")).rpartition(":")
     bus, select = chip.text("spi_bus"), None
@@ -56,9 +60,9 @@ def _put_wires(job: Import, chip: Section) -> bool:
     else:
         select = job.pins.of(chip, "cs_pin")
         board = placed(select or "")[0]
-    pins = {key: job.pins.of(chip, option) for key, option in _WIRES.items()}
+    pins = {key: job.pins.of(chip, option) for key, option in _SPI_WIRES.items()}
     if select is not None and all(pins.values()):
-        for key, option in _WIRES.items():
+        for key, option in _SPI_WIRES.items():
             put((*path, key), pins[key], chip.at(option))
     elif bus and pin and (*board_path(board), "link") in job.draft.keys:
         put((*path, "spi_bus"), named_on(board, bus), chip.at("spi_bus"))
@@ -68,11 +72,36 @@ def _put_wires(job: Import, chip: Section) -> bool:
             missing = f"spi_bus = {named_on(board, bus)!r} when its board has link and port"
         elif pin:
             missing = "its spi_bus, or clock_pin, mosi_pin and miso_pin"
-        text = f"the accelerometer is not used: give [accelerometer] {missing}"
-        job.draft.decide(chip.place, f"[{chip.name}]", text)
-        return False
+        return _lacks(job, chip, missing)
     put((*path, "cs_pin"), select, chip.at("cs_pin"))
     return True
+
+
+def _put_i2c(job: Import, chip: Section) -> bool:
+    """Does the same for a chip on I2C."""
+    put, path = job.draft.put, ("accelerometer",)
+    board, bus = job.pins.further.get(chip.text("i2c_mcu"), MAIN), chip.text("i2c_bus")
+    pins = {key: job.pins.of(chip, option) for key, option in _I2C_WIRES.items()}
+    if all(pins.values()):
+        for key, option in _I2C_WIRES.items():
+            put((*path, key), pins[key], chip.at(option))
+    elif bus and (*board_path(board), "link") in job.draft.keys:
+        put((*path, "i2c_bus"), named_on(board, bus), chip.at("i2c_bus"))
+    elif bus:
+        place = f"i2c_bus = {named_on(board, bus)!r}"
+        return _lacks(job, chip, f"{place} when its board has link and port")
+    else:
+        return _lacks(job, chip, "its i2c_bus, or scl_pin and sda_pin")
+    for key, option in _I2C_KEYS.items():
+        if (value := chip.read(option)) is not None:
+            put((*path, key), int(value.value), value.place)
+    return True
+
+
+def _lacks(job: Import, chip: Section, missing: str) -> bool:
+    text = f"the accelerometer is not used: give [accelerometer] {missing}"
+    job.draft.decide(chip.place, f"[{chip.name}]", text)
+    return False
 
 
 def _put_rate(job: Import, chip: Section) -> None:
