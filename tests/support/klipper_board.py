@@ -26,6 +26,11 @@ NEWER_SENSORS = {
     "analog_in_state oid=%c next_clock=%u value=%hu": "analog_in_state oid=%c next_clock=%u"
     " values=%*s",
 }
+NEWER_I2C = {
+    "i2c_write oid=%c data=%*s": "i2c_transfer oid=%c write=%*s read_len=%u",
+    "i2c_read_response oid=%c response=%*s": "i2c_response oid=%c i2c_bus_status=%c response=%*s",
+}
+OLDER_I2C = "i2c_read oid=%c reg=%*s read_len=%u"
 # Words of builds for chips that may have an accelerometer; the numbers are ours.
 ACCELEROMETERS = {
     "commands": {
@@ -117,7 +122,7 @@ _TICK_S = 0.002
 
 def dictionary(*, chip: str, newer: bool) -> dict[str, Any]:
     """The dictionary of such a board with the chip `avr`, `stm32`, `linux` or `pru`; `newer` in how
-    it speaks of sensors."""
+    it speaks of sensors and I2C."""
     made = json.loads(json.dumps(DICTIONARY))
     if chip in _OTHERS:
         made["config"] = _OTHERS[chip]["config"]
@@ -128,7 +133,9 @@ def dictionary(*, chip: str, newer: bool) -> dict[str, Any]:
         made["commands"] = commands
     if newer:
         for part in ("commands", "responses"):
-            made[part] = {NEWER_SENSORS.get(text, text): n for text, n in made[part].items()}
+            words = {**NEWER_SENSORS, **NEWER_I2C}
+            made[part] = {words.get(text, text): n for text, n in made[part].items()}
+            made[part].pop(OLDER_I2C, None)
             made[part] |= ACCELEROMETERS[part]
     return made
 
