@@ -43,7 +43,8 @@ def filter_effects(filters: MotionFilters, moves: Sequence[_core.Move]) -> tuple
             f"jerk: all positions are means over {box_s * 1e3:.1f} ms, so that the acceleration of"
             f" no axis changes by more than {filters.jerk_mm_s3:g} mm/s³ between corners; while the"
             f" move speeds up by {hardest:.0f} mm/s² the head is"
-            f" {spread_mm(box_s, [], hardest) * 1e3:.0f} µm off the plan, and a right angle at its end is cut by up to {cut_mm * 1e3:.0f} µm"
+            f" {spread_mm(box_s, [], hardest) * 1e3:.0f} µm off the plan, and a right"
+            f" angle at its end is cut by up to {cut_mm * 1e3:.0f} µm"
         )
     extrudes = [move for move in moves if _part(move, _E) > 0]
     if any(filters.shapes_filament(move.extruder) for move in extrudes):
