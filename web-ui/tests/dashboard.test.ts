@@ -76,13 +76,21 @@ test("a question of the printer is seen and answered on every page", async ({ pa
 });
 
 test("STOP halts with the catalogue's sentence, and the printer starts again", async ({ page }) => {
-  await page.getByRole("button", { name: "STOP" }).click();
+  await page.keyboard.press("?");
+  await page.getByRole("dialog").getByRole("button", { name: "STOP" }).click(); // it is in reach there too
   await state(page, "Halted");
+  await picture(page, "stop-in-dialog-1280-light");
+  await page.keyboard.press("Escape");
   const alert = page.getByRole("alert").first();
   await alert.getByText(/M112|emergency/i).first().waitFor();
   expect(await page.getByRole("button", { name: "Home all" }).isDisabled()).toBe(true);
   await picture(page, "halted-1280-light");
   await expectAccessible(page);
+  await page.getByRole("button", { name: "Start again" }).click();
+  await state(page, "Ready");
+  await page.getByRole("combobox", { name: "Command" }).focus();
+  await page.keyboard.press("Control+Shift+E");
+  await state(page, "Halted");
   await page.getByRole("button", { name: "Start again" }).click();
   await state(page, "Ready");
 });

@@ -1,5 +1,6 @@
-/** Keys that act on the whole page; the user can switch them off. */
+/** Keys that act on the whole page; the user can switch them off, except that of STOP. */
 
+import { stop } from "./actions.svelte";
 import { PAGES, hashOf, route } from "./route.svelte";
 import { theme } from "./theme.svelte";
 import { viewer } from "./viewer.svelte";
@@ -8,6 +9,7 @@ const KEPT = "passo-shortcuts";
 
 /** The keys of the list, with the name of what each does. */
 export const KEYS = [
+  { keys: ["Ctrl", "Shift", "E"], does: "stop" },
   { keys: ["?"], does: "list" },
   { keys: ["1", "…", String(PAGES.length)], does: "pages" },
   { keys: ["c"], does: "console" },
@@ -30,8 +32,13 @@ class Shortcuts {
     localStorage.setItem(KEPT, on ? "on" : "off");
   }
 
-  /** What a key does, where no field has it and no dialog is open. */
+  /** What a key does, where no field has it and no dialog is open; STOP acts everywhere. */
   take(event: KeyboardEvent): void {
+    if (event.ctrlKey && event.shiftKey && event.key.toLowerCase() === "e") {
+      event.preventDefault();
+      if (!event.repeat) void stop();
+      return;
+    }
     if (event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) return;
     const target = event.target instanceof Element ? event.target : null;
     if (target?.closest("input, select, textarea, dialog, [contenteditable]")) return;
