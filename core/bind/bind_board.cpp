@@ -205,8 +205,7 @@ void bind_board(nb::module_& m) {
              const Bed& bed, const Pair& offset, double trigger, bool pressed_level,
              double hysteresis, double sigma, uint32_t seed, const std::vector<Corners>& dead,
              const std::vector<Corners>& touchy, const ProbeMechanism& mechanism) {
-            auto kernel =
-                make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry));
+            auto kernel = geometry_of(geometry);
             if (int(motors.size()) != kernel->actuators())
               throw nb::value_error("a probe needs one motor for each actuator");
             BedProbe probe{pin,          std::move(motors),      std::move(kernel),

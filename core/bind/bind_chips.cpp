@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "bind/bind_numbers.hpp"
 #include "sim/accelerometer_chip.hpp"
 #include "sim/converter_chip.hpp"
 #include "sim/digipot.hpp"
@@ -99,6 +100,7 @@ void bind_chips(nb::module_& m) {
           "ride",
           [](AccelerometerChip& chip, std::shared_ptr<HeadDynamics> head, double ratio,
              double offset) {
+            passo::positive(ratio, "ratio"), passo::finite(offset, "offset");
             chip.place(
                 [head, ratio, offset](Ticks clock) {
                   head->run(double(clock) * ratio + offset);

@@ -56,8 +56,7 @@ void bind_geometry(nb::module_& m) {
       .def(
           "__init__",
           [](GeometryView* self, const nb::dict& spec) {
-            new (self)
-                GeometryView{make_geometry(get<std::string>(spec, "kind"), geometry_params(spec))};
+            new (self) GeometryView{geometry_of(spec)};
           },
           "spec"_a)
       .def_prop_ro("actuators", [](const GeometryView& self) { return self.geometry->actuators(); })

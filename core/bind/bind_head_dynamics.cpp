@@ -1,4 +1,6 @@
 // passo._core.HeadDynamics: how the head of a simulated printer moves, and what it extrudes.
+#include "bind/bind_head_dynamics.hpp"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
@@ -12,7 +14,6 @@
 #include <vector>
 
 #include "bind/bind_machine.hpp"
-#include "sim/head_dynamics.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -24,30 +25,17 @@ namespace {
 using Three = std::array<double, 3>;
 using HeadMotor = std::tuple<Bench*, uint32_t, double, double, double>;
 
-BeltMass mass_of(const std::pair<double, double>& mass) {
-  const auto [frequency_hz, damping] = mass;
-  if (!(frequency_hz > 0 && damping > 0 && damping < 1))
-    throw nb::value_error("a mass needs a frequency, and a damping ratio above 0 and below 1");
-  return BeltMass(frequency_hz, damping);
-}
-
-NozzlePressure nozzle_of(double time_constant_s) {
-  if (!(time_constant_s > 0)) throw nb::value_error("a nozzle needs a time constant");
-  return NozzlePressure(time_constant_s);
-}
-
 std::shared_ptr<HeadDynamics> head_of(double clock_hz, const nb::dict& geometry,
-                                      const std::array<std::pair<double, double>, 3>& masses,
+                                      const std::array<MassPair, 3>& masses,
                                       const std::vector<double>& nozzles,
                                       const std::vector<HeadMotor>& motors) {
   std::vector<TrackedMotor> tracked;
-  for (const auto& [board, pin, per_step, ratio, offset] : motors)
-    tracked.push_back({per_step, ratio, offset});
-  std::vector<NozzlePressure> pressures;
-  for (double time_constant_s : nozzles) pressures.push_back(nozzle_of(time_constant_s));
-  auto head = std::make_shared<HeadDynamics>(
-      clock_hz, make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry)),
-      std::array{mass_of(masses[0]), mass_of(masses[1]), mass_of(masses[2])}, pressures, tracked);
+  for (const auto& [board, pin, per_step, ratio, offset] : motors) {
+    if (board == nullptr) throw nb::value_error("a motor has no board");
+    tracked.push_back(motor_of(per_step, ratio, offset));
+  }
+  auto head = std::make_shared<HeadDynamics>(positive(clock_hz, "clock_hz"), geometry_of(geometry),
+                                             masses_of(masses), nozzles_of(nozzles), tracked);
   for (size_t i = 0; i < motors.size(); ++i)
     head->connect(i, *std::get<0>(motors[i]), std::get<1>(motors[i]));
   return head;
@@ -70,8 +58,12 @@ void bind_head_dynamics(nb::module_& m) {
           },
           "frequency_hz"_a, "damping"_a,
           "`damping` is a fraction of the critical one. Raises ValueError outside of 0 to 1.")
-      .def("run", &BeltMass::run, "seconds"_a, "Lets time pass without a step.")
-      .def("step", &BeltMass::step, "mm"_a, "The motor moves, at once.")
+      .def(
+          "run", [](BeltMass& mass, double s) { mass.run(finite(s, "seconds")); }, "seconds"_a,
+          "Lets time pass without a step.")
+      .def(
+          "step", [](BeltMass& mass, double mm) { mass.step(finite(mm, "mm")); }, "mm"_a,
+          "The motor moves, at once.")
       .def_prop_ro("deviation", &BeltMass::deviation,
                    "Position of the mass minus that of the motor, mm.")
       .def_prop_ro("velocity", &BeltMass::velocity, "mm/s.")
@@ -87,8 +79,12 @@ void bind_head_dynamics(nb::module_& m) {
             new (self) NozzlePressure(nozzle_of(time_constant_s));
           },
           "time_constant_s"_a, "Raises ValueError for a time constant that is not above 0.")
-      .def("run", &NozzlePressure::run, "seconds"_a, "Lets time pass without a step.")
-      .def("step", &NozzlePressure::step, "mm"_a, "The extruder moves, at once.")
+      .def(
+          "run", [](NozzlePressure& nozzle, double s) { nozzle.run(finite(s, "seconds")); },
+          "seconds"_a, "Lets time pass without a step.")
+      .def(
+          "step", [](NozzlePressure& nozzle, double mm) { nozzle.step(finite(mm, "mm")); }, "mm"_a,
+          "The extruder moves, at once.")
       .def_prop_ro("flow", &NozzlePressure::flow, "Filament that leaves the nozzle, mm/s.");
   nb::class_<HeadDynamics>(m, "HeadDynamics",
                            "The real motion of the head of a simulated printer, and the flow of "
@@ -102,11 +98,20 @@ void bind_head_dynamics(nb::module_& m) {
                    "The clock of the last step that was made.")
       .def("follow", &HeadDynamics::follow, "on"_a,
            "Begins to follow the motors from their positions, all at rest; or ends it.")
-      .def("place", &HeadDynamics::place, "clock"_a, "positions"_a,
-           "Sets the positions of the motors of the actuators at this clock, at standstill.")
+      .def(
+          "place",
+          [](HeadDynamics& h, double clock, const std::vector<double>& positions) {
+            if (positions.size() != h.actuators())
+              throw nb::value_error("one position for each actuator");
+            for (double position : positions) finite(position, "a position");
+            h.place(finite(clock, "clock"), positions);
+          },
+          "clock"_a, "positions"_a,
+          "Sets the positions of the motors of the actuators at this clock, at standstill.")
       .def(
           "run",
           [](HeadDynamics& h, double clock) {
+            finite(clock, "clock");
             nb::gil_scoped_release released;
             h.run(clock);
           },
@@ -115,19 +120,7 @@ void bind_head_dynamics(nb::module_& m) {
                    "Where the motors hold X, Y and Z.")
       .def_prop_ro("mm", of_axes([](auto& h, int i) { return h.mm(i); }),
                    "Where X, Y and Z really are.")
-      .def_prop_ro("velocity", of_axes([](auto& h, int i) { return h.mass(i).velocity(); }),
-                   "mm/s in X, Y and Z.")
-      .def_prop_ro("acceleration", of_axes([](auto& h, int i) { return h.acceleration(i); }),
-                   "mm/s\u00b2 in X, Y and Z.")
       .def_prop_ro("ringing", of_axes([](auto& h, int i) { return h.mass(i).ringing(); }),
                    "The amplitudes of the vibration of X, Y and Z, mm, while the motors are at "
-                   "standstill.")
-      .def_prop_ro(
-          "flow",
-          [](const HeadDynamics& h) {
-            std::vector<double> flow;
-            for (size_t i = 0; i < h.nozzles(); ++i) flow.push_back(h.nozzle(i).flow());
-            return flow;
-          },
-          "Filament that leaves the nozzle of each extruder, mm/s.");
+                   "standstill.");
 }

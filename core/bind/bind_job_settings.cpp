@@ -66,8 +66,7 @@ void bind_job_settings(JobClass& job) {
           "set_geometry",
           [](JobView& self, const nb::typed<nb::dict, nb::str, nb::any>& spec) {
             self.job.motion.flush();
-            self.job.motion.set_geometry(
-                make_geometry(get<std::string>(spec, "kind"), geometry_params(spec)));
+            self.job.motion.set_geometry(geometry_of(spec));
           },
           "spec"_a,
           "Changes the parameters of the machine's geometry. Call it only at standstill. No motor "

@@ -38,7 +38,7 @@ Machine machine_of(const nb::dict& spec) {
     m.tools.push_back({get<int>(t, "extruder"), {offset.at(0), offset.at(1), offset.at(2)}});
   }
   nb::dict geometry = get<nb::dict>(spec, "geometry");
-  m.geometry = make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry));
+  m.geometry = geometry_of(geometry);
   for (nb::handle s : spec["steppers"]) {
     std::string drive = get<std::string>(s, "drive");
     auto ticks = [&](const char* key) {

@@ -6,6 +6,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,11 @@ inline GeometryParams geometry_params(const nb::dict& dict) {
       params[name] = {nb::cast<double>(nb::float_(value))};
   }
   return params;
+}
+
+// The geometry of a dict with its kind and its parameters.
+inline std::unique_ptr<Geometry> geometry_of(const nb::dict& spec) {
+  return make_geometry(get<std::string>(spec, "kind"), geometry_params(spec));
 }
 
 // (weight, seconds) of each impulse.

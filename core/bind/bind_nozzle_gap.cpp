@@ -30,8 +30,7 @@ class GapView {
  public:
   GapView(double clock_hz, const nb::dict& geometry, const Bed& bed,
           const std::vector<GapMotor>& motors, const std::vector<GapLift>& lifts)
-      : gap_(clock_hz, make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry)),
-             bed, motors_of(motors), lifts_of(lifts)) {
+      : gap_(clock_hz, geometry_of(geometry), bed, motors_of(motors), lifts_of(lifts)) {
     for (const auto& [board, pin, per_step, ratio, offset] : motors) {
       motors_.push_back({board, pin});
       board->trace_steps(pin, -kNever, kNever);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bind/bind_job.hpp"
+#include "bind/bind_numbers.hpp"
 #include "sim/print_quality.hpp"
 
 namespace nb = nanobind;
@@ -39,10 +40,16 @@ void bind_print_quality(nb::module_& m) {
   nb::class_<PrintQuality>(m, "PrintQuality",
                            "Measures how the head of a simulated printer follows the path of a "
                            "file, and how wide its lines are. Clocks are those of the main board.")
-      .def(nb::init<double, std::shared_ptr<HeadDynamics>>(), "clock_hz"_a, "head"_a)
+      .def(
+          "__init__",
+          [](PrintQuality* self, double clock_hz, std::shared_ptr<HeadDynamics> head) {
+            new (self) PrintQuality(positive(clock_hz, "clock_hz"), std::move(head));
+          },
+          "clock_hz"_a, "head"_a)
       .def(
           "begin",
           [](PrintQuality& q, JobView& job, double clock) {
+            finite(clock, "clock");
             job.segments.emplace();
             job.watch_moves();
             q.begin(clock);
@@ -51,6 +58,7 @@ void bind_print_quality(nb::module_& m) {
       .def(
           "run",
           [](PrintQuality& q, JobView& job, double clock) {
+            finite(clock, "clock");
             if (job.segments) q.add_path(job.segments->take());
             nb::gil_scoped_release released;
             q.run(clock);
@@ -68,11 +76,12 @@ void bind_print_quality(nb::module_& m) {
            "Keeps the path, for `StepRecording.measure`. Call it before `begin`.")
       .def("show", &PrintQuality::show, "corner"_a,
            "The corner of `shown`; without a call, the one with the largest ringing.")
-      .def_prop_ro("shown", &shown,
-                   "A corner: its number, its line in the file, X and Y, the directions of its "
-                   "lines in X and Y, and samples: seconds since the head has passed it, X and Y "
-                   "of the head, X and Y of the motors, the head's deviation across its line in "
-                   "mm, the width of the line as a fraction.")
+      .def_prop_ro(
+          "shown", &shown,
+          "A corner: its number, its line in the file, X and Y, the directions of its "
+          "lines in X and Y, and samples: seconds since the motors have passed it, X and Y "
+          "of the head, X and Y of the motors, the head's deviation across its line in "
+          "mm, the width of the line as a fraction.")
       .def_prop_ro("corners", &PrintQuality::corners, "Number of sharp corners of printed lines.")
       .def_prop_ro("printed_mm", &PrintQuality::printed_mm)
       .def_prop_ro(
@@ -90,5 +99,5 @@ void bind_print_quality(nb::module_& m) {
       .def_prop_ro("width_error", &PrintQuality::width_error,
                    "Mean error of the width of printed lines, as a fraction.")
       .def_prop_ro("lost", &PrintQuality::lost,
-                   "Fraction of the time in which the head was more than 2 mm from the path.");
+                   "Fraction of the time in which the motors were more than 2 mm from the path.");
 }

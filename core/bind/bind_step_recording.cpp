@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "bind/bind_bytes.hpp"
+#include "bind/bind_head_dynamics.hpp"
 #include "bind/bind_machine.hpp"
 #include "sim/print_quality.hpp"
 #include "sim/step_recording.hpp"
@@ -27,13 +28,8 @@ using namespace passo::wire;
 namespace {
 
 using Dict = nb::typed<nb::dict, nb::str, nb::any>;
-using Mass = std::pair<double, double>;
 using PlayedMotor = std::tuple<size_t, int64_t, double, double>;
 using Played = std::tuple<PrintQuality, double, size_t>;
-
-std::shared_ptr<const Geometry> geometry_of(const Dict& spec) {
-  return make_geometry(get<std::string>(spec, "kind"), geometry_params(spec));
-}
 
 // Where the actuators begin and end on a path, and their lowest and highest positions.
 std::vector<std::array<double, 4>> actuator_ranges(const PrintQuality& quality, const Dict& spec) {
@@ -55,7 +51,7 @@ std::vector<std::array<double, 4>> actuator_ranges(const PrintQuality& quality, 
 }
 
 Played measure(const StepRecording& recording, const PrintQuality& by, double clock_hz,
-               const Dict& spec, const std::array<Mass, 3>& masses,
+               const Dict& spec, const std::array<MassPair, 3>& masses,
                const std::vector<double>& nozzles, const std::vector<PlayedMotor>& motors,
                std::optional<size_t> corner) {
   std::vector<TrackedMotor> tracked;
@@ -63,13 +59,15 @@ Played measure(const StepRecording& recording, const PrintQuality& by, double cl
   std::vector<std::vector<StepRun>> runs;
   double first = kInfinity, last = 0;
   size_t commands = 0;
-  const auto geometry = geometry_of(spec);
+  std::shared_ptr<const Geometry> geometry = geometry_of(spec);
+  positive(clock_hz, "clock_hz");
   for (const auto& [index, steps, per_step, at] : motors) {
-    tracked.push_back({per_step, 1, 0});
+    tracked.push_back(motor_of(per_step, 1, 0));
     if (int(start.size()) < geometry->actuators()) {
-      start.push_back(at);
+      start.push_back(finite(at, "a position"));
       runs.push_back(recording.last(index, steps));
     } else {  // advance adds steps, so that only the clock counts
+      if (first == kInfinity) break;
       runs.push_back(recording.since(index, Ticks(first - clock_hz)));
     }
     commands += runs.back().size();
@@ -77,11 +75,9 @@ Played measure(const StepRecording& recording, const PrintQuality& by, double cl
     first = std::min(first, double(runs.back().front().start));
     last = std::max(last, double(runs.back().back().end));
   }
-  if (first > last) throw nb::value_error("it has no steps");
-  auto mass = [&masses](size_t axis) { return BeltMass(masses[axis].first, masses[axis].second); };
-  std::vector<NozzlePressure> pressures(nozzles.begin(), nozzles.end());
-  auto head = std::make_shared<HeadDynamics>(
-      clock_hz, geometry, std::array{mass(0), mass(1), mass(2)}, pressures, tracked);
+  if (first == kInfinity) throw nb::value_error("its actuators make no steps");
+  auto head = std::make_shared<HeadDynamics>(clock_hz, std::move(geometry), masses_of(masses),
+                                             nozzles_of(nozzles), tracked);
   nb::gil_scoped_release released;
   head->place(first - clock_hz, start);
   head->run(first - clock_hz);

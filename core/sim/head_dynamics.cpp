@@ -34,8 +34,7 @@ void HeadDynamics::follow(bool on) {
     const auto board = sources_[i].board.lock();
     if (!board) continue;
     (*board)->follow_steps(sources_[i].step_pin, on);
-    if (on) tracks_[i].position = (*board)->position(sources_[i].step_pin);
-    if (on) clock_ = std::max(clock_, tracks_[i].main_clock((*board)->now()));
+    if (on) tracks_[i].restart((*board)->position(sources_[i].step_pin));
   }
   if (!on) return;
   for (BeltMass& mass : masses_) mass.rest();
@@ -57,7 +56,6 @@ void HeadDynamics::advance(double clock) {
     nozzles_[i].run((clock - pushed_[i]) / hz_);
     pushed_[i] = clock;
   }
-  clock_ = clock;
 }
 
 double HeadDynamics::next_step() const {

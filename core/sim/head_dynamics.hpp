@@ -29,6 +29,7 @@ class HeadDynamics {
   HeadDynamics(const HeadDynamics&) = delete;
   HeadDynamics& operator=(const HeadDynamics&) = delete;
 
+  size_t actuators() const { return size_t(geometry_->actuators()); }
   // A motor's board and step pin.
   void connect(size_t motor, Bench& board, uint32_t step_pin);
   // Begins to follow the steps of the connected motors, from the positions where they are, all at
@@ -56,10 +57,8 @@ class HeadDynamics {
   double motor_mm(int axis) const { return motor_[axis]; }
   double mm(int axis) const { return motor_[axis] + masses_[size_t(axis)].deviation(); }
   const BeltMass& mass(int axis) const { return masses_[size_t(axis)]; }
-  double acceleration(int axis) const { return mass(axis).acceleration(); }
   size_t nozzles() const { return nozzles_.size(); }
   const NozzlePressure& nozzle(size_t extruder) const { return nozzles_[extruder]; }
-  double clock() const { return clock_; }
   // The clock of the last step that was made.
   double last_step() const { return last_step_; }
   // The clock of the next one that is known; infinite without one.
@@ -70,7 +69,7 @@ class HeadDynamics {
     std::weak_ptr<Bench*> board;
     uint32_t step_pin = 0;
   };
-  double hz_, clock_ = 0, last_step_ = 0;
+  double hz_, last_step_ = 0;
   std::shared_ptr<const Geometry> geometry_;
   bool linear_ = true;
   double columns_[3][3] = {};  // by how much an actuator moves each axis, if it is linear
@@ -83,7 +82,6 @@ class HeadDynamics {
   std::deque<std::pair<double, std::vector<double>>> places_;
   double motor_[3] = {};
 
-  size_t actuators() const { return size_t(geometry_->actuators()); }
   bool forward(double p[3]) const;
   void settle();
   void make_steps(double clock);

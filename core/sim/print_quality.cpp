@@ -9,14 +9,15 @@ namespace {
 
 constexpr double kQuietSeconds = 0.3;  // without a step nothing is measured any more
 constexpr double kAheadMm = 0.05;      // the place on the path may leap ahead by this
-constexpr double kLeapFromMm = 0.15;   // a head that is farther off may have left out a detour
+constexpr double kLeapFromMm = 0.15;   // motors that are farther off may have left out a detour
 constexpr double kLeapReach = 20;      // by this times the distance beyond that
 constexpr double kLeapCost = 0.05;     // mm of distance from the path that a leap by 1 mm is worth
 constexpr double kOnLineMm = 0.02;     // motors that are so near to a line are on it
 constexpr double kStraight = 0.9994;   // cosine of the largest bend of a line
 constexpr double kRelaxing = 5;        // time constants until a nozzle has its steady flow
 constexpr double kNearCornerMm = 1.0;  // the head's way is compared with a corner that far
-constexpr double kFarMm = 2.0;         // the head does not follow the path any more
+constexpr double kFarMm = 2.0;         // the motors do not follow the path any more
+constexpr double kPastMm = 10;         // of path before the place, with which a head is compared
 constexpr double kRecordSeconds = 0.15;  // of a picture, after its corner
 constexpr double kLastsSeconds = 0.1;    // a line is long enough for a picture
 constexpr size_t kPast = 120;            // samples of a picture before its corner
@@ -38,6 +39,15 @@ double from_line(const double point[3], const double a[3], const double b[3]) {
 
 }  // namespace
 
+std::pair<double, double> PrintQuality::Segment::nearest(const double p[3], double least,
+                                                         double most) const {
+  double by[3], at[3];
+  for (int i = 0; i < 3; ++i) by[i] = p[i] - from[i];
+  const double mm = std::clamp(dot(by, unit), std::max(least, 0.0), std::min(most, length));
+  for (int i = 0; i < 3; ++i) at[i] = from[i] + mm * unit[i];
+  return {mm, distance(p, at)};
+}
+
 double PrintQuality::Spread::rms() const { return weight > 0 ? std::sqrt(square / weight) : 0; }
 
 void PrintQuality::begin(double clock) {
@@ -49,8 +59,9 @@ void PrintQuality::begin(double clock) {
 void PrintQuality::add_path(const std::vector<PathSegment>& segments) {
   if (keeps_) kept_.insert(kept_.end(), segments.begin(), segments.end());
   for (const PathSegment& segment : segments) {
-    Segment s{segment, distance(segment.from, segment.to), {}};
+    Segment s{segment, distance(segment.from, segment.to), {}, 0};
     if (s.length <= 0) continue;
+    if (!path_.empty()) s.begin = path_.back().begin + path_.back().length;
     for (int i = 0; i < 3; ++i) s.unit[i] = (s.to[i] - s.from[i]) / s.length;
     path_.push_back(s);
   }
@@ -79,63 +90,75 @@ void PrintQuality::finish() {
 }
 
 void PrintQuality::stand() {
-  for (int i = 0; i < 3; ++i) position_[i] = head_->mm(i);
+  for (int i = 0; i < 3; ++i) motors_[i] = head_->motor_mm(i), position_[i] = head_->mm(i);
   printed_ = false;
 }
 
 void PrintQuality::sample() {
-  double p[3];
-  for (int i = 0; i < 3; ++i) p[i] = head_->mm(i);
-  const double moved = distance(p, position_);
+  double motors[3], p[3];
+  for (int i = 0; i < 3; ++i) motors[i] = head_->motor_mm(i), p[i] = head_->mm(i);
   if (!path_.empty()) {
     ++samples_;
-    const double before_mm = along_;
-    const size_t left = path_.size();
-    const double off = follow(p, moved);
-    const Segment& on = path_.front();
-    if (off > kFarMm) {
-      ++lost_;
+    const double before_mm = path_[on_].begin + along_;
+    follow(motors, distance(motors, motors_));
+    if (off_ > kFarMm) {
+      if (!over()) ++lost_;
       printed_ = false;
     } else {
-      if (on.prints && (path_.size() < left || along_ > before_mm)) off_path_.add(off, moved);
+      const double moved = distance(p, position_);
+      const Segment& on = path_[on_];
+      if (on.prints && on.begin + along_ > before_mm)
+        off_path_.add(from_path(p, 2 * (off_ + distance(p, motors)) + kAheadMm), moved);
       const double width = measure_width(moved);
       round(position_, p);
       ring(p);
       record(p, width);
     }
   }
+  std::copy_n(motors, 3, motors_);
   std::copy_n(p, 3, position_);
 }
 
-// Moves the place on the path to the point that is nearest to the head, and returns its distance. A
-// filter may cut off a detour that is shorter than itself: the place leaps over it, which costs.
-double PrintQuality::follow(const double p[3], double moved) {
+// Moves the place on the path to the point that is nearest to the motors. A filter may cut off a
+// detour that is shorter than itself: the place leaps over it, which costs.
+void PrintQuality::follow(const double motors[3], double moved) {
   const double near = 2 * moved + kAheadMm;
   const double reach = near + kLeapReach * std::max(0.0, off_ - kLeapFromMm);
-  size_t best = 0;
-  double best_mm = along_, least = kInfinity, ahead = 0;
-  for (size_t k = 0; k < path_.size() && ahead <= reach; ++k) {
+  const double from = path_[on_].begin + along_;
+  size_t best = on_;
+  double best_mm = along_, least = kInfinity;
+  for (size_t k = on_; k < path_.size() && path_[k].begin <= from + reach; ++k) {
     const Segment& s = path_[k];
-    const double begin = k == 0 ? along_ : 0, end = std::min(s.length, begin + reach - ahead);
-    double to[3], at[3];
-    for (int i = 0; i < 3; ++i) to[i] = p[i] - s.from[i];
-    const double mm = std::clamp(dot(to, s.unit), begin, end);
-    for (int i = 0; i < 3; ++i) at[i] = s.from[i] + mm * s.unit[i];
-    const double off = distance(p, at);
-    const double cost = off + kLeapCost * std::max(0.0, ahead + mm - begin - near);
+    const auto [mm, off] = s.nearest(motors, from - s.begin, from + reach - s.begin);
+    const double cost = off + kLeapCost * std::max(0.0, s.begin + mm - from - near);
     if (cost < least) least = cost, best = k, best_mm = mm, off_ = off;
-    ahead += s.length - begin;
   }
-  for (size_t k = 0; k < best; ++k) next_segment();
+  while (on_ < best) next_segment();
   along_ = best_mm;
-  return off_;
+  while (on_ > 0 && path_[1].begin < path_[on_].begin - kPastMm) path_.pop_front(), --on_;
 }
 
+// The distance of a point from the path, within `reach` mm of path before and after the place.
+double PrintQuality::from_path(const double p[3], double reach) const {
+  const double from = path_[on_].begin + along_;
+  size_t k = on_;
+  while (k > 0 && path_[k].begin > from - reach) --k;
+  double least = kInfinity;
+  for (; k < path_.size() && path_[k].begin <= from + reach; ++k) {
+    const double begin = path_[k].begin;
+    least = std::min(least, path_[k].nearest(p, from - reach - begin, from + reach - begin).second);
+  }
+  return least;
+}
+
+bool PrintQuality::ends() const { return path_[on_].length - along_ <= kOnLineMm; }
+
+bool PrintQuality::over() const { return on_ + 1 == path_.size() && ends(); }
+
 void PrintQuality::next_segment() {
-  const Segment before = path_.front();
-  path_.pop_front();
+  const Segment& before = path_[on_++];
   // A nozzle that was filled at standstill relaxes first: a retraction is not what a line is about.
-  const Segment& after = path_.front();
+  const Segment& after = path_[on_];
   if (after.after_filament && after.extruder < head_->nozzles())
     settled_at_ = at_ + kRelaxing * head_->nozzle(after.extruder).time_constant_s() * hz_;
   pass(before, after);
@@ -172,9 +195,9 @@ void PrintQuality::round(const double from[3], const double to[3]) {
   if (rounding_now_ && rounding_now_->left_at >= 0 &&
       (along_ > kNearCornerMm || seconds(rounding_now_->left_at) > kRingingSeconds))
     end_rounding();
-  const Segment& on = path_.front();
-  if (!rounding_now_ && on.prints && on.length - along_ < kNearCornerMm && path_.size() > 1) {
-    const Segment& next = path_[1];
+  const Segment& on = path_[on_];
+  if (!rounding_now_ && on.prints && on.length - along_ < kNearCornerMm && on_ + 1 < path_.size()) {
+    const Segment& next = path_[on_ + 1];
     if (next.prints && dot(on.unit, next.unit) <= kSharp &&
         std::hypot(next.unit[0], next.unit[1]) >= kStraight)
       rounding_now_ = Rounding{{on.to[0], on.to[1], on.to[2]}, kInfinity, -1};
@@ -193,7 +216,7 @@ void PrintQuality::end_rounding() {
 void PrintQuality::ring(const double p[3]) {
   if (!ringing_now_) return;
   Ringing& r = *ringing_now_;
-  if (!path_.front().prints) return end_ringing();
+  if (!path_[on_].prints) return end_ringing();
   auto across = [&r](double x, double y) {
     return (y - r.from[1]) * r.unit[0] - (x - r.from[0]) * r.unit[1];
   };
@@ -212,11 +235,13 @@ void PrintQuality::end_ringing() {
   ringing_now_.reset();
 }
 
-// The line between the last two samples, as a fraction of its nominal width; 0 without a line.
+// The line between the last two samples, as a fraction of its nominal width; 0 without a line. At
+// its end the motors may stand still for a retraction, which is not what a line is about.
 double PrintQuality::measure_width(double moved) {
-  const Segment& on = path_.front();
-  const bool goes_on = printed_ && on.prints && extruder_ == on.extruder && at_ >= settled_at_;
-  printed_ = on.prints && on.extruder < head_->nozzles();
+  const Segment& on = path_[on_];
+  const bool ended = over() || (ends() && path_[on_ + 1].after_filament);
+  const bool goes_on = printed_ && extruder_ == on.extruder && at_ >= settled_at_;
+  printed_ = on.prints && !ended && on.extruder < head_->nozzles();
   if (!printed_) return 0;
   extruder_ = on.extruder;
   const double before = extruded_;
@@ -229,7 +254,7 @@ double PrintQuality::measure_width(double moved) {
 }
 
 void PrintQuality::record(const double p[3], double width) {
-  const Segment& on = path_.front();
+  const Segment& on = path_[on_];
   const double across = (p[1] - on.from[1]) * on.unit[0] - (p[0] - on.from[0]) * on.unit[1];
   Sample sample{0, {p[0], p[1]}, {head_->motor_mm(0), head_->motor_mm(1)}, across, width};
   sample.s = at_;  // a clock until it is in a picture

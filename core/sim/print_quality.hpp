@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "plan/path_segments.hpp"
@@ -14,8 +15,9 @@ namespace passo::wire {
 
 // Compares where the head really is, and what the nozzle really extrudes, with the path of a file,
 // in samples that are kSampleSeconds apart. Only positions are compared, never times: any stream of
-// steps that follows the path is measured alike. The head's place on the path is the nearest point
-// a little ahead of the last one.
+// steps that follows the path is measured alike. The place on the path is the point that is nearest
+// to the motors, which do not vibrate, a little ahead of the last one. The head is compared with
+// the path around that place.
 class PrintQuality {
  public:
   static constexpr double kSampleSeconds = 0.0005;
@@ -58,12 +60,12 @@ class PrintQuality {
   double width_error() const { return printed_mm_ > 0 ? width_error_mm_ / printed_mm_ : 0; }
   double printed_mm() const { return printed_mm_; }
   size_t corners() const { return corners_; }
-  // Fraction of the samples in which the head was far from the path, where nothing is measured.
+  // Fraction of the samples in which the motors were far from the path, where nothing is measured.
   double lost() const { return samples_ > 0 ? double(lost_) / double(samples_) : 0; }
 
   // The course of things around one corner, for a picture.
   struct Sample {
-    double s;          // since the corner was passed
+    double s;          // since the motors passed the corner
     double head[2];    // X and Y, mm
     double motors[2];  // likewise
     double across_mm;  // deviation of the head across its line, left positive
@@ -89,6 +91,11 @@ class PrintQuality {
  private:
   struct Segment : PathSegment {
     double length, unit[3];
+    double begin;  // mm of path before it
+
+    // The point nearest to p, between two distances from its beginning: mm from there, and its
+    // distance from p.
+    std::pair<double, double> nearest(const double p[3], double least, double most) const;
   };
   struct Rounding {
     double at[3], nearest, left_at;
@@ -99,12 +106,13 @@ class PrintQuality {
   };
   double hz_, at_ = 0;
   std::shared_ptr<HeadDynamics> head_;
-  std::deque<Segment> path_;  // the head is on the first one
+  std::deque<Segment> path_;  // from kPastMm before the place on
   bool keeps_ = false;
   std::vector<PathSegment> kept_;
-  double along_ = 0;                        // mm of it
-  double off_ = 0;                          // the head's distance from there
-  double position_[3] = {}, extruded_ = 0;  // of the last sample
+  size_t on_ = 0;                                            // the place: a segment of the path,
+  double along_ = 0;                                         // and mm of it
+  double off_ = 0;                                           // distance of the motors from there
+  double motors_[3] = {}, position_[3] = {}, extruded_ = 0;  // of the last sample
   uint16_t extruder_ = 0;
   bool printed_ = false;   // likewise
   double settled_at_ = 0;  // the width of lines counts from this clock on
@@ -122,7 +130,10 @@ class PrintQuality {
   double seconds(double from) const { return (at_ - from) / hz_; }
   void stand();
   void sample();
-  double follow(const double p[3], double moved);
+  void follow(const double motors[3], double moved);
+  double from_path(const double p[3], double reach) const;
+  bool ends() const;  // the place is at the end of its segment
+  bool over() const;  // and the path is not known any further
   void next_segment();
   void pass(const Segment& before, const Segment& after);
   void round(const double from[3], const double to[3]);

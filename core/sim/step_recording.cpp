@@ -57,7 +57,11 @@ void StepRecording::read(const Formats& commands, const uint8_t* payload, size_t
     if (!format) throw std::invalid_argument("it has a command that the dictionary lacks");
     format->decode(in, values);
     if (!in.ok) throw std::invalid_argument(format->name + " is cut short");
-    auto value = [&](size_t i) { return uint32_t(std::get<int64_t>(values.at(i))); };
+    auto value = [&](size_t i) {
+      const int64_t* number = i < values.size() ? std::get_if<int64_t>(&values[i]) : nullptr;
+      if (!number) throw std::invalid_argument(format->name + " has other words than Klipper's");
+      return uint32_t(*number);
+    };
     if (format->name == "queue_step")
       queue(motor(value(0)), value(1), uint16_t(value(2)), int16_t(value(3)));
     else if (format->name == "set_next_step_dir")

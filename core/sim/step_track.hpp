@@ -22,6 +22,13 @@ class StepTrack {
 
   double position = 0;  // after the last step made
 
+  // Forgets the steps that are not made yet.
+  void restart(double from) {
+    position = from;
+    ahead_.clear();
+    done_ = 0;
+    next_ = kInfinity;
+  }
   double own_clock(double clock) const { return (clock - motor_.offset) / motor_.ratio; }
   double main_clock(Ticks own) const { return double(own) * motor_.ratio + motor_.offset; }
   // In the order of time.

@@ -1068,22 +1068,10 @@ class HeadDynamics:
         """Where X, Y and Z really are."""
 
     @property
-    def velocity(self) -> list[float]:
-        """mm/s in X, Y and Z."""
-
-    @property
-    def acceleration(self) -> list[float]:
-        """mm/s² in X, Y and Z."""
-
-    @property
     def ringing(self) -> list[float]:
         """
         The amplitudes of the vibration of X, Y and Z, mm, while the motors are at standstill.
         """
-
-    @property
-    def flow(self) -> list[float]:
-        """Filament that leaves the nozzle of each extruder, mm/s."""
 
 class PrintQuality:
     """
@@ -1112,7 +1100,7 @@ class PrintQuality:
     @property
     def shown(self) -> tuple[int, int, tuple[float, float], tuple[float, float], tuple[float, float], list[tuple[float, float, float, float, float, float, float]]]:
         """
-        A corner: its number, its line in the file, X and Y, the directions of its lines in X and Y, and samples: seconds since the head has passed it, X and Y of the head, X and Y of the motors, the head's deviation across its line in mm, the width of the line as a fraction.
+        A corner: its number, its line in the file, X and Y, the directions of its lines in X and Y, and samples: seconds since the motors have passed it, X and Y of the head, X and Y of the motors, the head's deviation across its line in mm, the width of the line as a fraction.
         """
 
     @property
@@ -1145,7 +1133,7 @@ class PrintQuality:
     @property
     def lost(self) -> float:
         """
-        Fraction of the time in which the head was more than 2 mm from the path.
+        Fraction of the time in which the motors were more than 2 mm from the path.
         """
 
 def actuator_ranges(quality: PrintQuality, geometry: dict[str, Any]) -> list[list[float]]:

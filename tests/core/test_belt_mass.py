@@ -1,7 +1,7 @@
 """A mass on a belt, and the pressure in a nozzle, as formulas: smooth motion in slices of 20 µs."""
 
 from itertools import pairwise
-from math import exp, pi, sqrt
+from math import exp, inf, nan, pi, sqrt
 
 import pytest
 
@@ -68,9 +68,23 @@ def test_mass_vibrates_freely_by_its_formula():
     assert mass.velocity - before[1] == pytest.approx(h * before[2], rel=1e-2)
 
 
-def test_mass_without_damping_is_refused():
+@pytest.mark.parametrize("bad", [0.0, inf, nan])
+def test_numbers_that_belong_to_no_mass_or_nozzle_are_refused(bad):
     with pytest.raises(ValueError, match="damping ratio above 0"):
-        _core.BeltMass(50.0, 0.0)
+        _core.BeltMass(50.0, bad)
+    with pytest.raises(ValueError, match="the frequency of a mass must be"):
+        _core.BeltMass(bad, 0.1)
+    with pytest.raises(ValueError, match="the time constant of a nozzle must be"):
+        _core.NozzlePressure(bad)
+
+
+@pytest.mark.parametrize("bad", [inf, nan])
+def test_mass_and_nozzle_refuse_what_is_not_finite(bad):
+    for each in (_core.BeltMass(50.0, 0.1), _core.NozzlePressure(0.05)):
+        with pytest.raises(ValueError, match="seconds must be a finite number"):
+            each.run(bad)
+        with pytest.raises(ValueError, match="mm must be a finite number"):
+            each.step(bad)
 
 
 # 100, 5 and 100 mm/s of line at 3000 mm/s² through a nozzle with 0.05 s: the widest and narrowest

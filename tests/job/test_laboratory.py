@@ -6,10 +6,14 @@ from math import dist, sqrt
 import pytest
 
 from passo import config
-from passo.config.motion import Shaping
+from passo.config.motion import Backlash, Shaping
 from passo.config.shapers import impulses
 from passo.config.simulated_motion import SimulatedMass
-from passo.job.batch.laboratory import Laboratory, Setting, Trial, run_laboratory, settings_for
+from passo.errors import InputError
+from passo.job.batch.comparison import Comparison, Trial
+from passo.job.batch.laboratory import run_laboratory
+from passo.job.batch.motion_setting import Setting, settings_for
+from passo.job.batch.policy import Policy
 from passo.job.batch.quality_watch import Quality, QualityWatch
 from passo.job.batch.simulated_print import Print
 
@@ -47,14 +51,13 @@ def advanced(advance_s, smooth_s):
     return {"e": _I3.extruders["e"].model_copy(update=update)}
 
 
-def measured(machine, folder, text=L_SHAPE):
+def measured(machine, folder, text=L_SHAPE, policy=None):
     path = folder / "corner.gcode"
     path.write_text(text)
-    job = Print(machine)
+    job = Print(machine, policy)
     watch = QualityWatch(machine, job, 0)
     job.watch_steps(watch)
-    job.run(path)
-    return watch
+    return watch.measurement(job.run(path))
 
 
 @pytest.mark.parametrize("kind", ["mzv", "ei", "3hump_ei"])
@@ -111,10 +114,15 @@ def test_each_setting_has_one_filter_and_the_values_of_the_machine():
 
 
 @pytest.fixture(scope="module")
-def laboratory(tmp_path_factory):
+def corner(tmp_path_factory):
     path = tmp_path_factory.mktemp("lab") / "corner.gcode"
     path.write_text("M900 K0.5\nM593 F90\n" + L_SHAPE)
-    return run_laboratory(_I3, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def laboratory(corner):
+    return run_laboratory(_I3, corner)
 
 
 def test_laboratory_measures_less_ringing_with_shapers(laboratory):
@@ -122,7 +130,8 @@ def test_laboratory_measures_less_ringing_with_shapers(laboratory):
     plain, best = trials["none"], laboratory.trials[laboratory.best]
     assert trials["mzv"].quality.ringing_rms_um < 0.2 * plain.quality.ringing_rms_um
     assert trials["mzv"].off_tune_rms_um < 0.25 * plain.off_tune_rms_um
-    assert trials["jerk limit"].quality.ringing_rms_um < 0.6 * plain.quality.ringing_rms_um
+    s_curve = trials["S-curve (jerk limit)"]
+    assert s_curve.quality.ringing_rms_um < 0.6 * plain.quality.ringing_rms_um
     assert trials["3hump_ei"].quality.rounding_um > 3 * trials["mzv"].quality.rounding_um
     assert trials["advance"].quality.width_error < 0.6 * plain.quality.width_error
     assert trials["advance"].quality.ringing_rms_um == pytest.approx(
@@ -138,9 +147,9 @@ def test_laboratory_shows_the_same_corner_of_every_setting(laboratory):
     assert {corner.line for corner in corners} == {7}
 
 
-def trial(name, time_s, ringing, rounding, width):
-    quality = Quality(4, 100, ringing, 2 * ringing, rounding, rounding, 1, 1, width, 0)
-    return Trial(name, time_s, quality, ringing, 1, 1)
+def trial(name, time_s, ringing, rounding, width, lost=0.0):
+    quality = Quality(4, 100, ringing, 2 * ringing, rounding, rounding, 1, 1, width, lost)
+    return Trial(name, time_s, quality, ringing, lost, 1, 1)
 
 
 @pytest.mark.parametrize(
@@ -156,20 +165,79 @@ def test_best_setting_follows_the_weight(weight, best):
     ]
     if weight == "time":
         trials = [trials[0], trial("still", 130, 2, 60, 0.1), trial("even", 130, 40, 60, 0.005)]
-    found = Laboratory("f", "m", weight, trials)
+    found = Comparison("f", "m", weight, trials)
     assert found.trials[found.best].name == best
     if best != "fast":
         assert "3.0% longer" in found.reason()
 
 
-def test_laboratory_warns_where_the_head_leaves_the_path(tmp_path):
-    """A head on a very soft belt, in a fast zigzag."""
+def test_trial_that_left_the_path_is_not_compared():
+    lost = trial("lost", 50, 1, 1, 0.01, lost=0.02)
+    whole = [trial("none", 100, 40, 60, 0.1), trial("mzv", 101, 20, 60, 0.1)]
+    found = Comparison("f", "m", "balance", [whole[0], lost, whole[1]])
+    assert found.trials[found.best].name == "mzv"
+    assert found.scores()[::2] == Comparison("f", "m", "balance", whole).scores()
+    assert [row["score"] is None for row in found.as_dict()["trials"]] == [False, True, False]
+
+
+def test_file_without_printed_lines_is_refused(tmp_path):
+    path = tmp_path / "travel.gcode"
+    path.write_text("G28\nG1 X50 Y50 F6000\nG1 X80\n")
+    with pytest.raises(InputError, match="prints no line"):
+        run_laboratory(_I3, path)
+
+
+def test_place_is_known_while_a_soft_belt_swings_far(tmp_path):
+    """A head of 6 Hz in a fast zigzag of lines 5 mm apart, which is off them by half of that."""
     masses = {n: SimulatedMass(frequency_hz=6.0) for n in "xyz"}
     simulated = _I3.simulated.model_copy(update={"masses": masses})
-    path = tmp_path / "zigzag.gcode"
     rows = [f"G1 X{20 + 30 * (i % 2)} Y{20 + 5 * i} E1.2\n" for i in range(20)]
-    path.write_text("M83\nG1 X20 Y20 F12000\n" + "".join(rows))
-    found = run_laboratory(_I3.model_copy(update={"simulated": simulated}), path)
-    lost = [line.split(":")[0] for line in found.warnings if "did not follow the file" in line]
-    assert "none" in lost
-    assert "3hump_ei" not in lost
+    text = "M83\nG1 X20 Y20 F12000\n" + "".join(rows)
+    found = measured(_I3.model_copy(update={"simulated": simulated}), tmp_path, text).quality
+    assert found.corners == 18
+    assert found.lost == 0
+    assert 2000 < found.largest_off_path_um < 5000
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "begin"),
+    [
+        ("i3-probe", {}, "G28\nG29\n"),
+        ("i3", {"backlash": Backlash(x_mm=0.2, y_mm=0.1)}, "M425 X0.3\n"),
+        ("delta-probe", {}, "G28\n"),
+        ("delta-probe", {}, "G28\nG33\n"),
+        ("corexy", {}, ""),
+        ("scara", {}, ""),
+        ("rotary-delta", {}, ""),
+    ],
+)
+def test_motors_hold_the_head_on_the_plan(name, changes, begin, tmp_path):
+    """Whatever the geometry of the machine, the shape of its bed and the gaps of its drives."""
+    machine = config.load(name).model_copy(update=changes)
+    x0, y0, x1, y1 = machine.bed_area_mm
+    x, y = (x0 + x1) / 2 - 10, (y0 + y1) / 2 - 10
+    corner = f"G92 E0\nG1 X{x} Y{y} Z3 F3000\nG1 X{x + 20} E0.8\nG1 Y{y + 20} E1.6\n"
+    simulated = Setting("zv").on(machine)
+    found = measured(simulated, tmp_path, begin + corner, Policy(motion_only=True)).quality
+    assert found.corners == 1
+    assert found.lost == 0
+    assert 5 < found.rounding_um < 60
+    assert found.off_path_um < 10
+
+
+def test_homing_between_lines_leaves_the_place_known(tmp_path):
+    shaped = Setting("3hump_ei", advance=True).on(_I3)
+    found = measured(shaped, tmp_path, f"{L_SHAPE}G28 X\n{L_SHAPE}G28\n{L_SHAPE}").quality
+    once = measured(shaped, tmp_path, L_SHAPE).quality
+    assert found.corners == 3 * once.corners
+    assert found.lost == 0
+    assert found.rounding_um == pytest.approx(once.rounding_um, rel=0.01)
+
+
+def test_processes_find_what_one_process_finds(laboratory, corner, monkeypatch):
+    monkeypatch.setattr("passo.job.batch.laboratory._LONG_PRINT_S", 0.0)
+    done = list[tuple[int, int]]()
+    found = run_laboratory(_I3, corner, progress=lambda *each: done.append(each), workers=2)
+    assert found == laboratory
+    prints = 2 * len(found.trials)
+    assert done == [(i + 1, prints) for i in range(prints)]

@@ -9,7 +9,8 @@ from tests.job.test_laboratory import L_SHAPE
 
 from passo import _core, config
 from passo.errors import InputError
-from passo.job.batch.laboratory import Setting, run_laboratory
+from passo.job.batch.laboratory import run_laboratory
+from passo.job.batch.motion_setting import Setting
 from passo.job.batch.quality_watch import QualityWatch
 from passo.job.batch.recorded_stream import RecordedStream
 from passo.job.batch.simulated_print import Print
@@ -71,7 +72,7 @@ def recorded(machine, path, folder, homing=0, inverted="y"):
     stream = folder / "klipper.serial"
     stream.write_bytes(made.data)
     (folder / "klipper.dict").write_text(json.dumps(DICTIONARY))
-    return stream, watch.quality, result
+    return stream, watch.measurement(result).quality, result
 
 
 @pytest.fixture

@@ -13,6 +13,11 @@ INPUT: Mapping[str, Entry] = {
     "input.pipe": bad_input(
         "file", "can be read only once, and not again", "Save it to a file first"
     ),
+    "input.no-lines": bad_input(
+        "file",
+        "prints no line, and the laboratory measures printed lines",
+        "Give a file and a machine that print",
+    ),
     "input.stream": bad_input(
         "file",
         "is not a stream of Klipper's batch mode for this dictionary: {value}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,12 +13,12 @@ from passo.cli.machine_option import add_machine, add_policy, add_skips, policy_
 from passo.errors import ExitStatus, InputError, PassoError
 
 if TYPE_CHECKING:
-    from passo.job.batch.laboratory import Laboratory
+    from passo.job.batch.comparison import Comparison
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the options of `passo lab`."""
-    from passo.job.batch.laboratory import WEIGHTS
+    from passo.job.batch.comparison import WEIGHTS
 
     parser.add_argument("file", help="the G-code file")
     add_machine(parser)
@@ -61,9 +62,9 @@ def run(arguments: argparse.Namespace) -> int:
         return ExitStatus.USAGE
     shows = sys.stderr.isatty() and not arguments.json
 
-    def begun(name: str, number: int, of: int) -> None:
+    def progress(done: int, of: int) -> None:
         if shows:
-            print(f"\r\033[K{number} of {of}: {name}", end="", file=sys.stderr, flush=True)
+            print(f"\r\033[K{done} of {of} prints", end="", file=sys.stderr, flush=True)
 
     machine = config.load(arguments.machine)
     compared = None
@@ -73,7 +74,10 @@ def run(arguments: argparse.Namespace) -> int:
         compared = RecordedStream(arguments.compare, arguments.dictionary)
     policy = replace(policy_of(arguments), skips=skips_of(arguments))
     try:
-        found = run_laboratory(machine, arguments.file, arguments.weight, policy, begun, compared)
+        found = run_laboratory(
+            *(machine, arguments.file, arguments.weight, policy),
+            *(progress, compared, os.cpu_count() or 1),
+        )
     except PassoError as error:
         if arguments.json:
             print(json.dumps({"errors": [str(problem) for problem in error.problems]}))
@@ -94,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     return ExitStatus.DONE
 
 
-def _write(found: Laboratory, output: Path) -> None:
+def _write(found: Comparison, output: Path) -> None:
     from passo.learn.lab_page import write_lab_page
 
     try:

@@ -9,8 +9,8 @@ from passo.learn.labels import duration
 
 if TYPE_CHECKING:
     from passo.job.batch.board_load import BudgetUse
+    from passo.job.batch.comparison import Comparison
     from passo.job.batch.estimate import Estimate
-    from passo.job.batch.laboratory import Laboratory
     from passo.job.batch.result import PrintResult
 
 
@@ -138,7 +138,7 @@ def estimate_table(estimate: Estimate) -> str:
     return rows(pairs)
 
 
-def lab_table(found: Laboratory) -> str:
+def lab_table(found: Comparison) -> str:
     """The trials of a laboratory, a line each with the best one marked, and the reason."""
     heading = ["", "setting", "print time", "ringing", "10% off", "peak", "corners", "off path"]
     lines = [[*heading, "width", "steps", "commands", "score"]]
@@ -160,7 +160,7 @@ def lab_table(found: Laboratory) -> str:
                 f"{quality.width_error:.1%}",
                 f"{trial.steps:,}",
                 f"{trial.commands:,}",
-                f"{score:.3f}",
+                f"{score:.3f}" if trial.followed else "-",
             ]
         )
     return f"{columns(lines, 10)}\n\n{found.reason()}"

@@ -13,25 +13,25 @@ from passo.learn.labels import duration, label, round_step, ticks
 from passo.learn.page import page, section
 
 if TYPE_CHECKING:
-    from passo.job.batch.laboratory import Laboratory, Trial
+    from passo.job.batch.comparison import Comparison, Trial
     from passo.job.batch.quality_watch import CornerSample, ShownCorner
 
 _BEAD_MM = 0.45  # the width of a printed line in the picture
 _BEFORE_S, _AFTER_S = -0.02, 0.12  # of the small charts
 _WIDE, _HIGH = 240.0, 104.0  # of a small chart, in pixels
-_LEFT, _BOTTOM, _TOP = 34.0, 18.0, 6.0  # its margins
+_LEFT, _BOTTOM, _TOP = 42.0, 18.0, 6.0  # its margins
 _SIDE = 460.0  # of the other pictures
 _COLOURS = (1, 0, 3, 4)  # of the ways around the corner: the plain one first
 
 
-def write_lab_page(found: Laboratory, output: Path) -> None:
+def write_lab_page(found: Comparison, output: Path) -> None:
     """Writes the page, completely or not at all. Raises OSError."""
     text = lab_page(found)
     with replaced(output) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
-def lab_page(found: Laboratory) -> str:
+def lab_page(found: Comparison) -> str:
     """The text of the page, which needs no network and has no script."""
     name = os.fsencode(Path(found.file).name).decode("utf-8", "backslashreplace")
     best = found.trials[found.best]
@@ -45,8 +45,8 @@ def lab_page(found: Laboratory) -> str:
             _cards(
                 found,
                 "Across the line after that corner: waves are ringing",
-                "Deviation of the head to the left of its line over the time since it passed the"
-                f" corner of line {plain.line}. Grey: {escape(found.trials[0].name)}.",
+                "Deviation of the head to the left of its line over the time since the motors"
+                f" passed the corner of line {plain.line}. Grey: {escape(found.trials[0].name)}.",
                 "µm",
                 lambda sample: sample.across_um,
                 lambda trial: f"{trial.quality.ringing_rms_um:.1f} µm",
@@ -95,7 +95,7 @@ _COLUMNS: tuple[tuple[str, Callable[[Trial], float], Callable[[Trial], str]], ..
 )
 
 
-def _table(found: Laboratory) -> str:
+def _table(found: Comparison) -> str:
     heading = "".join(f"<th>{escape(name)}</th>" for name, _, _ in _COLUMNS)
     most = [max(value(trial) for trial in found.trials) or 1.0 for _, value, _ in _COLUMNS]
     rows = ""
@@ -104,13 +104,16 @@ def _table(found: Laboratory) -> str:
             f'<td><i style="width:{60 * value(trial) / top:.1f}%"></i>{escape(text(trial))}</td>'
             for (_, value, text), top in zip(_COLUMNS, most, strict=True)
         )
+        total = f"{score:.3f}" if trial.followed else "-"
         kind = ' class="best"' if i == found.best else ""
-        rows += f"<tr{kind}><th>{escape(trial.name)}</th>{cells}<td>{score:.3f}</td></tr>\n"
+        rows += f"<tr{kind}><th>{escape(trial.name)}</th>{cells}<td>{total}</td></tr>\n"
     note = (
         "Ringing: deviation of the head across its line for 0.1 s after each sharp corner. Corners:"
         " distance of the head's way from them, on average. Off the path: of all printed lines,"
         " rms. Width error: mean over all printed lines. The least score is best."
     )
+    if not all(trial.followed for trial in found.trials):
+        note += " Without a score: the motors did not follow the file."
     quality = found.trials[0].quality
     note += f" {quality.corners:,} corners, {quality.printed_mm / 1000:,.2f} m of lines."
     return section(
@@ -124,17 +127,17 @@ def _table(found: Laboratory) -> str:
 # -- the way around one corner --------------------------------------------------------------------
 
 
-def _drawn(found: Laboratory) -> list[tuple[int, Trial]]:
+def _drawn(found: Comparison) -> list[Trial]:
     """The trials in the picture of the corner: the plain one, the best one, the roundest one."""
     trials = found.trials
     roundest = max(range(len(trials)), key=lambda i: trials[i].quality.rounding_um)
-    return [(i, trials[i]) for i in dict.fromkeys((0, found.best, roundest))]
+    return [trials[i] for i in dict.fromkeys((0, found.best, roundest))]
 
 
-def _corner(found: Laboratory, plain: ShownCorner) -> str:
+def _corner(found: Comparison, plain: ShownCorner) -> str:
     x0, y0 = plain.at_mm
     drawn = _drawn(found)
-    widest = max(trial.quality.rounding_um for _, trial in drawn) / 1000
+    widest = max(trial.quality.rounding_um for trial in drawn) / 1000
     reach = max(0.5, 2.5 * widest)
 
     def line(points: Sequence[tuple[float, float]]) -> str:
@@ -145,12 +148,12 @@ def _corner(found: Laboratory, plain: ShownCorner) -> str:
     wanted = line([(x0 - far * ax, y0 - far * ay), (x0, y0), (x0 + far * bx, y0 + far * by)])
     ways = "".join(
         f'<path class="line c{_COLOURS[n]}" d="{line([s.head_mm for s in trial.corner.samples])}"/>'
-        for n, (_, trial) in enumerate(drawn)
+        for n, trial in enumerate(drawn)
         if trial.corner is not None
     )
     keys = "".join(
         f'<span class="k c{_COLOURS[n]}"><i class="line"></i>{escape(trial.name)}</span>'
-        for n, (_, trial) in enumerate(drawn)
+        for n, trial in enumerate(drawn)
     )
     bar = 0.1 if reach < 1.2 else 0.5
     low = reach * 0.92
@@ -172,7 +175,7 @@ def _corner(found: Laboratory, plain: ShownCorner) -> str:
 # -- ringing against rounding ---------------------------------------------------------------------
 
 
-def _trade(found: Laboratory) -> str:
+def _trade(found: Comparison) -> str:
     """Each shaper as a point: corners rounded, the mean of ringing on tune and off tune."""
     points = [
         (
@@ -264,7 +267,7 @@ def _free_place(
 
 
 def _cards(
-    found: Laboratory,
+    found: Comparison,
     title: str,
     note: str,
     unit: str,

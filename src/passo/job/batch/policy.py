@@ -16,12 +16,12 @@ class Policy:
     move, hotends must be warm before filament moves, and no command may be refused. Without it, for
     a fragment of G-code, the machine counts as homed and warm, and refused commands are warnings.
     `skips` are commands that the print skips with a warning, instead of failing before the first
-    move. With `own_filters`, the commands of the file that set shapers and pressure advance are
-    left out, and those of the machine file hold.
+    move. With `motion_only`, the commands of the file that set filters of the motion or need a
+    probe are left out: the filters of the machine file hold, and the bed is flat.
     """
 
     clamp: bool = False
     ignore_tools: bool = False
     checked: bool = False
     skips: Skips = ALL
-    own_filters: bool = False
+    motion_only: bool = False

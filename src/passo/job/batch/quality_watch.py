@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from passo.config.machine import MachineConfig
+    from passo.job.batch.result import PrintResult
     from passo.job.batch.simulated_print import Print
 
 _UM = 1000.0
@@ -20,9 +21,9 @@ _UM = 1000.0
 
 @dataclass(frozen=True, slots=True)
 class CornerSample:
-    """The motion at `s` seconds after the head has passed a corner: X and Y of the head and of the
-    motors in mm, the deviation of the head across its line in µm, and the width of the line as a
-    fraction of its nominal one (0: no line)."""
+    """The motion at `s` seconds after the motors have passed a corner: X and Y of the head and of
+    the motors in mm, the deviation of the head across its line in µm, and the width of the line as
+    a fraction of its nominal one (0: no line)."""
 
     s: float
     head_mm: tuple[float, float]
@@ -51,8 +52,8 @@ class Quality:
     Ringing is the deviation of the head across its line for 0.1 s after each sharp corner, once the
     motors are on the line; rounding is the distance of the head's way from a corner; `off_path_um`
     is its distance from all printed lines. The width error is the mean of the lines over their
-    length, as a fraction of the width. `lost` is the fraction of the time in which the head did not
-    follow the path at all.
+    length, as a fraction of the width. `lost` is the fraction of the time in which the motors were
+    more than 2 mm from the path; nothing is measured then.
     """
 
     corners: int
@@ -65,6 +66,17 @@ class Quality:
     largest_off_path_um: float
     width_error: float
     lost: float
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """What was measured of a print or of a stream. The time is that without heating."""
+
+    quality: Quality
+    corner: ShownCorner | None
+    print_time_s: float
+    steps: int
+    commands: int
 
 
 def quality_of(measured: _core.PrintQuality) -> Quality:
@@ -142,12 +154,12 @@ class QualityWatch:
         self.measured.end(self._job)
         self._head.follow(False)
 
-    @property
-    def quality(self) -> Quality:
-        """The result, after the end."""
-        return quality_of(self.measured)
-
-    @property
-    def corner(self) -> ShownCorner | None:
-        """The corner that is shown; None in a print without sharp corners."""
-        return shown_corner(self.measured)
+    def measurement(self, result: PrintResult) -> Measurement:
+        """What was measured of the print with this result, after its end."""
+        return Measurement(
+            quality_of(self.measured),
+            shown_corner(self.measured),
+            result.print_time_s - result.heat_time_s,
+            sum(result.steps.values()),
+            result.queue_step_commands,
+        )

@@ -6,7 +6,6 @@ from __future__ import annotations
 import os
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,7 @@ from passo import _core
 from passo.board.dictionary import Dictionary, DictionaryError
 from passo.config.simulated_motion import simulated_masses
 from passo.errors import InputError
-from passo.job.batch.quality_watch import Quality, ShownCorner, quality_of, shown_corner
+from passo.job.batch.quality_watch import Measurement, quality_of, shown_corner
 from passo.motion.endstops import motors_of_actuators, motors_of_extruders
 
 if TYPE_CHECKING:
@@ -22,17 +21,6 @@ if TYPE_CHECKING:
 
 _FITS = 0.02  # the ranges of a motor in two prints of one file differ at most by this fraction
 _FITS_UNITS = 1.0  # or by this, mm or degrees
-
-
-@dataclass(frozen=True, slots=True)
-class Played:
-    """The measurement of a played stream, its corner, and its figures."""
-
-    quality: Quality
-    corner: ShownCorner | None
-    print_time_s: float
-    steps: int
-    commands: int
 
 
 class RecordedStream:
@@ -66,14 +54,34 @@ class RecordedStream:
         machine: MachineConfig,
         measured: _core.PrintQuality,
         steps: dict[str, int],
-        corner: ShownCorner | None,
-    ) -> Played:
+        corner: int | None,
+    ) -> Measurement:
         """Measures the stream on this machine by the path of a print without filters, which
         `measured` has kept; `steps` are the steps of each motor in it. The stream begins with as
         many steps before its end, so that what Klipper does to home is left out. Motors are matched
         by their order: those of the geometry, then the extruders; or, if the stream has as many as
         the machine file, in the order of that file. Raises InputError if the stream is not one of
         this file on this machine."""
+        motors = self._motors(machine, measured, steps)
+        masses = simulated_masses(machine.geometry.kind, machine.simulated.masses)
+        x, y, z = ((mass.frequency_hz, mass.damping) for mass in masses)
+        quality, lasts_s, commands = self._recording.measure(
+            measured,
+            float(self._hz),
+            machine.geometry.spec(),
+            (x, y, z),
+            [machine.simulated.nozzle_pressure_s] * len(machine.extruders),
+            motors,
+            corner,
+        )
+        total = sum(kept for _, kept, _, _ in motors)
+        return Measurement(quality_of(quality), shown_corner(quality), lasts_s, total, commands)
+
+    def _motors(
+        self, machine: MachineConfig, measured: _core.PrintQuality, steps: dict[str, int]
+    ) -> list[tuple[int, int, float, float]]:
+        """For each motor of an actuator and then of an extruder: its index in the stream, its
+        number of last steps that count, mm or degrees per step, and its position before these."""
         names = motors_of_actuators(machine) + motors_of_extruders(machine)
         count = len(self._recording.motors)
         order = names if count == len(names) else tuple(machine.steppers)
@@ -110,19 +118,7 @@ class RecordedStream:
                     limit=high - low,
                 )
             motors.append((index, kept, sign / scale, end - sign * net / scale))
-        masses = simulated_masses(machine.geometry.kind, machine.simulated.masses)
-        x, y, z = ((mass.frequency_hz, mass.damping) for mass in masses)
-        quality, lasts_s, commands = self._recording.measure(
-            measured,
-            float(self._hz),
-            machine.geometry.spec(),
-            (x, y, z),
-            [machine.simulated.nozzle_pressure_s] * len(machine.extruders),
-            motors,
-            corner.number if corner else None,
-        )
-        total = sum(kept for _, kept, _, _ in motors)
-        return Played(quality_of(quality), shown_corner(quality), lasts_s, total, commands)
+        return motors
 
 
 def _apart(found: Sequence[float], wanted: Sequence[float]) -> float:

@@ -13,6 +13,7 @@ from passo import _core
 from passo.board.drivers import Drivers
 from passo.board.faults import HeaterFault
 from passo.errors import InputError, MachineError, Problem
+from passo.gcode.registry import Kind, table
 from passo.job.batch.bed_probing import BedProbing
 from passo.job.batch.first_layer import FirstLayerWatch
 from passo.job.batch.policy import Policy
@@ -136,8 +137,9 @@ class Print:
             )
         self._commands = self._checks or Commands(machine, self.job, self._targets, full)
         self._commands.skips = self._policy.skips.on(machine)
-        if self._policy.own_filters:
-            self._commands.left_out = FILTER_COMMANDS
+        if self._policy.motion_only:
+            probed = {code for code, row in table().items() if row.kind is Kind.PROBED}
+            self._commands.left_out = FILTER_COMMANDS | probed
         self.first_layer: FirstLayerWatch | None = None
         self._step_watches: list[StepWatch] = []
         self._probing = BedProbing(machine, self.job, self._commands)

@@ -62,8 +62,10 @@ DECLARED = frozenset(_METHODS[Role.DECLARED])
 """Commands that are declared by these parts. For other commands, the parts only have the handler
 within a program."""
 
-FILTER_COMMANDS = frozenset(code for code, _, _ in commands_of(MotionFilters))
-"""Commands that set shapers and pressure advance."""
+FILTER_COMMANDS = frozenset(
+    code for part in (MotionFilters, BacklashCommands) for code, _, _ in commands_of(part)
+)
+"""Commands that set filters of the motion: shapers, limits of jerk, pressure advance, backlash."""
 
 
 class _Counted(NullReply):
