@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 
-const PYTHON = process.env["PASSO_PYTHON"] ?? "../.venv/bin/python";
+export const PYTHON = process.env["PASSO_PYTHON"] ?? "../.venv/bin/python";
 const EXAMPLE = process.env["PASSO_EXAMPLE"] ?? "../build/demo.gcode";
 const MACHINES = "../src/passo/config/machines";
 
