@@ -60,6 +60,7 @@ def test_what_is_exported_comes_back(name: str, tmp_path: Path) -> None:
             heater.max_c,
             heater.max_power,
         )
+        assert its.pwm_hz == pytest.approx(heater.pwm_hz, rel=1e-6)
         assert (other.pin(its.pin), other.pin(its.sensor_pin)) == (
             machine.pin(heater.pin),
             machine.pin(heater.sensor_pin),
@@ -70,6 +71,7 @@ def test_what_is_exported_comes_back(name: str, tmp_path: Path) -> None:
         its = other.fans[key]
         assert (its.follows_motors, its.above_c) == (fan.follows_motors, fan.above_c)
         assert other.pin(its.pin) == machine.pin(fan.pin)
+        assert its.pwm_hz == pytest.approx(fan.pwm_hz, rel=1e-6)
     assert other.levelling.motors == machine.levelling.motors
     if machine.probe:
         assert other.probe
@@ -108,7 +110,8 @@ def test_gains_shapers_advance_and_macros_come_back(tmp_path: Path) -> None:
 def test_an_accelerometer_comes_back(bus: str, tmp_path: Path) -> None:
     board = ('base = "ramps"', 'base = "ramps"\nlink = "serial"\nport = "/dev/ttyUSB0"')
     board = board if "rpi" in bus else ('base = "ramps"', 'base = "ramps"')
-    more = f'[accelerometer]\naxes_map = ["x", "-z", "y"]\naccel_per_hz = 75.0\n{bus}'
+    rate = "" if "lis2dw" in bus else "rate_hz = 1600\n"
+    more = f'[accelerometer]\naxes_map = ["x", "-z", "y"]\naccel_per_hz = 75.0\n{rate}{bus}'
     machine = edited("i3", board, more=more)
     sections = exported(machine).sections
     chip = machine.accelerometer.chip

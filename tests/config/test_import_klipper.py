@@ -262,6 +262,7 @@ def test_fans_of_each_kind(load) -> None:
     assert [machine.fans[name].pwm_hz for name in ("chamber", "hotend_fan")] == [200, 100]
     assert "1000 Hz became 200 Hz" in "".join(remarks(draft, "changed"))
     assert "off until M106 P2 sets it" in "".join(remarks(draft, "decide"))
+    assert "heater: the fan runs with the motors alone" in "".join(remarks(draft, "changed"))
     assert [heater.pwm_hz for heater in machine.heaters.values()] == [10, 10]
 
 

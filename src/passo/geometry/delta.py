@@ -11,6 +11,7 @@ from pydantic import Field
 from passo.geometry.base import GeometryModel, Point
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
+ANGLES = (210.0, 330.0, 90.0)  # of the usual towers
 Angle = Annotated[float, Field(ge=-360, le=360)]
 
 
@@ -33,7 +34,7 @@ class Delta(GeometryModel):
     """The distance from a tower to the middle, less the offsets of effector and carriage, in mm."""
     rods: Annotated[list[Positive], Field(min_length=3, max_length=3)]
     """The lengths of the three rods, in mm."""
-    angles: Annotated[list[Angle], Field(min_length=3, max_length=3)] = [210.0, 330.0, 90.0]
+    angles: Annotated[list[Angle], Field(min_length=3, max_length=3)] = [*ANGLES]
     """The directions of the towers, from +X towards +Y, in degrees."""
     limit_radius: Positive
     """The maximum distance of the nozzle from the middle, in mm."""

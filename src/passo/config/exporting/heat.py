@@ -51,6 +51,7 @@ def _put_heater(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
             cfg.left_out.append(f"heaters.{name}.control: find its gains with PID_CALIBRATE")
     power = heater.max_power if heater.max_power < 1 else None
     cfg.put(section, min_temp=heater.min_c, max_temp=heater.max_c, max_power=power)
+    cfg.put(section, pwm_cycle_time=1 / heater.pwm_hz)
     protection = heater.protection
     if protection.watch_rise_c > 0 and protection.runaway_c > 0:
         cfg.put(

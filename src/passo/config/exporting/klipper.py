@@ -15,6 +15,7 @@ from passo.geometry.skewable import SkewableModel
 from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
+    from passo.config.calibration import Screws
     from passo.config.machine import MachineConfig
 
 # The motor of Passo: Klipper's letter of its stepper.
@@ -91,6 +92,8 @@ def _put_accelerometer(cfg: Cfg) -> None:
             spi_software_mosi_pin=mosi,
             spi_software_miso_pin=miso,
             axes_map=axes,
+            # a lis2dw has one rate in Klipper
+            rate=part.rate_hz if part.chip == "adxl345" else None,
         )
     x, y, z = part.point_of(cfg.machine.bed_area_mm, cfg.machine.axes["z"].max_mm)
     cfg.put(
@@ -260,23 +263,8 @@ def _put_levelling(cfg: Cfg) -> None:
         )
     elif levelling.method != "none":
         cfg.left_out.append(f"levelling.method {levelling.method}: Klipper has a mesh")
-    screws = levelling.screws
-    if screws is not None:
-        section = "screws_tilt_adjust" if sensing else "bed_screws"
-        size, _, way = screws.thread.partition(" ")
-        for number, screw in enumerate(screws.places, 1):
-            at = (screw.x - dx, screw.y - dy) if sensing else (screw.x, screw.y)
-            cfg.put(
-                section,
-                **{
-                    f"screw{number}": f"{at[0]:g}, {at[1]:g}",
-                    f"screw{number}_name": screw.name,
-                },
-            )
-        if sensing:
-            cfg.put(section, screw_thread=f"{way.upper()}-{size}")
-        else:
-            cfg.left_out.append("levelling.screws.thread: [bed_screws] has none")
+    if levelling.screws is not None:
+        _put_screws(cfg, levelling.screws, (dx, dy) if sensing else None)
     motors = levelling.motors
     if motors is None or not sensing:
         return
@@ -289,6 +277,20 @@ def _put_levelling(cfg: Cfg) -> None:
         cfg.put("quad_gantry_level", **common)
     else:
         cfg.put("z_tilt", z_positions="".join(f"\n{x:g}, {y:g}" for x, y in pivots), **common)
+
+
+def _put_screws(cfg: Cfg, screws: Screws, offset: tuple[float, float] | None) -> None:
+    """Writes the screws, for a probe with this offset or for a nozzle, None."""
+    section = "bed_screws" if offset is None else "screws_tilt_adjust"
+    dx, dy = offset or (0.0, 0.0)
+    for number, screw in enumerate(screws.places, 1):
+        at, name = f"{screw.x - dx:g}, {screw.y - dy:g}", screw.name
+        cfg.put(section, **{f"screw{number}": at, f"screw{number}_name": name})
+    size, _, way = screws.thread.partition(" ")
+    if offset is None:
+        cfg.left_out.append("levelling.screws.thread: [bed_screws] has none")
+    else:
+        cfg.put(section, screw_thread=f"{way.upper()}-{size}")
 
 
 def _put_commands(cfg: Cfg) -> None:

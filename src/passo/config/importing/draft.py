@@ -57,6 +57,7 @@ def plain_name(name: str) -> str:
 
 
 NO_SWITCH = "homing without a switch (sensorless) is not there yet"
+MOTORS_ALONE = "the fan runs with the motors alone, not with heaters"
 PROBE_SPEEDS = "the probe homes Z with its own speeds, probe.fast_mm_s and slow_mm_s"
 
 

@@ -125,10 +125,8 @@ def _put_axes(job: Job, transform: Node, kind: _Kind, accel: Read, reach: float)
     limit = float(f"{radians(accel.value) * reach:.6g}")
     for index, _ in enumerate(kind.axes):
         node = transform.within("CartesianAxes", f"VirtualAxis{index}")
-        name = node.text("Name")
-        path = ("axes", name.lower())
-        for key, word in (("min_mm", "MinPos"), ("max_mm", "MaxPos"), ("speed_mm_s", "MaxSpeed")):
-            job.put((*path, key), job.stored.needed(node, word, f"{name}{word}"))
+        path = ("axes", node.text("Name").lower())
+        job.put_axis_limits(path, node)
         job.draft.put((*path, "accel_mm_s2"), limit, accel.place)
     text = f"axes have an acceleration too: {limit:g} mm/s², that of the end of the stretched arms"
     job.draft.changed(accel.place, "MaxAccel", text)

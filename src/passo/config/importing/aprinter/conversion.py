@@ -36,6 +36,12 @@ class Job:
         ConfigError."""
         self.put(path, self.stored.number(node, key, option))
 
+    def put_axis_limits(self, path: KeyPath, axis: Node) -> None:
+        """Sets the limits and the speed of an axis that several motors move. Raises ConfigError."""
+        name = axis.text("Name")
+        for key, word in (("min_mm", "MinPos"), ("max_mm", "MaxPos"), ("speed_mm_s", "MaxSpeed")):
+            self.put((*path, key), self.stored.needed(axis, word, f"{name}{word}"))
+
     def stepper(self, name: Node | None) -> Node:
         """The stepper of this name. Raises ConfigError."""
         for one in self.config.each("steppers"):

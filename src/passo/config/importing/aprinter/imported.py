@@ -118,8 +118,7 @@ def _put_virtual_axes(job: Job, transform: Node, steppers: list[Node], letters: 
         node = transform.within("CartesianAxes", f"VirtualAxis{index}")
         name = node.text("Name")
         path = ("axes", name.lower())
-        for key, word in (("min_mm", "MinPos"), ("max_mm", "MaxPos"), ("speed_mm_s", "MaxSpeed")):
-            job.put((*path, key), job.stored.needed(node, word, f"{name}{word}"))
+        job.put_axis_limits(path, node)
         job.put((*path, "accel_mm_s2"), accel)
         homing = node.get("homing")
         if homing is not None and homing.kind == "homing" and transform.kind == "CoreXY":

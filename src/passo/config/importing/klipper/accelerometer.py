@@ -94,7 +94,7 @@ def _put_i2c(job: Import, chip: Section) -> bool:
         return _lacks(job, chip, "its i2c_bus, or scl_pin and sda_pin")
     for key, option in _I2C_KEYS.items():
         if (value := chip.read(option)) is not None:
-            put((*path, key), int(value.value), value.place)
+            put((*path, key), value.whole(0, 1_000_000), value.place)
     return True
 
 

@@ -73,7 +73,7 @@ def _put_probe(job: Import, section: Section) -> None:
     for name in ("activate_gcode", "deactivate_gcode"):
         if name in section.options:
             section.used.add(name)
-            text = "a probe that is fetched or turned: set [probe] kind by hand"
+            text = "Passo runs no G-code here: if it fetches or turns the probe, give probe.kind"
             job.draft.decide(section.at(name), f"[probe] {name}", text)
 
 

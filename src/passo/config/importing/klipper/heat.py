@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import bad, plain_name
+from passo.config.importing.draft import MOTORS_ALONE, bad, plain_name
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.pins import JOINED
 from passo.config.sensor_names import values_of
@@ -252,10 +252,8 @@ def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
         put((*path, "follows_motors"), [*motors], section.at("stepper"))
         stays = section.number("idle_timeout", 30.0)
         put((*path, "stays_on_s"), stays, section.at("idle_timeout"))
-        if "heater" in section.options:
-            section.used.add("heater")
-            text = "the fan runs with the motors alone, not with heaters"
-            job.draft.changed(section.at("heater"), f"[{section.name}] heater", text)
+        section.used.add("heater")
+        job.draft.changed(section.at("heater"), f"[{section.name}] heater", MOTORS_ALONE)
     elif kind in ("fan_generic", "temperature_fan"):
         job.fan_numbers += 1
         put((*path, "number"), job.fan_numbers, section.place)

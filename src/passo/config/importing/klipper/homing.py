@@ -59,17 +59,26 @@ def put_homing(
     if letter in "abc":
         position = _carriage_mm(job, first, position)
     put((*path, "position"), position, first.at("position_endstop"))
-    own = {n: job.pins.of(s, "endstop_pin") for n, s in zip(names[1:], sections[1:], strict=True)}
-    if own and all(own.values()):
-        put((*path, "stepper_pins", motor), pin, place)
-        for name, section in zip(names[1:], sections[1:], strict=True):
-            put((*path, "stepper_pins", name), own[name], section.at("endstop_pin"))
-    else:
-        put((*path, "pin"), pin, place)
-        if any(own.values()):
-            text = "motors without an endstop of their own: all of the axis stop at the first one"
-            job.draft.decide(place, f"[{first.name}] endstop_pin", text)
+    _put_switches(job, sections, names, path, pin)
     _put_homing_speeds(job, first, path, letter)
+
+
+def _put_switches(
+    job: Import, sections: list[Section], names: list[str], path: KeyPath, pin: str
+) -> None:
+    """Sets an endstop for each motor, or that of the first one, `pin`, for all."""
+    put, (first, *further) = job.draft.put, sections
+    own = {n: job.pins.of(s, "endstop_pin") for n, s in zip(names[1:], further, strict=True)}
+    place = first.at("endstop_pin")
+    if own and all(own.values()):
+        put((*path, "stepper_pins", names[0]), pin, place)
+        for name, section in zip(names[1:], further, strict=True):
+            put((*path, "stepper_pins", name), own[name], section.at("endstop_pin"))
+        return
+    put((*path, "pin"), pin, place)
+    if any(own.values()):
+        text = "motors without an endstop of their own: all of the axis stop at the first one"
+        job.draft.decide(place, f"[{first.name}] endstop_pin", text)
 
 
 def _put_no_homing(job: Import, sections: list[Section], letter: str, why: str) -> None:

@@ -14,6 +14,7 @@ from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
 from passo.config.importing.numbers import NUMBER, in_range, number_of
 from passo.config.types import MIN_SPEED
 from passo.errors import ConfigError
+from passo.geometry.delta import ANGLES
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
@@ -25,7 +26,6 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
     "corexz": {"x": "a", "y": "y", "z": "b"},
     "delta": {"a": "a", "b": "b", "c": "c"},
 }
-_ANGLES = (210.0, 330.0, 90.0)
 _SPI = {"sclk": "clock", "mosi": "mosi", "miso": "miso"}
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
@@ -135,7 +135,7 @@ def _put_delta(job: Import, printer: Section) -> None:
     towers = [job.required(f"stepper_{letter}") for letter in "abc"]
     first = towers[0].needed("arm_length")
     rods = [tower.number("arm_length", first) or first for tower in towers]
-    angles = [tower.number("angle", usual) for tower, usual in zip(towers, _ANGLES, strict=True)]
+    angles = [tower.number("angle", usual) for tower, usual in zip(towers, ANGLES, strict=True)]
     put, limit = job.draft.put, printer.number("print_radius", radius)
     put(("geometry", "radius"), radius, printer.at("delta_radius"))
     put(("geometry", "rods"), [*rods], towers[0].at("arm_length"))

@@ -34,7 +34,7 @@ OPTIONS: dict[str, str] = {
     "mesh_pps": "the surface is exact between the points, without steps",
     "bicubic_tension": "the surface is exact between the points, without steps",
     "shutdown_speed": "a fan that follows a heater runs on after a fault",
-    "idle_speed": "the fan is off when the motors are",
+    "idle_speed": "the fan keeps its speed until stays_on_s after the motors",
     "tachometer_pin": "the speed of the fan is not measured",
     "smooth_time": "readings of the sensor are not smoothed; the PID filter has its own time",
     "inline_resistor": "readings are a little off at high temperatures",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from passo.config.importing.klipper.others import OPTIONS, OTHERS
+from passo.config.importing.reference_rows import table, tables_of_others
 
 _HEAD = """# What becomes of a printer.cfg
 
@@ -40,19 +41,9 @@ _TAKEN = (
 
 def reference() -> str:
     """The page, in Markdown."""
-    lost = {name: other.text for name, other in OTHERS.items() if other.lost}
-    kept = {name: other.text for name, other in OTHERS.items() if not other.lost}
     return (
         _HEAD
         + "".join(f"| {name} | {tables} |\n" for name, tables in _TAKEN)
-        + "\n## Sections that Passo needs no key for\n\n| section | in Passo |\n|---|---|\n"
-        + _rows(kept)
-        + "\n## Sections that are not taken over\n\n| section | what that means |\n|---|---|\n"
-        + _rows(lost)
-        + "\n## Options that are not taken over\n\n| option | what that means |\n|---|---|\n"
-        + _rows(OPTIONS)
+        + tables_of_others("section", OTHERS)
+        + table("Options that are not taken over", "option | what that means", OPTIONS)
     )
-
-
-def _rows(texts: dict[str, str]) -> str:
-    return "".join(f"| {name} | {texts[name]} |\n" for name in sorted(texts))

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.draft import bad
 from passo.config.importing.marlin.derived import PROBES
-from passo.config.importing.marlin.motion import PROBE_FAST, is_inverted, switch_pin
+from passo.config.importing.marlin.homing import PROBE_FAST, PROBE_SLOW, is_inverted, switch_pin
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.marlin.conversion import Job
+    from passo.config.importing.numbers import Read
 
 _TO_MM_S = 1 / 60
 _START_MM, _ABOVE_MM = 10.0, 3.0  # of a descent, and at least above where the probe triggers
@@ -51,13 +52,7 @@ def put_probe(job: Job) -> None:
         job.decide(define, _BY_HAND)
         return
     put((*path, "kind"), kind, job.place(define))
-    offsets = defines.numbers("NOZZLE_TO_PROBE_OFFSET")
-    if offsets is None:
-        found = [
-            defines.number(f"{axis}_PROBE_OFFSET_FROM_EXTRUDER", f"{axis}_PROBE_OFFSET_FROM_NOZZLE")
-            for axis in "XYZ"
-        ]
-        offsets = [one for one in found if one is not None]
+    offsets = _offsets(job)
     if kind == "manual" or len(offsets) < 3:
         if kind != "manual":
             job.decide(define, "the offset of the probe is not in the file: probe.offset_mm")
@@ -74,24 +69,9 @@ def put_probe(job: Job) -> None:
         return
     _put_pin(job, path)
     job.trigger_mm = height
-    put(
-        (*path, "trigger_height_mm"),
-        round(height, 4),
-        offsets[2].place if len(offsets) > 2 else None,
-    )
-    low = defines.number("Z_PROBE_LOW_POINT")
-    below = low.value if low and low.value < 0 else _LOWEST_MM
-    put((*path, "low_mm"), round(height + below, 4), low.place if low else None)
-    job.put(
-        (*path, "fast_mm_s"),
-        defines.number(*PROBE_FAST),
-        _TO_MM_S,
-    )
-    job.put(
-        (*path, "slow_mm_s"),
-        defines.number("Z_PROBE_FEEDRATE_SLOW", "Z_PROBE_SPEED_SLOW"),
-        _TO_MM_S,
-    )
+    place = offsets[2].place if len(offsets) > 2 else None
+    put((*path, "trigger_height_mm"), round(height, 4), place)
+    _put_descent(job, path, height)
     _put_samples(job, path)
     if kind == "servo":
         angles = defines.numbers("Z_SERVO_ANGLES") or []
@@ -102,6 +82,25 @@ def put_probe(job: Job) -> None:
         put((*path, "output"), "5v", job.place("BLTOUCH_SET_5V_MODE"))
     if defines.on("PROBING_HEATERS_OFF") and job.hotends:
         put((*path, "heaters_off"), [*job.hotends.values()], job.place("PROBING_HEATERS_OFF"))
+
+
+def _offsets(job: Job) -> list[Read]:
+    """X, Y and Z of the probe, or fewer if the file does not have them all."""
+    found = job.defines.numbers("NOZZLE_TO_PROBE_OFFSET")
+    if found is not None:
+        return found
+    ends = ("EXTRUDER", "NOZZLE")
+    older = [job.defines.number(*(f"{a}_PROBE_OFFSET_FROM_{end}" for end in ends)) for a in "XYZ"]
+    return [one for one in older if one is not None]
+
+
+def _put_descent(job: Job, path: KeyPath, height: float) -> None:
+    """Converts the end and the speeds of a descent to a trigger at this height, mm."""
+    low = job.defines.number("Z_PROBE_LOW_POINT")
+    below = low.value if low and low.value < 0 else _LOWEST_MM
+    job.draft.put((*path, "low_mm"), round(height + below, 4), low.place if low else None)
+    for key, names in (("fast_mm_s", PROBE_FAST), ("slow_mm_s", PROBE_SLOW)):
+        job.put((*path, key), job.defines.number(*names), _TO_MM_S)
 
 
 def _put_samples(job: Job, path: KeyPath) -> None:

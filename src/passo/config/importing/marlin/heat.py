@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import bad
+from passo.config.importing.draft import MOTORS_ALONE, bad
 from passo.config.importing.marlin.conversion import plain
 from passo.config.sensor_names import values_of
 from passo.errors import ConfigError
@@ -310,6 +310,7 @@ def _put_controller_fan(job: Job) -> None:
         job.decide(name, "the pin of this fan is not in the file: add [fans.board] with it")
         return
     job.draft.put((*path, "pin"), pin, job.place("CONTROLLER_FAN_PIN", "CONTROLLERFAN_PIN"))
+    job.changed(name, MOTORS_ALONE)
     motors = [key[1] for key in job.draft.keys if key[0] == "steppers" and key[2] == "steps_per_mm"]
     job.draft.put((*path, "follows_motors"), [*motors], defines.place(name))
     stays = defines.number(

@@ -11,7 +11,8 @@ from passo.config.importing.marlin.conversion import Job
 from passo.config.importing.marlin.defines import read
 from passo.config.importing.marlin.features import put_board, put_features
 from passo.config.importing.marlin.heat import count_extruders, put_heat
-from passo.config.importing.marlin.motion import MOTORS, put_motion
+from passo.config.importing.marlin.motion import put_motion
+from passo.config.importing.marlin.motors import MOTORS
 from passo.config.importing.marlin.others import OTHERS, is_silent
 from passo.config.importing.marlin.stored import put_stored
 from passo.config.importing.sources import Sources

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from passo.config.importing.marlin.boards import BOARDS
 from passo.config.importing.marlin.others import OTHERS
+from passo.config.importing.reference_rows import tables_of_others
 
 _HEAD = """# What becomes of Marlin's Configuration.h
 
@@ -137,22 +138,13 @@ TAKEN = (
 
 def reference() -> str:
     """The page, in Markdown."""
-    lost = {name: other.text for name, other in OTHERS.items() if other.lost}
-    kept = {name: other.text for name, other in OTHERS.items() if not other.lost}
     return (
         _HEAD
         + "".join(f"| {name.replace('*', chr(92) + '*')} | {key} |\n" for name, key in TAKEN)
-        + "\n## Defines that Passo needs no key for\n\n| define | in Passo |\n|---|---|\n"
-        + _rows(kept)
-        + "\n## Defines that are not taken over\n\n| define | what that means |\n|---|---|\n"
-        + _rows(lost)
+        + tables_of_others("define", OTHERS)
         + "\n## Boards\n\n| MOTHERBOARD | [board](boards.md) | variant |\n|---|---|---|\n"
         + "".join(
             f"| {name} | {board.base} | {board.variant or ''} |\n"
             for name, board in sorted(BOARDS.items())
         )
     )
-
-
-def _rows(texts: dict[str, str]) -> str:
-    return "".join(f"| {name} | {texts[name]} |\n" for name in sorted(texts))

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
 from passo.config.importing.marlin.conversion import plain
-from passo.geometry.delta import rise_mm
+from passo.geometry.delta import ANGLES, rise_mm
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from passo.config.importing.draft import Draft, Place
 
-_ANGLES = (210.0, 330.0, 90.0)
 _TOWERS = "abc"
 
 
@@ -28,7 +27,7 @@ def put_delta(draft: Draft, words: Mapping[str, float], place: Place) -> None:
         rods = [plain(words["L"] + each) for each in more]
     for index, letter in enumerate("XYZ"):
         if letter in words:
-            angles[index] = _ANGLES[index] + words[letter]
+            angles[index] = ANGLES[index] + words[letter]
     if "R" in words:
         draft.put(("geometry", "radius"), words["R"], place)
     draft.put(("geometry", "rods"), [*rods], place)
