@@ -1,8 +1,9 @@
-"""Passo's host on a board whose firmware speaks of analog inputs and converters in older words."""
+"""Passo's host on a board whose firmware has older words for analog inputs, converters and I2C."""
 
 import pytest
 from tests.firmware.library import library_for_older_hosts
 from tests.printer.test_thermocouples import text
+from tests.support.edited_machine import answers, edited
 from tests.support.link_bench import Bench
 from tests.support.scenario import Scenario
 
@@ -53,3 +54,17 @@ def test_older_firmware_heats_by_thermocouple():
         s.passes(1)
         s.host.ok("M922")
         s.host.ok("M109 S100", 300)
+
+
+def test_older_firmware_reads_an_accelerometer_over_i2c():
+    board = ('base = "ramps"', 'base = "ramps"\nfirmware = "passo"')
+    more = '[accelerometer]\nchip = "lis2dw"\nscl_pin = "D40"\nsda_pin = "D42"\n'
+    with Scenario(edited("i3", board, more=more)) as s:
+        (said,) = answers(s, "ACCELEROMETER_QUERY")
+        values = [float(value) for value in said.partition(": ")[2].split(",")]
+        assert values == pytest.approx([0, 0, 9806], abs=250)
+        s.printer.board.boards[""].accelerometers[0].plugged = False
+        s.host.send("ACCELEROMETER_QUERY")
+        s.host.expect(
+            "the board shut down: I2C NACK. A device on I2C, such as the accelerometer,", 5
+        )

@@ -87,27 +87,49 @@ sense_resistor: 0.075
 run_current: 1.2
 """
 
-ACCELEROMETER = """
-[accelerometer]
-cs_pin = "D40"
-clock_pin = "D42"
-mosi_pin = "D59"
-miso_pin = "D64"
+MASS = """
 [simulated.masses.x]
 frequency_hz = 48.0
 damping = 0.1
 """
 TESTER = """
+[resonance_tester]
+probe_points: 100, 100, 20
+"""
+# The accelerometer for Passo and for Kalico.
+SPI = (
+    """
+[accelerometer]
+cs_pin = "D40"
+clock_pin = "D42"
+mosi_pin = "D59"
+miso_pin = "D64"
+""",
+    """
+accel_chip: adxl345
+
 [adxl345]
 cs_pin: PG1
 spi_software_sclk_pin: PL7
 spi_software_mosi_pin: PF5
 spi_software_miso_pin: PK2
+""",
+)
+I2C = (
+    """
+[accelerometer]
+chip = "lis2dw"
+scl_pin = "D40"
+sda_pin = "D42"
+""",
+    """
+accel_chip: lis2dw
 
-[resonance_tester]
-accel_chip: adxl345
-probe_points: 100, 100, 20
-"""
+[lis2dw]
+i2c_software_scl_pin: PG1
+i2c_software_sda_pin: PL7
+""",
+)
 
 
 @pytest.fixture
@@ -258,17 +280,21 @@ class TestDrivers:
 
 
 class TestAccelerometer:
-    """Kalico measures the simulated head with its own analysis, through the firmware and the SPI
-    bus that the firmware makes."""
+    """Kalico measures the simulated head with its own analysis, through the firmware and the bus
+    that the firmware makes."""
+
+    @pytest.fixture(params=[SPI, I2C], ids=["spi", "i2c"])
+    def wiring(self, request: pytest.FixtureRequest) -> tuple[str, str]:
+        return request.param
 
     @pytest.fixture
-    def machine(self) -> MachineConfig:
+    def machine(self, wiring: tuple[str, str]) -> MachineConfig:
         board = ('base = "ramps"', 'base = "ramps"\nfirmware = "passo"')
-        return edited("i3", board, more=ACCELEROMETER)
+        return edited("i3", board, more=wiring[0] + MASS)
 
     @pytest.fixture
-    def configuration(self) -> str:
-        return (HERE / "kalico.cfg").read_text(encoding="utf-8") + TESTER
+    def configuration(self, wiring: tuple[str, str]) -> str:
+        return (HERE / "kalico.cfg").read_text(encoding="utf-8") + TESTER.rstrip() + wiring[1]
 
     @pytest.fixture
     def line(

@@ -133,8 +133,10 @@ def test_an_image_for_older_hosts(name: str, tmp_path: Path) -> None:
     assert older == {
         "query_analog_in oid=%c clock=%u sample_ticks=%u sample_count=%c rest_ticks=%u"
         " min_value=%hu max_value=%hu range_check_count=%c",
+        "i2c_write oid=%c data=%*s",
+        "i2c_read oid=%c reg=%*s read_len=%u",
     }
-    assert len(about["dictionary"]["commands"]) == len(newer)
+    assert len(about["dictionary"]["commands"]) == len(newer) + 1
     assert "analog_in_state oid=%c next_clock=%u value=%hu" in about["dictionary"]["responses"]
     assert 10_000 < about["flash_bytes"] <= LIMITS[name][0]
 

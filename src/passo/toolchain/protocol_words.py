@@ -117,7 +117,7 @@ COMMANDS = {
 LACKING = {
     "invert_step=-1 of config_stepper, STEPPER_STEP_BOTH_EDGE": "Steps at both edges.",
     "spi_set_bus, i2c_set_bus": "Buses of the chip's hardware: they are made on any pins.",
-    "i2c_read, i2c_write": "The older words for `i2c_transfer`.",
+    "i2c_read, i2c_write": "The older words for `i2c_transfer`, of images for older hosts.",
     "config_neopixel, neopixel_update, neopixel_send": "Lights on one wire.",
     "config_counter, query_counter": "Tachometers.",
     "debug_read, debug_write": "Looks into the chip's memory, and changes of it.",
