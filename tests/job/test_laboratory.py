@@ -1,5 +1,6 @@
 """The laboratory: its ruler against closed forms, and its choice of the best setting."""
 
+import os
 from itertools import pairwise
 from math import dist, sqrt
 
@@ -185,6 +186,26 @@ def test_file_without_printed_lines_is_refused(tmp_path):
     path.write_text("G28\nG1 X50 Y50 F6000\nG1 X80\n")
     with pytest.raises(InputError, match="prints no line"):
         run_laboratory(_I3, path)
+
+
+def test_pipe_is_refused_as_it_is_printed_often(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    writes = os.open(path, os.O_RDWR)  # so that opening it does not wait
+    try:
+        with pytest.raises(InputError, match="can be read only once"):
+            run_laboratory(_I3, path)
+    finally:
+        os.close(writes)
+
+
+def test_file_without_corners_is_warned_of(tmp_path):
+    path = tmp_path / "line.gcode"
+    path.write_text("G92 E0\nG1 X80 E2.4 F6000\n")
+    found = run_laboratory(_I3, path)
+    assert found.warnings == [
+        "no sharp corner between printed lines: the rounding of corners is unknown"
+    ]
 
 
 def test_place_is_known_while_a_soft_belt_swings_far(tmp_path):

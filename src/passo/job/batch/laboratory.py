@@ -24,6 +24,7 @@ from passo.job.batch.policy import Policy
 from passo.job.batch.quality_watch import Measurement, QualityWatch
 from passo.job.batch.recorded_stream import RecordedStream
 from passo.job.batch.simulated_print import Print
+from passo.job.batch.source import open_source
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -51,6 +52,9 @@ def run_laboratory(
     prints. Up to `workers` of them run side by side, in processes of their own, unless they are
     short; the result does not depend on it. `progress` is called with the number of prints that are
     done, and of all that may be needed. Raises InputError and MachineError."""
+    with open_source(path) as source:
+        if not source.seekable():
+            raise InputError.of("input.pipe", str(path))
     policy = replace(policy or Policy(), motion_only=True)
     settings = settings_for(machine)
     plain = settings[0].on(machine)
@@ -106,7 +110,9 @@ def _add(found: Comparison, settings: list[Setting], prints: list[_Printed]) -> 
 def _warn(found: Comparison) -> None:
     """Adds warnings of what was not measured."""
     if found.trials[0].quality.corners == 0:
-        found.warnings.append("no line ends in a sharp corner: ringing and rounding are unknown")
+        found.warnings.append(
+            "no sharp corner between printed lines: the rounding of corners is unknown"
+        )
     found.warnings += [
         f"{trial.name}: the motors did not follow the file for {trial.lost:.1%} of the time;"
         " the setting is not compared"

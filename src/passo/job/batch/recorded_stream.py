@@ -33,6 +33,7 @@ class RecordedStream:
         """Without a dictionary, it is the file of the same name that ends in `.dict`. Raises
         InputError if one of them is unreadable, or the stream does not fit the dictionary."""
         self.name = os.fspath(path)
+        data = _read(path)
         given = Path(self.name).with_suffix(".dict") if dictionary is None else Path(dictionary)
         raw = _read(given)
         try:
@@ -45,7 +46,7 @@ class RecordedStream:
             raise InputError.of("input.stream-dictionary", str(given), value="it has no CLOCK_FREQ")
         try:
             formats = _core.Formats(list(known.commands))
-            self._recording = _core.StepRecording(formats, _read(self.name))
+            self._recording = _core.StepRecording(formats, data)
         except ValueError as error:
             raise InputError.of("input.stream", self.name, value=str(error)) from None
 
