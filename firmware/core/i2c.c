@@ -12,14 +12,17 @@ DECL_SHUTDOWN_REASON(I2C_TOO_SLOW, "I2C clock too slow for this board");
 
 static const struct object_kind kind = {OBJECT_I2C, NULL};
 
-static void pull(struct i2c_line *line) { hal_output_setup(&line->output, line->pin, false); }
-static void let_go(struct i2c_line *line) { hal_input_setup(&line->input, line->pin, true); }
+// Turning a pin around takes a chip about a microsecond: only where that changes its level.
 static void set(struct i2c_line *line, bool high) {
+  if (line->released == high) return;
+  line->released = high;
   if (high)
-    let_go(line);
+    hal_input_setup(&line->input, line->pin, true);
   else
-    pull(line);
+    hal_output_setup(&line->output, line->pin, false);
 }
+static void pull(struct i2c_line *line) { set(line, false); }
+static void let_go(struct i2c_line *line) { set(line, true); }
 
 // Lets the clock rise, and waits for a device that still holds it.
 static void rise(struct i2c *i2c) {
@@ -106,6 +109,7 @@ void command_config_i2c(const uint32_t *args) { object_add(args[0], &kind, sizeo
 
 static bool line_setup(struct i2c_line *line, uint32_t pin) {
   line->pin = (uint16_t)pin;
+  line->released = true;
   return pin <= 0xffff && hal_output_setup(&line->output, line->pin, true) &&
          hal_input_setup(&line->input, line->pin, true);
 }

@@ -21,6 +21,7 @@ struct i2c_line {
   struct hal_output output;
   struct hal_input input;
   uint16_t pin;
+  bool released;
 };
 
 struct i2c {
