@@ -1,11 +1,11 @@
 """Head and bed of a simulated printer move by the executed steps of whole prints."""
 
-from math import exp, hypot, pi
+from math import exp, hypot, inf, nan, pi
 
 import pytest
 from tests.support.link_bench import Kind
 
-from passo import config
+from passo import _core, config
 from passo.config.motion import Shaping
 from passo.config.shapers import impulses
 from passo.config.simulated_motion import SimulatedMass, simulated_masses
@@ -105,3 +105,24 @@ def test_machine_file_gives_masses_of_axes_where_they_are_not_typical():
     machine = printer("i3", real_hz=33.0)
     masses = simulated_masses("cartesian", {"y": machine.simulated.masses["y"]})
     assert [mass.frequency_hz for mass in masses] == [55.0, 33.0, 110.0]
+
+
+@pytest.mark.parametrize("bad", [inf, nan])
+def test_head_and_quality_refuse_clocks_that_are_not_finite(bad):
+    job = Print(config.load("i3"))
+    head = head_dynamics(config.load("i3"), job.board)
+    quality = _core.PrintQuality(16e6, head)
+    for call in (
+        lambda: head.run(bad),
+        lambda: head.place(bad, [0.0, 0.0, 0.0]),
+        lambda: quality.begin(job.job, bad),
+        lambda: quality.run(job.job, bad),
+    ):
+        with pytest.raises(ValueError, match="clock must be a finite number"):
+            call()
+    with pytest.raises(ValueError, match="one position for each actuator"):
+        head.place(0.0, [0.0])
+    with pytest.raises(ValueError, match="a position must be a finite number"):
+        head.place(0.0, [0.0, 0.0, bad])
+    with pytest.raises(ValueError, match="clock_hz must be"):
+        _core.PrintQuality(bad, head)
