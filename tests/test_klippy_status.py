@@ -98,7 +98,7 @@ def test_print_duration_begins_with_the_first_extrusion(tmp_path):
     on_printer(test, tmp_path)
 
 
-def test_filament_of_a_pause_is_none_of_the_print(tmp_path):
+def test_filament_of_a_pause_does_not_count_for_the_print(tmp_path):
     async def test(bridge: LiveBridge):
         def used_mm():
             return shown(bridge, "print_stats")[0]["filament_used"]

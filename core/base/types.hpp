@@ -28,7 +28,7 @@ struct MoveOrigin {
   uint16_t layer;      // slicer's layer, 0 before the first
   uint16_t feature;    // index in the interpreter's table of feature names, 0 = none
   uint16_t extruder;   // active extruder
-  uint16_t tool;       // in use; several may share one extruder
+  uint16_t tool;       // number of the tool in use; tools may share an extruder
 };
 
 // The interpreter's request to the planner for each G0, G1, chord of an arc, retraction or dwell.
@@ -37,7 +37,7 @@ struct MoveRequest : MoveOrigin {
   double target[kAxes];  // absolute machine position, mm
   double feed_mm_s;      // F; infinity when none was ever given
   double duration_s;     // APrinter's T: the minimum duration; of a dwell, the duration; else 0
-  double energy_ws;      // of a laser, for this move alone
+  double energy_ws;      // laser energy of this move, W·s
   double beam;           // a laser's fraction of full power at 1 mm/s; of a dwell: the fraction
                          // itself; 0: off
   double fastest_mm_s;   // independent of M220; 0: no such limit

@@ -27,7 +27,7 @@ struct JobView {
           bool with_steps)
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
 
-  // Lets what keeps something of the plan have each settled move.
+  // Passes each settled move to the parts that record the plan.
   void watch_moves() {
     auto& on_move = job.motion.on_move;
     auto lead = [this](size_t i) {

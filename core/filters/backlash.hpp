@@ -45,7 +45,7 @@ class Backlash {
     cut(t, of);
     begin(t, q);
   }
-  // As resume, at a standstill.
+  // Like resume, at standstill.
   void stand(double t, const Backlash& of) {
     lead_ = of.t_ <= t ? of.lead_ : of.before(t).lead;
     cut(t, of);
@@ -55,7 +55,7 @@ class Backlash {
     while (turns_.size() > 1 && turns_[1].at <= past) turns_.pop_front();
   }
 
-  // Passes on an interval of the law, in parts. As Taps::Sink.
+  // Passes on an interval of the law, in parts; the sink is that of Taps.
   template <class Sink>
   void pass(double t, double q, double v0, double v1, double a, Sink& sink) {
     if (v0 * v1 < 0) {
@@ -65,7 +65,7 @@ class Backlash {
     }
     leg(t, q, v0, v1, a, sink);
   }
-  // The same of a cubic with these derivatives at its begin; as SmoothLaw::Sink.
+  // The same for a cubic with these derivatives at its start; the sink is that of SmoothLaw.
   template <class Sink>
   void pass_cubic(double t, double d, double q, double v, double a, double j, double end,
                   double end_speed, Sink& sink) {
@@ -106,10 +106,10 @@ class Backlash {
  private:
   struct Turn {
     double at, q, lead;
-    int dir;  // of the motion that begins here; 0: none
+    int dir;  // direction of the motion that begins here; 0: none
   };
   double gap_ = 0, over_ = 0, per_ = 0;  // per_: steps of lead for each step of the law
-  double t_ = 0, q_ = 0, lead_ = 0;      // at the end of the last interval
+  double t_ = 0, q_ = 0, lead_ = 0;      // clock, position and lead at the end of the last interval
   int dir_ = 0;
   std::deque<Turn> turns_;  // motion between two of them has one direction
 
@@ -124,7 +124,7 @@ class Backlash {
       *this = {t + u, d - u, first.end, first.end_speed, a + j * u, j, end, end_speed};
       return first;
     }
-    // When it has moved this far in one direction.
+    // The lead after this distance in one direction.
     double after(double distance, int dir) const {
       double low = 0, high = d;
       for (int i = 0; i < 60; ++i) {
@@ -155,7 +155,7 @@ class Backlash {
     if (&of != this) turns_.clear();
     while (!turns_.empty() && turns_.back().at > t) turns_.pop_back();
   }
-  // Each in one direction.
+  // Passes on parts, in each of which the motor moves in one direction.
   template <class Sink>
   void leg(Cubic c, Sink& sink) {
     const int dir = c.end > c.q ? 1 : c.end < c.q ? -1 : 0;

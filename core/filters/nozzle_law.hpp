@@ -22,7 +22,7 @@ class NozzleLaw {
   // As FilteredSolver::solve: takes moves that follow the last ones, and returns the new part of
   // the path that later moves cannot change. It begins at the end of the track before it.
   void solve(const std::vector<Move>& moves, double known, bool last);
-  // Continues at `clock` after the moves `past`. The track is that point alone.
+  // Continues at `clock` after the moves `past`. The track then has only that point.
   void restart(double clock, const std::vector<Move>& past);
   const Track& track() const { return track_; }
 
@@ -49,7 +49,7 @@ class NozzleLaw {
   double hz_;
   std::vector<Phases> phases_;
   std::vector<Taps> taps_;
-  std::vector<SmoothLaw> smooth_;  // instead of them, where jerk is limited
+  std::vector<SmoothLaw> smooth_;  // replace the above if jerk is limited
   Intervals axes_[3];
   double earliest_ = 0;
   bool going_ = false;

@@ -25,8 +25,8 @@ class Phases {
     Two place;  // of q and of v
     Two rate;   // of a; 1 if the new phase is a standstill, else 0
   };
-  // The pressure advance of an extruder: the speed times the advance of its moves in seconds. With
-  // knees the speed counts less above each of them: a polyline through 0.
+  // The pressure advance of an extruder: the speed times the advance of its moves in seconds. Above
+  // each knee a further mm/s counts less, so the advance is a polyline through 0.
   struct Advanced {
     double y, slope;     // at the begin of the phase
     double dy, d_slope;  // difference from the end of the phase before
@@ -36,7 +36,8 @@ class Phases {
   std::vector<Advanced> advanced;  // empty if it has no advance
   std::vector<uint8_t> stands;
 
-  // Above `speed` in steps and ticks each step a tick counts `share`; at it, `all` in sum.
+  // Above `speed` (steps per tick), each further step per tick counts as the fraction `share`; up
+  // to `speed` the sum is `all`.
   struct Bend {
     double speed, share, all;
   };
@@ -57,8 +58,8 @@ class Phases {
     return bends;
   }
 
-  // The axis is at rest at q0, and always was. A breakpoint of an axis at rest is left out if it is
-  // more than `span` ticks after the one before it.
+  // The axis is, and was always, at rest at q0. A breakpoint of an axis at rest is left out if it
+  // is more than `span` ticks after the one before it.
   void begin(double q0, double span) {
     span_ = span;
     t[0] = -span, q[0] = q0, v[0] = a[0] = 0;
@@ -69,7 +70,8 @@ class Phases {
     end_with_never(1);
   }
   // From p0 to p1 steps along a move, with `advance` ticks. Phases from `until` on are left out.
-  // `share`: of the filament, whose whole speed decides about bends.
+  // `share`: the part of the filament that follows this law; bends depend on the speed of all
+  // filament.
   void add(const Move& m, double p0, double p1, double hz, double advance, double until,
            double share = 1) {
     const double u = (p1 - p0) / m.d, w = u / hz, ww = w / hz;

@@ -25,7 +25,7 @@ inline void add_to(Taps& taps, const Filters& filters, double hz, int slot, Phas
   each_impulse(filters, hz, slot,
                [&](double weight, double delay) { taps.add(phases, weight, delay); });
 }
-// The same where jerk is limited.
+// The same if jerk is limited.
 inline void add_to(SmoothLaw& law, const Filters& filters, double hz, int slot, Phases* phases) {
   each_impulse(filters, hz, slot, [&](double weight, double delay) {
     law.add(phases, weight, delay, filters.box_s * hz);

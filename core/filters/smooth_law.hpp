@@ -90,7 +90,7 @@ class SmoothLaw {
     }
     if (!last && limit > t_) pass_on(limit, sink);
   }
-  // The first phase that is still needed of an axis.
+  // The first phase of an axis that is still needed.
   size_t needed(const Phases* phases) const {
     size_t k = std::numeric_limits<size_t>::max();
     for (const Edge& e : edges_)
@@ -108,10 +108,10 @@ class SmoothLaw {
   struct Edge {
     Phases* phases;
     double delay;                 // ticks
-    double direct, box, advance;  // weights of the law, its integral, and what it advances twice
+    double direct, box, advance;  // weights: law, its integral, its advance
     size_t k = 0;                 // current phase
   };
-  std::vector<Edge> edges_;  // by axis; of each the latest one first
+  std::vector<Edge> edges_;  // ordered by axis, the latest first
   std::vector<int64_t> due_;
   double earliest_ = kNeverTicks, long_ = 0, t_ = 0;
   double q_ = 0, v_ = 0, a_ = 0, j_ = 0;
@@ -160,7 +160,7 @@ class SmoothLaw {
       first = end;
     }
   }
-  // Of one axis: from the clock of its latest edge to that of its earliest one. Positions are
+  // Adds one axis: from the clock of its latest edge to that of its earliest one. Positions are
   // relative to the last one, as the weights add up to 1 by rounding only.
   void sum(size_t first, size_t end) {
     const Phases& p = *edges_[first].phases;

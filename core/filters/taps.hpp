@@ -74,7 +74,7 @@ class Taps {
       t_ = limit;
     }
   }
-  // The first phase that is still needed of an axis.
+  // The first phase of an axis that is still needed.
   size_t needed(const Phases* phases) const {
     size_t k = std::numeric_limits<size_t>::max();
     for (int i = 0; i < n_; ++i)

@@ -10,14 +10,14 @@ namespace passo {
 // and drilled along slot w. next() yields the moves one by one, so a line takes no memory.
 class Cycle {
  public:
-  static constexpr double kBackOffMm = 0.254;  // between pecks, as in RS274
+  static constexpr double kBackOffMm = 0.254;  // retraction between pecks, as in RS274
   static constexpr double kMaxRepeats = 10'000, kMaxPecks = 1e6;
 
   struct Plan {
     int code = 81;
     int u = 0, v = 1, w = 2;
     double at[2] = {}, by[2] = {};            // the first hole, and from one hole to the next
-    double start = 0, bottom = 0, clear = 0;  // R, the end of the hole, and the level between holes
+    double start = 0, bottom = 0, clear = 0;  // level R, end of the hole, level between holes
     double peck = 0, dwell_s = 0;
     int repeats = 0;
   };

@@ -100,7 +100,7 @@ class Interpreter {
   // Takes over the program's state from another interpreter of the same machine. Unread text and
   // the homed positions of this one stay.
   void adopt(const Interpreter& other);
-  // Moves have no laser energy until the program asks for it again.
+  // The laser is off in later moves until the program sets its energy again.
   void dark() { density_ = 0; }
   // G-code, one command a line and in mm, that sets a program's modal state to this one's.
   std::string modes() const;
@@ -119,9 +119,11 @@ class Interpreter {
   double logical(int j) const { return j == kE ? logical_e_ : meant(j) - gap(j) - origin_[j]; }
   // Axis slot j is at `position` now, and that is its home if `homed`; the program's zero stays.
   void set_axis(int j, double position, bool homed);
-  // The plan of an axis ends here now; its offsets stay. Only while no line is half read.
+  // The plan of this axis now ends at `position`; its offsets stay. Only while no line is half
+  // read.
   void set_place(int j, double position) { position_[j] = position; }
-  // The machine is there, and the next move carries out the rest to where the program means it.
+  // The machine is at this position; the next move also covers the distance to the program's
+  // position.
   void put(int j, double position) {
     owe(j, due_[j] + position_[j] - position);
     position_[j] = position;
@@ -141,7 +143,8 @@ class Interpreter {
   void shift_zero(int j, double mm) { origin_[j] += mm; }
   // Moves the program by `mm` along slot j: its zero, and the moves that are read but not taken.
   void shift(int j, double mm);
-  // The moves taken so far have no room for the hop; the last one had `mm` of it.
+  // There is no room for a hop of `mm`: removes it from the last move taken and from the rest of
+  // its line.
   void drop_hop(double mm);
 
   // ---- Tools and filament ----
@@ -189,7 +192,7 @@ class Interpreter {
   bool volumetric() const { return volumetric_; }                     // M200
   const std::vector<double>& diameters() const { return diameter_; }  // M200, of each extruder
   static constexpr double kLoadMmS = 6, kUnloadMmS = 20;              // speeds of M701 and M702
-  static constexpr double kMaxChangeMm = 5000;                        // of M207, M208, M603, M701
+  static constexpr double kMaxChangeMm = 5000;                        // in M207, M208, M603, M701
   struct Change {
     double load_mm, unload_mm;  // M603, of filament
   };
@@ -215,10 +218,10 @@ class Interpreter {
  private:
   static constexpr double kPi = 3.141592653589793;
   static constexpr double kReported = 0.5e-3;         // mm, rounding of M114
-  static constexpr double kRounding = 1e-9;           // mm: a difference below it is none
-  static constexpr size_t kMaxNameBytes = 100;        // of a command
-  static constexpr double kUsualMm = 1.75;            // diameter of filament
-  static constexpr int kSaved = 2;                    // positions of G60
+  static constexpr double kRounding = 1e-9;           // mm: smaller differences do not count
+  static constexpr size_t kMaxNameBytes = 100;        // length of a command's name
+  static constexpr double kUsualMm = 1.75;            // usual diameter of filament
+  static constexpr int kSaved = 2;                    // number of positions of G60
   static constexpr int kMostSpecial = 2;              // of G1 H
   static constexpr size_t kMaxDepth = 10;             // sub-programs within each other
   static constexpr uint32_t kMaxIdleCalls = 100'000;  // of sub-programs, without a move

@@ -15,7 +15,7 @@ struct Event {
   char letter = 0;  // 'G', 'M', 'T', 'S' (laser power of a move), or 0: extended command
   int number = 0, minor = 0;
   std::string name;  // of an extended command, upper case
-  std::string text;  // what follows the command, comment removed
+  std::string text;  // text after the command, without comment
 };
 
 enum class Fault : uint8_t {
@@ -52,7 +52,7 @@ struct GcodeError {
   Fault fault = Fault::word;
   std::string word;  // the offending word, or the axis
   double value = 0, limit = 0;
-  double point[3] = {0, 0, 0};  // of what cannot be reached, mm
+  double point[3] = {0, 0, 0};  // the position that cannot be reached, mm
 };
 
 // A line as the interpreter has read it: its number, whether it had a checksum, and its commands in

@@ -46,7 +46,7 @@ class Survey {
     subprograms_->text = std::move(text_);
     judge(CallFault::none);
   }
-  // The next four once it is finished.
+  // Call this, and the next three, after the program has ended.
   const std::vector<Event>& commands() const { return commands_; }
   const std::vector<BadCall>& bad_calls() const { return bad_calls_; }
   // The program moves the machine.
@@ -165,7 +165,7 @@ class Survey {
     return note;
   }
 
-  // The reach of the main program; calls have `fault` unless that is none.
+  // Follows the calls from the main program on; each has `fault`, or its own if that is none.
   void judge(CallFault fault) {
     std::vector<bool> reached(parts_.size());
     std::vector<size_t> open{0};

@@ -92,7 +92,7 @@ inline uint32_t converter_word(Converter converter, int32_t steps) {
   steps = std::clamp(steps, scale.is_signed ? -most - 1 : 0, most);
   return (uint32_t(steps) & ((1u << scale.bits) - 1)) << scale.shift;
 }
-// The steps of a share of full scale.
+// The steps for a fraction of full scale.
 inline int32_t converter_steps(Converter converter, double share) {
   const ConverterScale scale = scale_of(converter);
   return int32_t(std::clamp(share, 0.0, 1.0) * scale.full + 0.5) - scale.zero;

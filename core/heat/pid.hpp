@@ -14,7 +14,7 @@ inline constexpr double kGainFull = 255;  // full power in the unit of gains, as
 struct PidControl {
   double kp = 0, ki = 0, kd = 0;        // 1/255 of full power by °C, by °C·s, by °C/s
   double filter_s = 1;                  // time constant of the derivative
-  double drive_min = 0, drive_max = 1;  // bounds of the integral, shares of power
+  double drive_min = 0, drive_max = 1;  // bounds of the integral, fractions of full power
   double range_c = 10;                  // farther from the target: full on, or off
   bool operator==(const PidControl&) const = default;
 };

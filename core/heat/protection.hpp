@@ -24,10 +24,10 @@ struct ProtectionLimits {
   double min_c = 5, max_c = 280;
   double jump_c = 10;  // between two reports; several in a few seconds: an erratic sensor
   double watch_rise_c = 2,
-         watch_s = 20;                        // while at full power on its way up
-  double runaway_c = 4, runaway_s = 40;       // once there, never so much colder for so long
-  double stuck_on_c = 10, stuck_on_s = 60;    // switched off, never so much warmer in such a time
-  double deviation = 0.25, deviation_s = 30;  // share of full power that the model cannot explain
+         watch_s = 20;                      // while at full power on its way up
+  double runaway_c = 4, runaway_s = 40;     // after arrival: so much colder for so long is a fault
+  double stuck_on_c = 10, stuck_on_s = 60;  // off: so much warmer in this time is a fault
+  double deviation = 0.25, deviation_s = 30;  // unexplained fraction of full power
   bool operator==(const ProtectionLimits&) const = default;
 };
 
@@ -41,11 +41,11 @@ struct Fault {
 class Protection {
  public:
   struct Sight {
-    double celsius, target, power;  // power: since the last report, share
+    double celsius, target, power;  // power: mean since the last report, fraction of full
     double dt;
     bool full;  // the heater was at maximum power
     bool open, shorted;
-    double unexplained;  // share of full power; 0 if no model is known
+    double unexplained;  // fraction of full power; 0 if no model is known
   };
 
   explicit Protection(const ProtectionLimits& limits) : o_(limits) {}

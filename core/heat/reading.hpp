@@ -12,7 +12,7 @@ struct Reading {
   const Observer* body;    // null where no model of the body is known
 };
 
-// Shares of full power; error in °C.
+// Fractions of full power; error in °C.
 struct Terms {
   double error = 0, p = 0, i = 0, d = 0, output = 0;
 };

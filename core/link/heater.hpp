@@ -41,7 +41,7 @@ struct HeaterOptions {
   double longest_s;  // the board switches the power off if it is not renewed within this time
   double max_power;  // 0…1
   Arrival arrival;
-  heat::Curve celsius;           // share of full scale → °C
+  heat::Curve celsius;           // fraction of full scale → °C
   double low_share, high_share;  // beyond them the sensor is broken …
   bool open_is_high;             // … and open above the one, shorted below the other, or vice versa
   heat::Control control;
@@ -120,7 +120,7 @@ class Heater {
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
   bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value);
 
-  // The board received the query of its reports again, with the sensor's own range.
+  // The board was queried again, with the sensor's own range.
   void asked_anew() { wide_ = false; }
   // While there is no fault, the board watches the sensor's range. A heater that is off does not
   // need that any more, and the board must not stop the whole machine for it. Returns true if the
@@ -143,7 +143,7 @@ class Heater {
   uint32_t fan_value_ = 0;
   std::optional<Ticks> clock_;    // of the last report
   std::optional<double> near_s_;  // time within its window
-  double about_s_ = 0;            // time nearer than the limit at which it leaves
+  double about_s_ = 0;            // time nearer to the target than leaves_c
   double off_ = 0;                // from its target, with the last report; 0 if there was none
   bool reached_ = false, news_ = false, wide_ = false, new_net_ = false, suspended_ = false;
 

@@ -22,8 +22,8 @@ class Window {
   static constexpr uint64_t kBlocks = 12;
   // A frame under construction may overrun its end by a command.
   static constexpr size_t kOverrun = 24;
-  // Repetitions at the same distance. At the shortest they take 100 ms, less than any command
-  // leaves ahead of its time.
+  // Repetitions at the same distance. At the shortest distance they take 100 ms, and each command
+  // leaves longer than that before it is due.
   static constexpr int kSteady = 4;
   // Of the minimum wait for an answer: an answer that is late by less than the one counts as usual,
   // and answers within the other came together.

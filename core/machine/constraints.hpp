@@ -81,7 +81,7 @@ struct Constraints {
     return row;
   }
   LimitId add_name(const std::string& name);
-  // `share`: of the highest rate of steps, which no interval may exceed.
+  // `share`: the fraction of the highest step rate that no interval may exceed.
   void tighten(Row& row, const StepperSpec& s, double share = 1);
   void add_stepper(const Machine& m, const StepperSpec& s, bool linear);
 };

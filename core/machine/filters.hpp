@@ -14,7 +14,7 @@ struct Impulse {
   double weight, at;  // the weights add up to 1; at: s, the first one 0, ascending
 };
 
-// Faster filament than this is advanced by this share of the advance for each further mm/s.
+// Above `mm_s` of filament, each further mm/s counts with the fraction `share` of the advance.
 struct Knee {
   double mm_s, share;  // share: 0 to 1, at most that of the knee before it
 };
@@ -22,7 +22,7 @@ struct Knee {
 // The gap in the drive of a motor, which is taken up over a distance after each turn.
 struct Gap {
   double mm = 0, over_mm = 1;
-  double share() const { return mm / over_mm; }  // by which the motor is faster meanwhile
+  double share() const { return mm / over_mm; }  // fraction by which it is faster meanwhile
 };
 
 // The filtered position depends on the past only: every motor follows the plan `delay` later, so
@@ -66,8 +66,8 @@ struct Filters {
   double wide_s(size_t extruder) const { return std::max(smooth_s[extruder], box_s); }
   // Axes have different shapers, so the sum of their speeds differs from the plan.
   bool differ() const { return on() && (shapers[0] != shapers[1] || shapers[0] != shapers[2]); }
-  // The share by which a motor with this row of the axes is faster than the plan while it takes up
-  // the gap of its drive.
+  // The fraction by which a motor with this row of the axes is faster than the plan while it takes
+  // up the gap of its drive.
   double share(const double* row) const {
     double share = 0;
     for (int j = 0; j < 3 && !suspended; ++j)

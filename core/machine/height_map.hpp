@@ -36,7 +36,7 @@ class HeightMap {
       : first_{x, y}, spacing_{dx, dy}, count_{nx, ny}, heights_(std::move(heights)), fade_(fade),
         steepest_(find_steepest()), twist_(find_twist()), range_(find_range()) {}
 
-  // The same heights, each so much further on.
+  // The same heights at positions that are offset by dx, dy.
   HeightMap moved(double dx, double dy) const {
     HeightMap map = *this;
     map.first_[0] += dx;
@@ -74,7 +74,7 @@ class HeightMap {
   }
   // The correction of Z.
   double at(double x, double y, double z) const { return lift(x, y, z).at(x, y, z); }
-  // The Z to which so much is added that the nozzle is at `height`.
+  // The Z for which Z plus the correction is `height`.
   double plan_z(double x, double y, double height) const;
 
   Cell cell(double x, double y) const {

@@ -106,7 +106,7 @@ struct Machine {
   Filters filters;
   Macros macros;
   std::string motor_letters;  // of actuators that are not axes: G1 moves them, too
-  bool joints = false;        // X, Y, Z of positions are the first three actuators' own, for homing
+  bool joints = false;        // homing: X, Y, Z hold the positions of the first three actuators
 
   // The machine has filament, in extruders or moved by axes.
   bool prints() const {
@@ -122,7 +122,7 @@ struct Machine {
     return height_map ? p[2] + height_map->at(p[0], p[1], p[2]) : p[2];
   }
 
-  // Z of the program where the nozzle is at this height.
+  // The program's Z at X, Y if the nozzle is at `height`.
   double plan_z(double x, double y, double height) const {
     return height_map ? height_map->plan_z(x, y, height) : height;
   }

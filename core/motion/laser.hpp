@@ -38,7 +38,7 @@ class LaserLight {
     target_ = target;
     full_ = full;
   }
-  // A record sets it from now on.
+  // From now on records, not moves, set the laser's power.
   void recorded() { follows_ = false; }
   // Calls put(ticks, value) for each change along a move, each value once; the laser goes off
   // before a move without power.
@@ -55,7 +55,7 @@ class LaserLight {
     double duty = m.duty * (m.cartesian ? std::sqrt(mm2) : longest) / m.d;
     each_speed(m, hz, [&](double ticks, double speed) { change(ticks, duty * speed, put); });
   }
-  // Off, if it has followed moves.
+  // Switches the laser off if its power has followed moves.
   template <class Put>
   void off(double ticks, Put&& put) {
     if (follows_) change(ticks, 0, put);

@@ -179,8 +179,8 @@ class Motion {
   // The tool that hold_from has stopped; nothing if no move is held.
   std::optional<size_t> stopped_tool() const;
   ProgramLines& lines() { return lines_; }
-  // The planned position at `ticks`, of about the last second: X, Y, Z, the extruder of that move
-  // and further axes. Nothing if that is longer ago.
+  // The planned position at `ticks`: X, Y, Z, the extruder of that move and further axes. Nothing
+  // if `ticks` is more than about a second in the past.
   std::optional<std::array<double, kAxes>> position_at(double ticks) const;
   // After hold_from: suspends the held plan with its records, so that other moves may come first,
   // from where the machine rests. `resume` continues it; the machine must be back there.
@@ -194,9 +194,9 @@ class Motion {
   void forget_held() { stand_before(std::exchange(held_, {})); }
 
  private:
-  static constexpr double kSameDistance = 1e-9;  // share by which distances differ by rounding
+  static constexpr double kSameDistance = 1e-9;  // fraction by which rounding changes distances
   static constexpr long kOutputsSeen = 32;       // last records that a new one may replace
-  static constexpr double kKeptSeconds = 1.0;    // of executed motion
+  static constexpr double kKeptSeconds = 1.0;    // how long executed motion is kept
   Machine machine_;  // its steps per unit and tool offsets may change at standstill
   Planner planner_;
   bool with_steps_;

@@ -33,7 +33,7 @@ class Shift {
   // Appends m with the steepest slope that costs almost no speed; adds its shift to `done`.
   void lean(const Move& m, int j, double mm, double& done, std::vector<Move>& out);
 
-  // Splits m at the share `part` of its length. No junction law applies between the parts: the
+  // Splits m at the fraction `part` of its length. No junction law applies between the parts: the
   // corner is that small.
   static void split(const Move& m, double part, Move& before, Move& after);
 };

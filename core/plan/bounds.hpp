@@ -41,8 +41,8 @@ class Bounds {
   static constexpr double kMaxAccel = 1e7;       // mm/s²
   static constexpr double kSampleEvery = 2;      // mm
   static constexpr int kMaxSamples = 256;
-  static constexpr double kAlike = 0.7;    // caps within this ratio share a part
-  static constexpr double kOfBends = 0.5;  // share of an acceleration that bends may take
+  static constexpr double kAlike = 0.7;    // neighbouring caps within this ratio are one part
+  static constexpr double kOfBends = 0.5;  // fraction of an acceleration that bends may use
 
   struct Sample {
     double v, a, steps, bends;  // steps of all actuators by path length; curved_bends

@@ -37,7 +37,8 @@ class JunctionRule {
   // Both moves drive the same axes without X, Y and Z, in the same proportion: no corner at all.
   bool alongside(const Move& before, const Move& m) const;
 
-  // An extruder may change its speed at once by `jerk` mm/s, and so may further linear axes.
+  // The cap of v² for extruders and further linear axes, which may change their speed at once by
+  // `jerk` mm/s.
   double extruder_cap(const Move& before, const Move& m, const Constraints& own) const;
 
   // Junction deviation (S. Jeon, 2011, as in grbl): the corner is a circle that passes at most δ

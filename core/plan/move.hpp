@@ -22,7 +22,7 @@ struct Move : MoveOrigin {
   double t_acc, t_cru, t_dec;   // ticks
   double vn2, vj2;              // caps of v²: within the move; at its start
   double deviation;             // of its corners, mm
-  double duty;                  // share of a laser's power at 1 mm/s; of a dwell: its share
+  double duty;                  // laser's fraction of full power: at 1 mm/s, or in a dwell
   double feed, duration, radius, fastest;  // as requested, kept for replanning
   double from_faster;  // deceleration from beyond its nominal speed, after a replan; 0: never there
   double flow, owed;   // of MoveRequest; `owed` at its start
@@ -30,7 +30,7 @@ struct Move : MoveOrigin {
   double curved_bends;  // of these at constant speed: sum of √(steps/s²), by speed, at most
   double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
   double advance;       // pressure advance of its filament, s
-  double step_load, command_load;  // share of the board's budget; ≤ 1: kept
+  double step_load, command_load;  // fraction of the board's budget; at most 1: within it
   double steps, commands;  // of all motors together, as the budget calculates; 0 without one
   double ahead0, ahead1;   // commands ahead of the board's rate at its start and end, at most
   uint32_t rules;          // number in the planner's RuleBook
@@ -43,7 +43,7 @@ struct Move : MoveOrigin {
   bool rapid;
   bool cartesian;      // X, Y or Z moves
   bool unscaled;       // M220 does not apply
-  bool advance_binds;  // the speed at its start is bound by what the advance asks of the extruder
+  bool advance_binds;  // the speed at its start is limited by the extruder's pressure advance
 
   double ticks() const { return t_acc + t_cru + t_dec; }
   double end() const { return start + ticks(); }

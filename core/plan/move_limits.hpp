@@ -1,4 +1,4 @@
-// The limits and the feed rate override that moves were made with.
+// The limits and the feedrate override that moves were made with.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -63,8 +63,8 @@ class RuleBook {
 
  private:
   std::deque<Rules> rules_;
-  uint32_t first_ = 0;  // number of the first of them
-  bool used_ = false;   // by a move, so the last ones cannot change any more
+  uint32_t first_ = 0;  // number of the first element of rules_
+  bool used_ = false;   // a move uses the last rules, so they cannot change
 };
 
 }  // namespace passo

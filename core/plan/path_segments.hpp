@@ -11,7 +11,7 @@ namespace passo {
 
 struct PathSegment {
   double from[3], to[3];  // X, Y, Z in mm
-  double filament_mm;     // of the extruder, if it prints
+  double filament_mm;     // filament of this piece, mm; valid if it prints
   uint32_t line;          // of the file
   uint16_t extruder;
   bool prints;

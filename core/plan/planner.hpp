@@ -33,7 +33,7 @@ class Planner {
   RuleBook& rules() { return rules_; }
   const RuleBook& rules() const { return rules_; }
   const Constraints& constraints() const { return *rules_.now().constraints; }
-  double laser_share = 0;       // of full power, at the feedrate of later moves
+  double laser_share = 0;       // laser's fraction of full power at the feedrate of later moves
   std::vector<double> advance;  // pressure advance of later moves, s, by extruder
 
   // Settled moves that the caller has not taken yet; it clears the vector.

@@ -14,7 +14,8 @@ struct PlanStatistics {
   double move_s = 0, dwell_s = 0, travel_mm = 0, print_mm = 0;
   std::vector<double> filament_mm;                  // net, by extruder
   std::vector<double> limit_s, layer_s, feature_s;  // by LimitId, layer, feature
-  // The highest load of the board's budgets: line, and share of the budget (≤ 1: kept).
+  // The highest load of the board's budgets: line, and fraction of the budget (at most 1: within
+  // it).
   struct Load {
     uint32_t line = 0;
     double share = 0;

@@ -16,7 +16,7 @@ struct Bed {
   double tilt[2] = {0, 0};    // rise over the width and over the depth; zero in the centre
   double dome = 0;            // height of the centre above the corners
   double wave = 0, wave_length[2] = {120, 160};
-  double lift = 0;  // of the whole bed
+  double lift = 0;  // rise of the whole bed
 
   double height(double x, double y) const;
 };
@@ -51,7 +51,7 @@ struct Lift {
 };
 
 // A probe that triggers when the nozzle's height above the bed, at the probe's place, is at most
-// `trigger`. It opens again `hysteresis` higher. Each approach has an error of its own.
+// `trigger`. It opens again `hysteresis` higher. Each approach has its own random error.
 struct BedProbe {
   uint32_t pin;
   std::vector<uint32_t> motors;  // one step pin for each actuator

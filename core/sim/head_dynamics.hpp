@@ -61,7 +61,7 @@ class HeadDynamics {
   const NozzlePressure& nozzle(size_t extruder) const { return nozzles_[extruder]; }
   // The clock of the last step that was made.
   double last_step() const { return last_step_; }
-  // The clock of the next one that is known; infinite without one.
+  // The clock of the next known step; infinite if there is none.
   double next_step() const;
 
  private:

@@ -10,7 +10,7 @@ namespace passo::wire {
 
 class HeatRun {
  public:
-  // The options' table leads from shares of full scale to °C; the body's from °C to shares.
+  // The options' table maps fractions of full scale to °C, the body's °C to fractions.
   HeatRun(HeaterOptions options, HeatedBody body);
   Heater& heater() { return heater_; }
 

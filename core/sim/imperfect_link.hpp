@@ -11,7 +11,7 @@
 
 namespace passo::wire {
 
-// The device's clock reads `start` when host time is 0, and is `drift` faster (a share: 1e-6 is
+// The device's clock reads `start` when host time is 0, and is `drift` faster (a fraction: 1e-6 is
 // 1 ppm). Bytes travel `latency` ticks of host time each way, and up to `jitter` ticks longer,
 // never overtaking each other; the same on every computer.
 class Distant : public Device {

@@ -40,7 +40,7 @@ struct Switch {
 struct HeatedBody {
   uint32_t heater_pin, sensor_pin;
   double ambient_c, rise_c, time_constant_s, sensor_time_constant_s;
-  heat::Curve adc_ratio;  // °C → share of the ADC's full scale
+  heat::Curve adc_ratio;  // °C → fraction of the ADC's full scale
   uint32_t fan_pin = 0;   // with a fan_loss of 0: none
   double fan_loss = 0;
   double body_c = 0, sensor_c = 0;

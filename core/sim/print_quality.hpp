@@ -52,7 +52,7 @@ class PrintQuality {
     double mean() const { return weight > 0 ? sum / weight : 0; }
   };
   // Distances in mm. Deviation of the head across the line after a corner, once the motors are on
-  // the line; distance of the head's way from the corner; distance of the head from the path.
+  // the line; distance of the head's path from the corner; distance of the head from the path.
   const Spread& ringing() const { return ringing_; }
   const Spread& rounding() const { return rounding_; }
   const Spread& off_path() const { return off_path_; }
@@ -63,7 +63,7 @@ class PrintQuality {
   // Fraction of the samples in which the motors were far from the path, where nothing is measured.
   double lost() const { return samples_ > 0 ? double(lost_) / double(samples_) : 0; }
 
-  // The course of things around one corner, for a picture.
+  // The motion around one corner, for a picture.
   struct Sample {
     double s;          // since the motors passed the corner
     double head[2];    // X and Y, mm

@@ -13,7 +13,7 @@ class PieceSolver {
  public:
   PieceSolver(const Machine& machine, const StepperSpec& spec);
 
-  // The bed correction moves this motor.
+  // Whether the bed correction moves this motor.
   bool raised() const {
     return machine_.height_map && !machine_.joints && spec_.drive == Drive::actuator &&
            (!straight_ || row_[kZ] != 0);
@@ -27,8 +27,8 @@ class PieceSolver {
   // missing to its rounded end, `target`. Returns the count after them.
   int64_t solve(const Piece& p, int64_t count, int64_t target, bool ends_path, Steps& out);
 
-  // Throws std::invalid_argument if the motor cannot reach a position, or not so fast. The path is
-  // sampled every kSampleMm, and at least kMinSamples times.
+  // Throws std::invalid_argument if the motor cannot reach a position, or is too slow for the
+  // piece. The path is sampled every kSampleMm, and at least kMinSamples times.
   void check(const Piece& p) const;
 
  private:

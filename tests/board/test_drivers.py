@@ -142,7 +142,7 @@ def passes(made: Bench, drivers: Drivers, seconds: float) -> None:
 
 
 @pytest.mark.parametrize("chip", WIRES)
-def test_nobody_answers(chip: ChipName):
+def test_no_device_answers(chip: ChipName):
     made, drivers = bench(chip)
     made.simulated.drivers["x"].plugged = False
     drivers.configure()
@@ -188,7 +188,7 @@ def test_damaged_answers_are_asked_for_again(chip: ChipName, damaged: int):
     assert drivers.states["x"].reading.status == 0
 
 
-def test_two_on_one_wire_are_told_apart():
+def test_two_on_one_wire_are_distinguished():
     made, drivers = bench("TMC2209", "TMC2209")
     drivers.configure()
     drivers.begin_configure("y", replace(drivers.states["y"].settings, run_a=0.3))

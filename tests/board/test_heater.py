@@ -60,7 +60,7 @@ def test_a_target_of_zero_turns_the_output_off():
 
 
 @pytest.mark.parametrize("target", [-5.0, float("nan")])
-def test_a_target_that_is_none_is_off(target):
+def test_target_that_is_not_a_number_is_off(target):
     bench = Bench()
     bench.connection.set_target("hotend", 100.0)
     bench.run(2.0)

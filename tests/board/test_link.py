@@ -568,7 +568,7 @@ def hash_of(messages: list[tuple[int, int, int, int]], chunk: int) -> int:
     return bench.link.stream_hash
 
 
-def test_the_stream_hash_knows_content_and_order_only():
+def test_stream_hash_depends_on_content_and_order_only():
     messages = [(0, 1000, 10, 0), (1, 1000, 10, 0), (0, 70_000, 3, -5)]
     value = hash_of(messages, 3)
     assert value == hash_of(messages, 1) == 3854692376553383795

@@ -75,7 +75,7 @@ def changed(words: dict[str, int], name: str, becomes: str | None) -> dict[str, 
     return kept if becomes is None else {**kept, becomes: 4000}
 
 
-def test_a_board_that_knows_all_is_taken(told: dict, board: BoardDescription) -> None:
+def test_board_with_every_message_is_accepted(told: dict, board: BoardDescription) -> None:
     check_words(board, parsed(told, told["commands"], told["responses"]))
 
 

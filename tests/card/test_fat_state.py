@@ -184,7 +184,7 @@ def test_unfit_images_are_refused(small: Image):
     with pytest.raises(CardError) as raised:
         card.open("dir/none.g")
     assert str(raised.value) == (
-        "/dir/none.g: is not on the card. List the card and name what is there."
+        "/dir/none.g: is not on the card. List the files (M20), and give one of these names."
     )
     card.close()
     small.check()

@@ -19,7 +19,7 @@ BAD = {
     "long line": (b"G1 X" + b"1" * 10_000_000, [], 4, "a line is longer than 64 KiB"),
     "nan": (b"G28\nG1 XNaN\n", [], 4, ":2: the word 'X' has no valid number"),
     "huge": (b"G28\nG1 X2000000000\n", [], 4, ":2: the word 'X2000000000'"),
-    "F0": (b"G1 X10 F0\n", [], 4, ":1: the feed rate F0 must be above 0"),
+    "F0": (b"G1 X10 F0\n", [], 4, ":1: the feedrate F0 must be above 0"),
     "out of range": (b"G1 X300 F3000\n", [], 4, ":1: X 300.000 mm is beyond the limit of 250.000"),
     "endless": (b"G1 E1000000000\n", [], 4, ":1: extruder e would move 1000000000 mm of filament"),
     "tool": (b"T5\n", [], 4, ":1: tool T5 does not exist: the machine has 1 tool(s)"),

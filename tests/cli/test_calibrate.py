@@ -60,7 +60,7 @@ def test_the_guide(capsys, monkeypatch):
         ("bed", 39, "M140 S40,", "M140 S120,", "H-1"),
     ],
 )
-def test_the_guide_says_how_each_heater_is_heated(
+def test_guide_lists_the_command_for_each_heater(
     capsys, monkeypatch, heater, true, first, last, number
 ):
     words = ("--machine", "dual-extruder", "--heater", heater)
@@ -81,7 +81,7 @@ def test_the_guide_says_how_each_heater_is_heated(
         (["--points", "180:nan"], 4, "'180:nan' is not a pair of temperatures"),
         (["--points", "180:400"], 4, "400 °C is too far from the 180 °C that is shown: expected 1"),
         (["--points", "180:100"], 4, "expected 120 to 240"),
-        (["--points", "200:169", "180:177"], 4, "169 °C where 200 °C is shown is no more than the"),
+        (["--points", "200:169", "180:177"], 4, "the true 169 °C at 200 °C shown is not above the"),
     ],
 )
 def test_wrong_options_are_refused(capsys, words, status, says):
@@ -97,7 +97,7 @@ def test_answers_that_cannot_be_are_asked_for_again(capsys, monkeypatch):
     assert "'160:1600' is not a pair of temperatures" in out
     assert "from 0 to 400 °C. Type the true one alone, as 187.\n" in out
     assert "16 °C is too far from the 160 °C that is shown: expected 107 to 213" in out
-    assert "149.5 °C where 180 °C is shown is no more than the 150 °C at 160 °C" in out
+    assert "the true 149.5 °C at 180 °C shown is not above the true 150 °C at 160 °C shown" in out
     assert "   180.0    168.5" in out
 
 
@@ -179,7 +179,7 @@ def test_stored_answers_of_another_run_are_refused(capsys, monkeypatch, tmp_path
     assert guide(monkeypatch, "150\n", "--beta", "4000") == 4
     told = capsys.readouterr().err
     assert "thermistor-hotend.txt: it begins with 'passo calibrate thermistor: hotend of i3" in told
-    assert "Delete it, or start elsewhere" in told
+    assert "Delete the file, or start in another folder" in told
     (tmp_path / "thermistor-bed.txt").write_bytes(b"\xff\xfe")
     assert guide(monkeypatch, "50\n", "--heater", "bed") == 4
     (tmp_path / "thermistor-bed.txt").unlink()

@@ -36,7 +36,7 @@ def test_explain_names_value_unit_range_and_the_line_that_sets_it(
         ("probe.samples", "", "Not set."),
     ],
 )
-def test_explain_says_where_a_value_comes_from(
+def test_explain_names_the_source_of_a_value(
     key: str, value: str, source: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["config", "explain", key]) == 0

@@ -65,7 +65,7 @@ def test_check_of_a_good_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert err == ""
 
 
-def test_check_shows_the_boards_own_pin_beside_another(
+def test_check_shows_default_pin_next_to_a_changed_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "mine.toml"
@@ -156,9 +156,7 @@ def test_check_names_the_boards_whose_pins_are_unknown(
     assert json.loads(capsys.readouterr().out)["unchecked_boards"] == ["boards.tool"]
 
 
-def test_check_says_which_heaters_are_assumed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_lists_assumed_heaters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(re.sub(r"(?m)^simulated = .*\n", "", config.shipped_text("i3")))
     assert main(["check", str(path)]) == 0
@@ -217,7 +215,7 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_every_option_says_what_it_is(capsys: pytest.CaptureFixture[str], command: str) -> None:
+def test_every_option_has_a_description(capsys: pytest.CaptureFixture[str], command: str) -> None:
     assert main([command, "--help"]) == 0
     out = capsys.readouterr().out
     sentence = " ".join(out.split("\n\n")[1].split())

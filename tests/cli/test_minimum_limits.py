@@ -110,8 +110,8 @@ def test_slow_moves_take_their_time(capsys, tmp_path, lines, seconds):
         ),
         (
             "G2 F100",
-            "the arc has neither a centre nor a radius: I, J and R are missing, or 0. "
-            "Give the centre from where the arc begins, or the radius R.",
+            "the arc has neither a centre nor a radius: I, J and R are missing or 0. "
+            "Give the centre relative to the start of the arc, or the radius R.",
         ),
         (
             "G2 I5 P100000000",

@@ -206,9 +206,7 @@ def test_explain_needs_a_file_that_it_can_read_again(capsys):
     os.close(read)
     out, err = capsys.readouterr()
     assert out == ""
-    assert (
-        err == f"/dev/fd/{read}: can be read only once, and not again. Save it to a file first.\n"
-    )
+    assert err == f"/dev/fd/{read}: can be read only once. Save it to a file first.\n"
 
 
 def explained(capsys, path, line, *words):
@@ -391,7 +389,7 @@ def test_a_link_stays_and_leads_to_what_is_new(short, tmp_path):
 
 
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_nothing_half_written_stays_behind(short, tmp_path, sign):
+def test_no_partial_file_stays(short, tmp_path, sign):
     program = f"""
 import os, signal, sys
 from passo.cli.main import main

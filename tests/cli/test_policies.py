@@ -49,7 +49,7 @@ def test_unreachable_target_is_reported_with_its_value(capsys, tmp_path):
     words = [str(path), "--machine", "delta"]
     # Straight from the middle, tried every 2 mm.
     where = "the point X 66.585, Y 38.049, Z 100.000 mm cannot be reached by this machine"
-    measure = "it is 76.690 mm from the middle, of at most 75.100 mm"
+    measure = "it is 76.690 mm from the middle (limit 75.100 mm)"
     assert main(["print", *words, "--assume-ready"]) == 4
     assert f"{path}:3: {where}: {measure}. Move the model" in capsys.readouterr().err
     assert printed(capsys, *words, "--out-of-range", "clamp")["warnings"] == [

@@ -105,7 +105,7 @@ def test_two_extruders(capsys, unpacked):
     assert result["filament_mm"]["e1"] == pytest.approx(215.4, abs=0.1)
 
 
-def test_the_table_says_that_the_steps_are_right(capsys, unpacked):
+def test_table_reports_that_the_steps_are_right(capsys, unpacked):
     assert main(["print", unpacked("demo")]) == 0
     out, err = capsys.readouterr()
     assert "net steps at the end        as expected on every motor" in out

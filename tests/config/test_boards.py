@@ -407,7 +407,7 @@ def test_several_drivers_on_one_uart_have_addresses_of_their_own() -> None:
         assert len({(socket.uart, socket.uart_send) for socket in sockets}) == 1
 
 
-def test_unknown_board() -> None:
+def test_unknown_board_raises_key_error() -> None:
     with pytest.raises(KeyError):
         config.load_board("ramps-2")
 
@@ -422,7 +422,7 @@ def test_unknown_board() -> None:
         ("^!X_MIN", "PE5", "!^PE5"),
     ],
 )
-def test_marks_before_names(outer: str, inner: str, pin: str) -> None:
+def test_marks_of_a_pin_and_its_name_combine(outer: str, inner: str, pin: str) -> None:
     assert joined_marks(outer, inner) == pin
 
 

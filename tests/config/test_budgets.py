@@ -136,6 +136,6 @@ def test_own_clock_counts_before_that_of_shipped_board(tmp_path: Path, i3_text: 
     assert config.load(tmp_path / "mine.toml").board.clock_hz == 16_000_000
 
 
-def test_a_board_with_klippers_firmware_counts_beside_others(i3_text: str) -> None:
+def test_board_with_klippers_firmware_is_one_of_several(i3_text: str) -> None:
     tool = '\n[boards.tool]\nbase = "klipper"\nclock_hz = 16_000_000\nmove_count = 100\n'
     assert config.load_text(i3_text + tool).core_spec()["budget"]["burst"] == 50

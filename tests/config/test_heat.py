@@ -182,7 +182,7 @@ def test_a_board_file_states_its_pull_ups(i3_text):
         ("{ kind = 'pt1000-amplifier', gain = 1.0 }", 4400.0),
     ],
 )
-def test_a_sensor_may_know_better(i3_text, sensor, found):
+def test_sensor_overrides_default(i3_text, sensor, found):
     heater = loaded(duet(i3_text), f"sensor = {sensor}\n").heaters["hotend"]
     assert getattr(heater.sensor, "pullup_ohm", None) == found
 

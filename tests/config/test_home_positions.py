@@ -28,7 +28,7 @@ def changed(machine: str, **keys: str) -> str:
         ("rotary-delta", "z_offset", "1e200", "a number of at most 10000"),
     ],
 )
-def test_a_geometry_far_away_is_no_geometry(machine, key, value, told):
+def test_geometry_far_from_usual_values_is_refused(machine, key, value, told):
     with pytest.raises(ConfigError, match=told) as raised:
         config.load_text(changed(machine, **{key: value}), "far.toml")
     [problem] = raised.value.problems

@@ -891,7 +891,7 @@ def test_board_is_known_by_its_pins(load) -> None:
     [
         ("[printer]\nkinematics: " + "x; " * 10_000, "2: the line has more than 20000 characters"),
         ("#" * (5 << 20), "more than 4194304 bytes"),
-        ("\0" * 1000, "is not an option of a section"),
+        ("\0" * 1000, "is not an option of the form"),
         ("[include *.cfg]\n", "include each other"),
         ("[printer]\nkinematics: " + "x" * 10_000, "the kind of machine is 'xxx"),
         ("[printer]\nkinematics: delta\nmax_velocity: " + "1" * 900 + "y" * 9000, "111…"),

@@ -197,7 +197,7 @@ def test_a_chip_with_compare_units_has_no_more_motors() -> None:
         ('numbering = "mega"', "board.numbering is 'mega': expected a numbering of pins"),
     ],
 )
-def test_words_that_a_board_does_not_know(i3_text: str, line: str, says: str) -> None:
+def test_messages_that_a_board_lacks(i3_text: str, line: str, says: str) -> None:
     (problem,) = (p for p in problems_of(i3_text + line + "\n") if says in p)
     assert "Did you mean" in problem or "Known here" in problem
 

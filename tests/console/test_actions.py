@@ -120,7 +120,7 @@ def test_hosts_are_notified_of_a_pause_in_a_file(tmp_path, command, answer):
 
 
 @pytest.mark.parametrize("answer", ["M24", "M602", "M108", "M876 S0"])
-def test_a_wait_for_a_person_in_a_file_ends_as_a_pause_does(tmp_path, answer):
+def test_wait_for_the_user_in_a_file_ends_like_a_pause(tmp_path, answer):
     (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\nG1 X30 F6000\nM0 Look\nG1 X50\n")
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M23 a.g")

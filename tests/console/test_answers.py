@@ -48,7 +48,7 @@ def test_a_host_heats_to_the_end(answer, own):
         assert s.board.temperature("hotend") > 55
 
 
-def test_a_late_second_answer_is_none(tmp_path):
+def test_late_second_answer_is_ignored(tmp_path):
     """Two hosts show the question of an M600; the line behind it heats."""
     text = "G92 X20 Y20 Z20\nG1 X30 F6000\nM600\nM109 S60\nM118 hot\n"
     with Scenario("i3", card=card(tmp_path, text)) as s:
@@ -65,7 +65,7 @@ def test_a_late_second_answer_is_none(tmp_path):
         assert s.board.temperature("hotend") > 55
 
 
-def test_an_answer_to_a_paused_file_ends_no_wait_beside_it(tmp_path):
+def test_answer_to_a_paused_file_ends_no_other_wait(tmp_path):
     text = "G92 X20 Y20 Z20\nM601\nG1 X30 F6000\n"
     with Scenario("i3", card=card(tmp_path, text)) as s:
         s.host.ok("M32 a.g")

@@ -94,7 +94,7 @@ def test_m112_out_of_its_order_is_text_of_a_file_that_is_sent(tmp_path):
     assert (tmp_path / "a.g").read_text() == "G1 X1\nM112\n"
 
 
-def test_m410_forgets_all_moves_in_hand(s):
+def test_m410_discards_all_moves_in_progress(s):
     start = len(s.host.heard)
     s.host.ok("G1 X80 F600")
     s.host.send(*(["G1 X20"] * MANY), "M104 S50")

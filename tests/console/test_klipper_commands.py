@@ -132,7 +132,7 @@ def test_files_may_use_klippers_commands_without_a_console(tmp_path):
         ("RESPOND MSG=don't ; not", "don't"),
     ],
 )
-def test_a_quoted_value_is_no_comment_on_consoles_or_in_files(tmp_path, line, text):
+def test_quoted_value_is_not_a_comment(tmp_path, line, text):
     (tmp_path / "a.g").write_text(f"{line}\n")
     expected = text if text.startswith("(1)") else f"echo: {text}"
     with Scenario("i3", card=str(tmp_path)) as s:

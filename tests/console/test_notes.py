@@ -55,7 +55,7 @@ def test_a_frequency_sets_no_speed_of_a_fan(s):
     assert s.board.output_value("part") == 1_600_000  # of a cycle of 0.1 s
 
 
-def test_a_note_is_no_failure(s):
+def test_note_is_not_a_failure(s):
     s.host.ok("M932")
     s.host.ok("M907 X500")
     assert s.host.ok("M105")[0].startswith("ok T:")
@@ -107,7 +107,7 @@ def test_m204_v_is_the_travel_acceleration(s):
         assert fresh.host.ok("M204")[0] == "M204 P900 R5000 T1100"
 
 
-def test_m205_uses_j_beside_what_it_does_not(s):
+def test_m205_uses_j_and_reports_the_rest(s):
     s.host.ok("M205 X8 J0.05")
     assert s.host.ok("M205")[0] == "M205 J0.05"
 

@@ -251,12 +251,12 @@ def test_a_label_with_a_star_is_a_label(s):
 # -- time -----------------------------------------------------------------------------------------
 
 
-def test_an_idle_console_says_wait_every_second(s):
+def test_idle_console_prints_wait_every_second(s):
     s.host.ok("M110")
     assert times_of(s, "^wait$", 3.5) == pytest.approx([1, 2, 3], abs=0.02)
 
 
-def test_a_busy_console_never_says_wait(s):
+def test_busy_console_never_prints_wait(s):
     s.host.send("M109 S200")
     assert times_of(s, "^wait$", 5) == []
 
@@ -264,7 +264,7 @@ def test_a_busy_console_never_says_wait(s):
 @pytest.mark.parametrize(
     ("interval", "expected"), [("", [2, 4]), (" S1", [1, 2, 3, 4]), (" S0", [])]
 )
-def test_busy_is_said_at_each_interval_of_m113(ready, interval, expected):
+def test_busy_is_sent_at_each_interval_of_m113(ready, interval, expected):
     if interval:
         ready.host.ok("M113" + interval)
     assert ready.host.ok("M113")[0] == f"M113 S{interval[2:] or 2}"
@@ -275,7 +275,7 @@ def test_busy_is_said_at_each_interval_of_m113(ready, interval, expected):
     ready.host.silent(5, "busy")
 
 
-def test_busy_says_what_it_is_busy_with(s):
+def test_busy_names_its_cause(s):
     s.host.send("M109 S200")
     s.host.expect("^echo:busy: heating$", 3)
     s.host.send("M108")
@@ -595,7 +595,7 @@ def test_lines_of_a_file_are_not_commands_ahead_of_the_queue(tmp_path):
 
 
 @pytest.mark.parametrize("command", ["G28", "M109 S250", "G1 X100 F600\nM400", "M303 E0 S200"])
-def test_m999_right_after_m112_leaves_no_wait_behind(ready, command):
+def test_m999_right_after_m112_leaves_no_wait(ready, command):
     other = Host(ready)
     other.send(*command.split("\n"))
     ready.passes(0.5)

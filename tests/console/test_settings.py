@@ -416,7 +416,7 @@ def test_heaters_go_off_after_half_an_hour(s):
     s.host.expect("Heater bed off after an idle time", 30)
 
 
-def test_filament_changes_wait_for_a_person(s):
+def test_filament_changes_wait_for_the_user(s):
     s.host.send("M600")
     s.host.expect("^// action:pause", 1)
     s.host.silent(20, "^ok")
@@ -424,7 +424,7 @@ def test_filament_changes_wait_for_a_person(s):
     s.host.expect("^ok", 1)
 
 
-def test_m0_waits_for_a_person_or_a_time(s):
+def test_m0_waits_for_the_user_or_a_time(s):
     s.host.send("M0 S5 Look here")
     s.host.expect("prompt_begin Look here", 1)
     start = s.loop.time()

@@ -488,7 +488,7 @@ def test_standard_input_and_output_may_be_files(answers, tmp_path):
         assert said[-2].startswith("X:10.000 Y:0.000")
 
 
-def test_standard_input_that_says_nothing_ends_at_once():
+def test_empty_standard_input_ends_at_once():
     served = subprocess.run(
         [sys.executable, "-m", "passo", "serve", "--stdin", "--http", "none"],
         stdin=subprocess.DEVNULL,

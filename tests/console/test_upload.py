@@ -141,7 +141,7 @@ def test_a_halted_printer_still_writes_the_whole_file(s, tmp_path):
     assert (tmp_path / "old.g").read_text() == "G1 X7\nG1 X8\n"
 
 
-def test_lines_for_a_file_that_could_not_be_opened_say_so_once(bare):
+def test_lines_for_an_unopened_file_are_reported_once(bare):
     assert "there is no card" in bare.host.ok("M28 a.g")[0]
     note = "echo:G28 is not carried out: it is for the file a.g. End it with M29"
     assert bare.host.ok("G28") == [note, "ok"]
@@ -250,8 +250,8 @@ def test_an_upload_that_lacks_a_line_leaves_the_old_file(s, tmp_path):
     too_long = "this line is longer than 65536 characters and is left out"
     assert s.host.ok("M117 " + "x" * 70000, 10)[0] == f"echo:{too_long}. Send shorter lines"
     assert s.host.ok("M29") == [
-        f"echo:error writing to file old.g: old.g: a line of it was not taken: {too_long}."
-        " Shorten it, then upload the file again.",
+        f"echo:error writing to file old.g: old.g: a line of the file was refused: {too_long}."
+        " Shorten the line, then upload the file again.",
         "ok",
     ]
     assert (tmp_path / "old.g").read_text() == "G1 X1\n"

@@ -58,7 +58,7 @@ def test_m108_ends_the_first_wait_of_such_a_line_alone(s):
     assert len(oks(s.host, start)) == 3
 
 
-def test_an_axis_is_not_homed_if_somebody_wants_no_wait(s):
+def test_axis_is_not_homed_if_m108_ends_the_wait(s):
     s.host.ok("G1 X100 F600")
     s.host.send("G28")
     s.passes(0.5)

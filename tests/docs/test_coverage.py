@@ -32,7 +32,7 @@ def rows(heading: str) -> list[list[str]]:
 
 
 @pytest.mark.parametrize("heading", ["APrinter", "StuFW"])
-def test_every_row_has_a_test_or_says_what_is_open(heading):
+def test_every_row_has_a_test_or_names_what_is_open(heading):
     table = rows(heading)
     assert [int(row[0]) for row in table] == list(range(1, 74))
     assert [row for row in table if not row[2] and not row[3]] == []

@@ -54,7 +54,7 @@ def test_the_sensors_and_what_converters_have_unless_given():
         assert told == {key: str(value).removesuffix(".0") for key, value in defaults.items()}
 
 
-def test_wrong_pull_up_readings():
+def test_page_has_the_reading_of_a_wrong_pull_up():
     shown = share_at(sensor_table(Thermistor(pullup_ohm=4700.0)), 200.0)
     true_c = int(re.search(r"a hotend that shows 200 °C has (\d+) °C", PAGE)[1])
     assert share_at(sensor_table(Thermistor(pullup_ohm=1000.0)), true_c) == pytest.approx(

@@ -101,7 +101,7 @@ def test_the_reference_of_the_protocol_leaves_nothing_out():
         ("G1 X1E5", [1], 0.0),
     ],
 )
-def test_words_belong_as_the_reference_says(tmp_path, text, x_mm, least_s):
+def test_words_belong_to_commands_as_in_the_reference(tmp_path, text, x_mm, least_s):
     path = tmp_path / "words.gcode"
     path.write_text(f"G28\n{text}\n")
     moves = list(passo.Machine.load("i3").plan(path))

@@ -31,7 +31,7 @@ def blocks(kind):
     return re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL)
 
 
-def test_web_api_page_does_what_it_says(served, capsys):
+def test_examples_of_the_web_api_page_work(served, capsys):
     place, lines = served
     assert any("has no administrator yet" in line for line in lines)
     first, wrong = (block.replace(PLACE, place) for block in blocks("sh"))

@@ -524,7 +524,7 @@ CLOCKS = {
 }
 
 
-def test_clocks_are_set_to_what_the_board_says(case: Case) -> None:
+def test_clocks_are_set_to_the_reported_counts(case: Case) -> None:
     chip = case.host().chip
     expected = CLOCKS[case.board]
     assert {address: chip.registers.get(address) for address in expected} == expected

@@ -84,7 +84,7 @@ def test_a_device_takes_and_gives_bytes(data, read, address):
     ("data", "read", "status"),
     [(b"", 0, "START_NACK"), (b"12", 0, "START_NACK"), (b"", 3, "START_READ_NACK")],
 )
-def test_nobody_answers(data, read, status):
+def test_no_device_answers(data, read, status):
     board = wired()
     board.simulated.force_switch("x", True)
     assert transfer(board, data, read) == (status, bytes(read))

@@ -226,7 +226,7 @@ def test_an_output_that_is_refused_is_put_to_its_default(line, fault):
         ("set_digital_out pin=PH5 value=1", "PH5"),
     ],
 )
-def test_a_pin_of_a_configured_output_is_not_set_behind_its_back(line, name):
+def test_pin_of_configured_output_is_not_set_by_others(line, name):
     board = RawBoard()
     board.configure()
     board.device.trace_edges(board.dictionary.enumerations["pin"][name])

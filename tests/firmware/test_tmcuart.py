@@ -87,7 +87,7 @@ def test_an_answer_comes_when_its_bits_are_over():
     assert ticks == pytest.approx(REST + BIT * (40 + 8 + 0.25 + 79), abs=BIT)
 
 
-def test_nobody_answers():
+def test_no_device_answers():
     board, chips = wired()
     chips[2].plugged = False
     answer, ticks = asked(board, trinamic.read_request(2, 2), 10)

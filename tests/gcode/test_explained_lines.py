@@ -83,7 +83,7 @@ def test_random_lines(name):
         ("; nothing", ("", False, [])),
     ],
 )
-def test_a_line_is_told(line, heard):
+def test_line_is_reported(line, heard):
     codes = read(config.load("i3"), line)
     assert codes is not None
     assert codes[1] == heard

@@ -44,7 +44,7 @@ def test_each_extruder_has_its_own():
 
 
 @pytest.mark.parametrize("bad", [0.0, -0.5, float("inf"), float("nan")])
-def test_a_flow_that_is_none_is_refused(bad):
+def test_invalid_flow_is_refused(bad):
     job = job_of("")
     with pytest.raises(ValueError, match="above 0"):
         job.set_flow(0, bad)

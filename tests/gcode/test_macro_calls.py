@@ -74,7 +74,7 @@ def test_an_error_in_a_macro_has_the_line_of_the_call():
     assert moves == [(2, 2), (3, 5)]
 
 
-def test_a_call_in_a_comment_or_a_text_is_none():
+def test_call_in_comment_or_text_is_ignored():
     _, calls, _, _, _ = read(
         "; FOO\nM118 FOO\n(FOO)\nEXCLUDE_OBJECT_START NAME=FOO\nM104 S1 T0\n", {}
     )

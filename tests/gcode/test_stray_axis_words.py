@@ -101,7 +101,7 @@ def test_a_tool_after_a_move_or_what_has_no_words_is_taken(line, places):
     assert out.moves[-1].extruder == (0 if places and places[0][1] else 1)
 
 
-def test_a_number_behind_what_has_no_words_is_a_missing_tool():
+def test_number_after_wordless_command_is_a_missing_tool():
     for line in ("G90 T5", "G90 T5 X10", "M83 T5"):
         assert [e[1:4] for e in run(line).errors] == [(Fault.MISSING_TOOL, "T", 5)]
 
@@ -144,7 +144,7 @@ def test_g53_holds_for_its_line_alone():
     assert out.ends[-1][0] == 14
 
 
-def test_g53_knows_no_offset_of_a_tool():
+def test_g53_ignores_tool_offsets():
     out = run("T1\nG1 X10\nG53 G1 X60\nG1 X10\n", "dual-extruder")
     assert [x for x, *_ in out.ends] == [-15, 60, -15]
 

@@ -119,7 +119,7 @@ def test_a_byte_that_is_not_utf_8_is_named():
 @pytest.mark.parametrize(
     "line", ["M84 готово", "M117 31,5 — “hi”", "G29 P1,5", "M204 S500, T500", "M106 S255 // on"]
 )
-def test_a_remark_without_a_semicolon_is_none_of_the_words(line):
+def test_remark_without_semicolon_is_not_read_as_words(line):
     assert run(f"{line}\nG1 X2\n".encode()).errors == []
 
 

@@ -170,7 +170,7 @@ def test_an_exponent_where_e_is_not_a_word_of_the_command():
         if r.code[1:2].isdigit() and " " not in r.code and r.kind is not Kind.MOTION
     ],
 )
-def test_the_table_says_where_e_is_a_word(row):
+def test_table_marks_commands_with_a_word_e(row):
     """Text that is not read as words stays as it is."""
     words = [word.partition("(")[0] for word in row.parameters.split()]
     text = f"{row.code} A1E5"
@@ -230,7 +230,7 @@ def test_letters_that_come_twice_in_commands_of_the_printer():
         ("0" * 400 + "7", 7.0),
     ],
 )
-def test_numbers(text, value):
+def test_numbers_are_read_as_written(text, value):
     assert run(f"G1 X{text}\n").moves[0].end_mm[0] == value
 
 
@@ -267,7 +267,7 @@ def test_a_word_without_a_number_is_an_error_that_names_it(line, word):
         if r.kind is Kind.MOTION and r.code not in ("G0", "G1", "T") and r.bare is not None
     ],
 )
-def test_the_table_says_which_letters_need_no_number(row):
+def test_table_marks_letters_without_a_number(row):
     """Of what the core reads itself; R alone is a word of moves."""
     text = "G92 X0 Y0 Z0 E0\nG60\nM302 P1\n"
     alone = set()
@@ -341,7 +341,7 @@ def test_extended_commands():
     ]
 
 
-def test_unknown_codes_are_events_with_their_line():
+def test_unknown_codes_are_events_with_line_number():
     assert run("\nM999 P1\nG12.1 X3\n").events == [
         (2, "M", 999, 0, "", "P1"),
         (3, "G", 12, 1, "", "X3"),
@@ -432,7 +432,7 @@ def test_nan_is_a_number_of_its_letter():
         ("cnc", "G0 G43 Z15 H2", None),
     ],
 )
-def test_motors_move_only_where_a_move_says_so_first(machine, line, command):
+def test_motors_move_only_after_a_move_requests_it(machine, line, command):
     """H is the number of a tool after G43, and A an axis of other machines."""
     out = run(f"{line}\n", machine)
     assert out.errors == []

@@ -230,7 +230,7 @@ def test_a_joint_on_the_axis_of_a_shoulder_has_no_arm():
 @pytest.mark.parametrize(
     ("name", "point", "reason"),
     [
-        ("delta", (60.0, 60.0, 0.0), "it is 84.853 mm from the middle, of at most 75.100 mm"),
+        ("delta", (60.0, 60.0, 0.0), "it is 84.853 mm from the middle (limit 75.100 mm)"),
         (
             "rotary_delta",
             (0.0, 150.0, 40.0),

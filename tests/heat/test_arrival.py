@@ -47,7 +47,7 @@ def test_a_wait_ends_when_the_temperature_has_stayed_there(lines, seconds):
         assert heater(s).celsius == pytest.approx(200, abs=1 + OVER)
 
 
-def test_a_temperature_that_leaves_it_has_to_stay_anew():
+def test_temperature_that_leaves_the_window_restarts_the_time():
     with scenario() as s:
         s.host.send("M109 S200")
         near(s, 200)

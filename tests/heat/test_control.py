@@ -103,7 +103,7 @@ def test_wound_up_control_is_off_above_its_range():
     assert any(row[3] == 0.0 for row in rows)
 
 
-def test_a_fan_that_is_not_known_is_felt_by_the_sensor():
+def test_sensor_shows_effect_of_fan_outside_the_model():
     model = "model = { rise_c = 380.0, time_constant_s = 120.0, fan_loss = 0.0 }"
     oven = Oven(f"{CONTROLS['pid']}\n{model}")
     oven.heat(210.0)

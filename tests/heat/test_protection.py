@@ -184,7 +184,7 @@ def test_a_heater_that_dies_at_work():
 
 
 @pytest.mark.parametrize("target", [0.0, 60.0])
-def test_a_heater_that_is_stuck_on(target):
+def test_heater_that_is_stuck_on_is_a_fault(target):
     oven = Oven()
     oven.heat(target)
     oven.run(60)
@@ -195,7 +195,7 @@ def test_a_heater_that_is_stuck_on(target):
 
 
 @pytest.mark.parametrize("target", [0.0, 60.0])
-def test_a_bed_that_is_stuck_on(target):
+def test_bed_that_is_stuck_on_is_a_fault(target):
     oven = Oven(name="bed")
     oven.heat(target)
     oven.run(240)

@@ -35,7 +35,7 @@ def test_platinum_by_the_table_of_the_standard(celsius, ohm):
 @pytest.mark.parametrize(
     ("celsius", "volts"), [(1, 1.11), (10, 1.15), (20, 1.20), (30, 1.24), (400, 2.66), (500, 3.00)]
 )
-def test_a_pt100_behind_its_amplifier(celsius, volts):
+def test_pt100_with_amplifier(celsius, volts):
     table = sensor_table(PlatinumAmplifier(kind="pt100-amplifier"))
     assert share_at(table, celsius) * 5 == pytest.approx(volts, abs=0.006)
 
@@ -64,7 +64,7 @@ def test_a_table_is_sorted():
     assert not open_is_high(sensor)
 
 
-def test_a_thermistor_knows_its_ends():
+def test_thermistor_table_ends_are_faults():
     table = sensor_table(Thermistor())
     assert open_is_high(Thermistor())
     assert table[0] == (-20.0, pytest.approx(0.99556, abs=1e-5))

@@ -64,7 +64,7 @@ def test_a_stall_of_the_interpreter_delays_no_step(
     cable.close()
 
 
-def test_a_stall_of_the_interpreter_is_none_of_the_links(cable: Cable) -> None:
+def test_stall_of_the_interpreter_does_not_stall_links(cable: Cable) -> None:
     """A plan for two seconds is on the way: the thread sends it in time."""
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host, link = scenario.host, scenario.printer.connection.main.link

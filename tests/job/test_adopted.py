@@ -81,7 +81,7 @@ def push(board) -> None:
     board.place("x", board.position("x") + 3)
 
 
-def test_motors_that_have_held_are_where_the_board_says(monkeypatch, places):
+def test_held_motors_are_where_the_board_reports(monkeypatch, places):
     left = killed(printing(places))
     push(left[0])  # whoever can do that against the motor is not noticed
     with next_host(monkeypatch, left, places) as s:

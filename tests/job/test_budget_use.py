@@ -49,7 +49,7 @@ def test_shares_and_places(dense):
     assert found.densest["steps"].line == 4
 
 
-def test_without_a_bound_link_there_is_no_share_of_it(dense):
+def test_unlimited_link_has_no_load_fraction(dense):
     assert use(dense, "").densest.keys() == {"steps", "commands", "slots"}
 
 

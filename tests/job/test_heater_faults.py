@@ -30,7 +30,7 @@ def test_a_print_ends_with_its_heater(job, on_fault):
     printing = prepared(on_fault)
     printing.board.force_heater("bed", 0.0)
     result = PrintResult("job", "i3")
-    with pytest.raises(MachineError, match="does not behave as its model") as error:
+    with pytest.raises(MachineError, match="its power differs from that of its model") as error:
         printing.run(job, result=result)
     assert result.warnings == []  # the error says it
     assert result.cpu_s["total"] > 0

@@ -156,7 +156,7 @@ def test_hotend_with_wrong_sensor_while_print_is_suspended(s):
     s.host.expect("Done printing", 300)
 
 
-def test_a_hotend_that_fails_while_a_file_waits_for_a_person(s):
+def test_hotend_fails_while_a_file_waits_for_the_user(s):
     other = begin(s, "M109 S200", "M0")
     s.host.expect("prompt_show", 400)
     fails(s, "hotend")

@@ -96,7 +96,7 @@ def test_a_history_that_cannot_be_used_is_closed(tmp_path):
     assert not [path for path in opened if path.is_relative_to(tmp_path)]
 
 
-def test_without_a_directory_there_is_no_history():
+def test_no_directory_means_no_history():
     with Scenario("i3") as s:
         assert "no place to store" in s.host.ok("M78")[0]
 
@@ -233,7 +233,9 @@ def test_a_print_that_its_host_announces_is_one_row(places):
 def test_two_printers_do_not_share_a_folder(places):
     with Scenario("i3", **places) as s:
         s.host.ok("M32 a.g")
-        with pytest.raises(InputError, match=r"another printer .* Stop that one, or give each a"):
+        with pytest.raises(
+            InputError, match=r"another printer .* Stop the other printer, or give each"
+        ):
             Scenario("i3", **places)
         assert "SD printing" in s.host.ok("M27")[0]
     with Scenario("i3", **places) as s:

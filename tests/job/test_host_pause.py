@@ -83,7 +83,7 @@ def test_the_console_that_has_paused_can_resume_by_itself(s, answer):
     assert not [line for line in heard if "file" in line]  # M24 has begun nothing else
 
 
-def test_words_of_m600_say_how_it_parks(s):
+def test_parameters_of_m600_set_how_it_parks(s):
     """E takes back and Z lifts by so much, X and Y are the place, U unloads and L loads."""
     before = at(s)
     s.host.send("M600 E4 Z7 X60 Y30 U80 L50")
@@ -173,7 +173,7 @@ def test_words_of_m600_count_in_a_file_too(tmp_path):
         assert "pause" not in actions(s.host)
 
 
-def test_a_laser_is_dark_while_its_file_pauses(tmp_path):
+def test_laser_is_off_while_its_file_is_paused(tmp_path):
     (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nM3 S500\nG1 X20 F3000\nM601\nG1 X60\n")
     with Scenario("laser", card=str(tmp_path)) as s:
         full = s.printer.connection.full_scale("laser")

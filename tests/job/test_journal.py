@@ -34,7 +34,7 @@ def journal_of(state):
     return Journal(state).read()
 
 
-def test_journal_is_at_most_a_second_behind_and_never_ahead(places):
+def test_journal_is_at_most_a_second_late_and_never_early(places):
     arguments, state = places
     generator = random.Random(7)
     starts = []
@@ -372,7 +372,7 @@ def test_print_with_renamed_heater_is_not_resumed(places):
     with Scenario("i3", **arguments) as s:
         assert s.host.ok("M1000")[:1] == [
             "echo:/wall.gcode: needs fan cooler, heater plate, which is missing from the machine"
-            " file. Restore that section and start again, or forget the print (M1000 C)."
+            " file. Restore that section and restart Passo, or forget the print (M1000 C)."
         ]
         assert s.host.ok("M27")[0] == "Not SD printing"
         assert s.printer.connection.heaters["bed"].target == 0

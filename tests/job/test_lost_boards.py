@@ -177,7 +177,7 @@ def test_boards_keep_time_with_each_other_after_it(monkeypatch, tmp_path, board,
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_pauses_and_limits_beside_it(monkeypatch, undisturbed, seed):
+def test_pauses_and_limits_during_it(monkeypatch, undisturbed, seed):
     card, wanted = undisturbed
     generator = random.Random(seed)
     with scenario(monkeypatch, card, "fast") as s:

@@ -125,7 +125,7 @@ def test_homed_motor_moves_during_braking_tail(moment):
 
 @pytest.mark.parametrize("code", ["M3", "M4"])
 @pytest.mark.parametrize("lost", [stall, break_link])
-def test_a_laser_is_dark_until_the_machine_moves(code, lost):
+def test_laser_is_off_until_the_machine_moves(code, lost):
     with Scenario(LASER) as s:
         s.host.ok("G92 X0 Y0")
         s.host.ok(f"{code} S800")
@@ -147,7 +147,7 @@ def test_a_laser_is_dark_until_the_machine_moves(code, lost):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_pauses_and_limits_beside_it(whole, seed):
+def test_pauses_and_limits_during_it(whole, seed):
     card, wanted = whole
     generator = random.Random(seed)
     with Scenario(FIRMWARE, card=str(card)) as s:
@@ -210,7 +210,7 @@ def test_print_waiting_for_heat_can_be_changed_and_paused(whole):
 
 
 @pytest.mark.parametrize("delay", [0.05, 0.2, 1.0])
-def test_a_laser_that_a_pause_has_put_out_is_lit_again(tmp_path, delay):
+def test_laser_that_a_pause_switched_off_is_on_again(tmp_path, delay):
     (tmp_path / "a.g").write_text("G92 X0 Y0\nM3 S800\nG1 X100 F600\nM5\n")
     with Scenario(LASER, card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")

@@ -209,7 +209,7 @@ def test_a_cancelled_object_stays_so_after_a_power_cut(places):
         assert 100 not in [x for _, x in laid.lines]
 
 
-def test_orders_that_cannot_be_carried_out_say_why(places):
+def test_orders_that_fail_name_the_reason(places):
     with Scenario("i3", **places) as s:
         wrong = "echo:no file that labels its objects is being printed"
         assert s.host.ok("M486 P0")[0].startswith(wrong)

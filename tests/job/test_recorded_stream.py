@@ -108,7 +108,7 @@ def refused(stream, dictionary=None):
     return str(error.value)
 
 
-def test_what_is_not_a_stream_is_refused_with_its_reason(corner, tmp_path):
+def test_invalid_stream_is_refused_with_its_reason(corner, tmp_path):
     stream, _, _ = recorded(_I3, corner, tmp_path)
     whole = stream.read_bytes()
     assert "cannot be read" in refused(stream, tmp_path / "none.dict")
@@ -132,8 +132,8 @@ def test_stream_of_another_file_or_machine_is_refused(corner, tmp_path):
     other = tmp_path / "other.gcode"
     other.write_text(L_SHAPE.replace("X80", "X40"))
     with pytest.raises(
-        InputError, match=r"moves the motor x over \d+\.0 mm.* and the print over 60\.0"
+        InputError, match=r"moves the motor x by \d+\.0 mm.* but the print moves it by 60\.0"
     ):
         run_laboratory(_I3, other, compared=RecordedStream(stream))
-    with pytest.raises(InputError, match="moves 4 motors, and the machine has 5"):
+    with pytest.raises(InputError, match="moves 4 motors, but the machine has 5"):
         run_laboratory(config.load("dual-extruder"), corner, compared=RecordedStream(stream))

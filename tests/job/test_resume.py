@@ -328,7 +328,7 @@ def test_overrides_of_a_console_hold_until_the_file_sets_others(places):
     assert (flows, speed) == ([2.0], 1.2)
 
 
-def test_a_fan_set_at_once_obeys_what_the_file_has_planned(places):
+def test_planned_fan_value_replaces_one_set_at_once(places):
     """It was read when M106 came in line 19, and acted in line 22."""
     line, _, fan, _, _ = cut_and_gone_on(OVERRIDDEN, places, 26, "M106 S153 F", lead=7)
     assert 23 <= line <= 26

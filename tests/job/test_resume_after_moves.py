@@ -121,7 +121,7 @@ def test_a_pause_of_a_failed_resume_does_not_pause_the_next(places, tmp_path, mo
         assert s.positions()["x"] == 9.0
 
 
-def test_motors_that_were_off_since_they_homed_tell_nothing_new(places):
+def test_motors_off_since_homing_give_no_position(places):
     with again(places, cut(places)) as s:
         s.host.ok("G28", 100)
         s.host.ok("M84")

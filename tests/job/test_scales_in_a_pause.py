@@ -35,7 +35,9 @@ def test_scales_in_pause_are_refused_and_print_continues(s, line):
     before = settings(s)
     code = line.split()[0]
     told = s.host.ok(line)[0]
-    assert told.startswith(f"echo:{code} changes scales or the geometry, in which the paused print")
+    assert told.startswith(
+        f"echo:{code} would change steps per mm or the geometry while a print is paused"
+    )
     assert "Resume (M24) or cancel (M524)" in told
     assert settings(s) == before  # all of them, and what M926 has noted
     s.host.ok("M24")
@@ -60,7 +62,7 @@ def test_a_scale_that_waits_for_moves_when_the_pause_comes(s):
     s.passes(0.2)
     s.host.silent(0.1, "^ok")
     other.send("M25")
-    s.host.expect("M92 changes scales", 5)
+    s.host.expect("M92 would change steps per mm", 5)
     s.passes(5)
     other.ok("M24")
     s.host.expect("^Done printing file$", 120)

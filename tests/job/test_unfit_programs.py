@@ -32,7 +32,7 @@ def test_a_card_print_stops_before_its_first_move(folder):
         assert s.printer.job.locked_axes == []
 
 
-def test_a_printer_may_leave_out_what_it_was_told_to(folder):
+def test_printer_may_skip_commands_that_options_allow(folder):
     with Scenario("i3", card=folder, skips=Skips(unknown=True, levelling=True)) as s:
         s.host.ok("M32 a.g")
         s.host.expect("^Done printing file$", 60)

@@ -20,7 +20,7 @@ def test_steps_are_round_and_at_most_five(span, step):
     ("span_s", "step"),
     [(0.5, 0.1), (5, 1), (11, 2), (61, 15), (600, 120), (3344, 600), (7200, 1800), (2e6, 345_600)],
 )
-def test_steps_of_time_are_those_of_a_clock(span_s, step):
+def test_time_steps_divide_minutes_hours_and_days(span_s, step):
     assert time_step(span_s, 6) == pytest.approx(step)
 
 
@@ -36,7 +36,7 @@ def test_steps_of_time_are_those_of_a_clock(span_s, step):
         (7505.25, 0.05, 9000, "2:05:05.25", "h:min:s"),
     ],
 )
-def test_times_read_as_their_unit_says(seconds, step, longest_s, text, unit):
+def test_times_are_read_in_their_unit(seconds, step, longest_s, text, unit):
     assert clock_label(seconds, step, longest_s) == text
     assert clock_unit(step, longest_s) == unit
 

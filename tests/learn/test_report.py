@@ -215,7 +215,7 @@ def test_a_file_that_only_heats_has_no_pictures_of_moves(page):
     assert shown.titles()[0] == "Result"
 
 
-def test_the_table_says_what_the_print_time_is_made_of(page):
+def test_table_splits_the_print_time(page):
     told = page("G28\nM109 S60\nG4 S3670\nG1 X100 F600\n").result()
     assert told["Waiting"] == "1 h 01 min 10 s"
     parts = [float(told[name].removesuffix(" s")) for name in ("Moving", "Heating")]

@@ -144,7 +144,7 @@ def test_a_change_beyond_its_limit_is_refused():
 def test_a_result_with_a_greater_residual_is_refused():
     found = calibrate(NOMINAL, touched(HEIGHTS))
     worse = type(found)(found.after, found.before, found.rms_after, found.rms_before)
-    with pytest.raises(CommandError, match=r"rms 0\.1703 mm, before it 0\.0000 mm"):
+    with pytest.raises(CommandError, match=r"0\.1703 mm rms, before it 0\.0000 mm"):
         worse.check(ChangeLimits())
 
 

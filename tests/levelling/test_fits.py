@@ -112,18 +112,19 @@ REFUSED = {
     "a line": (
         [(0, 0), (50, 50.5), (100, 100)],
         "linear",
-        r"the 3 points deviate from a line by at most 0\.236 mm: at least 1 mm",
+        r"the 3 points are too close to one line: they deviate from it by 0\.236 mm, and at least"
+        r" 1 mm",
     ),
     "close": (
         [(0, 0), (100, 0), (0, 100), (100.3, 0.4)],
         "linear",
         r"points 2 and 4 are 0\.500 mm apart and count as one: at least 1 mm",
     ),
-    "a hexagon": (HEXAGON, "quadratic", "the 6 points lie on one curve .* 5 of 6"),
+    "a hexagon": (HEXAGON, "quadratic", "the 6 points are on one conic .* 5 of 6"),
     "two rows": (
         [(x, y) for y in (0, 80) for x in (0, 50, 100)],
         "quadratic",
-        "the 6 points lie on one curve .* 5 of 6",
+        "the 6 points are on one conic .* 5 of 6",
     ),
 }
 

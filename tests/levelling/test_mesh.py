@@ -155,7 +155,7 @@ def test_golden_grids_of_a_job(job, area, count):
     assert adapted.count == count
 
 
-def test_a_job_beside_the_mesh_is_refused():
+def test_job_outside_the_mesh_is_refused():
     with pytest.raises(CommandError, match=r"X-50 to X-20, Y0 to Y10, outside of the mesh"):
         Grid(BED, (5, 5)).adapted((-50, 0, -20, 10), 5)
 

@@ -353,7 +353,7 @@ def test_cut_continues_the_filtered_law(seed, box, action):
 @pytest.mark.parametrize(
     ("spec", "z"), [(machines.cartesian(), 0.0), (machines.nonlinear("delta")[0], 50.0)]
 )
-def test_resumed_motion_stands_during_a_dwell(spec, z, box):
+def test_resumed_motion_is_at_standstill_during_a_dwell(spec, z, box):
     """The moves up to the dwell are solved before the one that follows it is known."""
 
     def executed_steps(spec, holds):

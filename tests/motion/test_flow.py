@@ -49,7 +49,7 @@ def changed(motion, changes, sent):
 @given(paths, st.floats(0, 1), st.sampled_from([0.01, 0.5, 0.95, 1.3, 10.0]), st.floats(0, 1))
 @settings(max_examples=80, deadline=None)
 @pytest.mark.parametrize("spec", [cartesian(), cartesian(junction="jerk")])
-def test_filament_ends_where_the_oracle_says(spec, path, where, factor, sent):
+def test_filament_ends_where_the_oracle_does(spec, path, where, factor, sent):
     motion = Motion(spec, True)
     end = push_all(motion, path)
     messages, left = changed(motion, [(where, factor)], sent)

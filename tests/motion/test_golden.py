@@ -255,14 +255,14 @@ def test_cornering_distance_does_not_join_extruders():
     assert moves[0].end_speed == moves[1].start_cap == 0
 
 
-def test_the_highest_speed_of_the_path_is_none_of_filament_alone():
+def test_path_speed_limit_does_not_apply_to_filament_alone():
     ways = [{"target": [20, 0, 0, 0]}, {"target": [20, 0, 0, 20], "kind": "extrude"}]
     moves, _ = planned(cartesian(speed=50.0), ways, 80.0)
     assert [m.cruise_speed for m in moves] == pytest.approx([50.0, 80.0])
 
 
 @pytest.mark.parametrize(("x", "length"), [(0.0019, 20.0), (0.0021, 0.0021)])
-def test_next_to_much_filament_a_hair_is_no_path(x, length):
+def test_tiny_path_next_to_much_filament_is_ignored(x, length):
     """A ten thousandth of it."""
     moves, _ = planned(cartesian(), [{"target": [x, 0, 0, 20]}])
     assert moves[0].length == pytest.approx(length)

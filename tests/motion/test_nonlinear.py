@@ -185,7 +185,7 @@ def steps_beside_the_target(messages, geometry, spec, begin, end):
 
 
 @pytest.mark.parametrize("name", REACH)
-def test_a_cut_beside_a_step_loses_and_doubles_none(name):
+def test_cut_next_to_a_step_neither_loses_nor_doubles_steps(name):
     """A step may be done before or after its ideal time; a cut may come between the two."""
     start, end = (tuple(map(float, point)) for point in WAYS[name])
 

@@ -220,7 +220,7 @@ def test_pieces_do_not_depend_on_how_they_arrive():
     assert taken + one_by_one.take_messages() == whole.take_messages()
 
 
-def test_records_and_cuts_fall_behind_pieces():
+def test_records_and_cuts_move_to_the_end_of_pieces():
     motion = Motion(cartesian())
     motion.record(5, 1)
     motion.add_pieces(journey(POINTS[:2], 0.5))

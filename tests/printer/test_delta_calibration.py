@@ -135,7 +135,7 @@ def test_result_that_is_worse_when_measured_again_is_taken_back():
             return found
 
         prober.measure = measured
-        assert re.search(r"rms \d\.\d+ mm, before it 0\.\d+ mm", answers(s, "G33")[-1])
+        assert re.search(r"\d\.\d+ mm rms, before it 0\.\d+ mm", answers(s, "G33")[-1])
         assert runs[0] == before[0] != runs[1]
         assert geometry(s) == before
 

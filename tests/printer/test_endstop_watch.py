@@ -41,7 +41,7 @@ def test_unwatched_switches_count_only_for_homing(s):
     s.host.silent(3, "endstops hit")
 
 
-def test_a_hit_stops_the_machine_where_that_is_asked_for(s):
+def test_triggered_endstop_stops_the_machine_if_enabled(s):
     s.host.ok("M540 S1")
     assert s.host.ok("M540")[0] == "M540 S1"
     s.host.ok("M104 S150")
@@ -70,7 +70,7 @@ PRINT = "G28\nG1 X20 Y20 Z5 F6000\n" + "G1 X100 F3000\nG1 X20\n" * 50
 
 
 @pytest.mark.parametrize("switch", ["x", "y", "z"])
-def test_a_hit_ends_a_print(tmp_path, switch):
+def test_triggered_endstop_ends_a_print(tmp_path, switch):
     """Behind homing all switches are pressed; they are watched once they have been let go."""
     (tmp_path / "a.g").write_text(PRINT)
     with Scenario("i3", card=str(tmp_path)) as s:

@@ -400,7 +400,7 @@ def test_z_of_a_delta_may_have_a_switch_of_its_own():
         assert [at[k] for k in "abc"] == pytest.approx(list(wanted), abs=0.03)
 
 
-def test_a_delta_that_knows_nothing_homes_its_carriages_before_z():
+def test_delta_that_is_not_homed_homes_carriages_before_z():
     with Scenario(delta_with_a_switch_below()) as s:
         assert s.host.ok("G28 Z", 120)[-1] == "ok"
         middle = s.machine.geometry.inverse((0.0, 0.0, 0.0))

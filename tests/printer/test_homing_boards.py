@@ -80,7 +80,9 @@ def test_boards_that_lose_each_other_stop_all_motors(monkeypatch, moved):
         s.passes(0.5)
         assert s.positions()["x"] == stopped
         s.printer.board.cut_cable("tool", False)
-        s.host.expect("switch x at .*lost each other|does not answer stepper_get_position", 10)
+        s.host.expect(
+            "switch x at .*lost their connection|does not answer stepper_get_position", 10
+        )
         assert 0 in s.printer.job.locked_axes
         # All is well again, once the time has passed in which the board was asked in vain.
         s.passes(4)

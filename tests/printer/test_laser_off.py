@@ -74,7 +74,7 @@ def test_a_stop_of_a_suspended_print_changes_nothing(s, file, lines, stop):
     assert (s.printer.halted, share(s), s.printer.queue.standing) == ("", 0.0, True)
 
 
-def test_a_switch_that_is_hit_harms_nothing(s):
+def test_triggered_endstop_has_no_effect(s):
     """What M540 S1 asks for, on a machine that has just come to a stand."""
     s.host.ok("M3 S100")
     s.passes(1.0)
@@ -87,7 +87,7 @@ def test_a_switch_that_is_hit_harms_nothing(s):
     assert (s.printer.halted, share(s)) == ("", 0.0)
 
 
-def test_m410_ends_what_waits_for_a_person(s):
+def test_m410_ends_a_wait_for_the_user(s):
     s.host.send("M0 hello")
     s.passes(3.0)
     Host(s).ok("M410")
@@ -171,7 +171,7 @@ def test_motors_that_soon_go_off_wait_for_it(s):
     assert share(s) == 0.0
 
 
-def test_axes_home_in_the_dark(s):
+def test_laser_is_off_while_axes_home(s):
     s.host.ok("M3 S500")
     s.host.send("G28", "G1 X5 F3000")
     s.passes(1.0)

@@ -97,7 +97,7 @@ def test_a_density_ends_with_the_laser(s, end):
     assert burned(s, "G1 Y20 F3000") == (0.0, 0.0)
 
 
-def test_a_pause_is_dark_and_the_energy_is_the_same(s):
+def test_laser_is_off_in_a_pause_and_energy_stays(s):
     beam = Beam(s)
     s.host.send("G1 X40 F600 M0.1")
     s.passes(1)

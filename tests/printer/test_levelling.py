@@ -77,7 +77,7 @@ def test_first_layer_follows_the_bed(changes, line, limit):
         assert rms(heights) <= limit
 
 
-def test_bed_without_a_correction_is_felt():
+def test_uncorrected_bed_shows_in_the_first_layer():
     with homed() as s:
         assert rms(above_the_bed(s)) > 0.1
 
@@ -217,7 +217,7 @@ def test_low_point_follows_the_known_bed():
         c = s.printer.correction.expected(215, 110)
         s.board.force_switch("probe", False)
         low = round(c - 2, 4)
-        assert f"down to Z {low:g} mm of the nozzle" in answers(s, "G32 P4")[-1]
+        assert f"search ends at Z {low:g} mm" in answers(s, "G32 P4")[-1]
 
 
 def test_paper_test_leaves_the_nozzle_above_the_point():
@@ -232,8 +232,8 @@ def test_paper_test_leaves_the_nozzle_above_the_point():
 @pytest.mark.parametrize(
     ("limit", "says"),
     [
-        ("max_correction_mm = 0.2", r"corrected by 0\.\d+ mm, of at most 0\.2 mm"),
-        ("max_slope = 0.001", r"would rise by 0\.00\d+ mm each mm, of at most 0\.001"),
+        ("max_correction_mm = 0.2", r"corrected by 0\.\d+ mm \(max_correction_mm is 0\.2 mm\)"),
+        ("max_slope = 0.001", r"would rise by 0\.00\d+ mm per mm \(max_slope is 0\.001\)"),
     ],
 )
 def test_bed_that_is_out_of_order_is_refused(limit, says):
@@ -283,7 +283,7 @@ def test_values_that_no_bed_has_are_refused():
         )
         answers(s, "G29")
         before = s.printer.correction.correction
-        assert "of at most 2 mm" in answers(s, "M421 I0 J0 Z50")[0]
+        assert "max_correction_mm is 2 mm" in answers(s, "M421 I0 J0 Z50")[0]
         assert s.printer.correction.correction is before
 
 

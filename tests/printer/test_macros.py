@@ -100,7 +100,7 @@ def test_a_template_reads_the_printer_where_the_plan_ends():
         ("G1 X1\n{ 'a' * 10**9 }", "macro BAD, line 2 of its template: it makes more than 65,536"),
         ("\n{ params.SIZE }", "line 2 of its template: 'dict object' has no attribute 'SIZE'"),
         ("{ action_raise_error('no filament') }", "macro BAD: no filament. The macro has stopped"),
-        ("BAD", "macro BAD is called by 16 macros that call each other. Let no macro call itself"),
+        ("BAD", "macro BAD is called by 16 macros that call each other. Remove the circle"),
         (
             "{% for i in range(9999) %}\n{% for j in range(9999) %}{% endfor %}{% endfor %}",
             "line 2 of its template: it takes more than 100,000 steps",

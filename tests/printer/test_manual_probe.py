@@ -132,7 +132,7 @@ def test_babystep_without_a_correction_stays():
     with homed() as s:
         answers(s, "M290 Z0.1")
         said = answers(s, "Z_OFFSET_APPLY_PROBE")[0]
-        assert "no correction of the bed follows the probe, which could take over the 0.100" in said
+        assert "the 0.100 mm of babysteps cannot be stored" in said
         assert s.printer.offsets.babysteps_mm["z"] == 0.1
 
 

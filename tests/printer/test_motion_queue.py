@@ -142,7 +142,7 @@ def test_free_time_passes_for_a_pause_of_some_seconds():
 
 
 @pytest.mark.parametrize("line", ["M108", "M410", "M112"])
-def test_a_wait_for_a_person_in_free_time_ends(line):
+def test_wait_for_the_user_in_free_time_ends(line):
     with Scenario("i3", free=True) as s:
         s.host.ok("G28", 100)
         s.host.send("M0", "G1 X50 F3000")

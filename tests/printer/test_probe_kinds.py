@@ -1,4 +1,4 @@
-"""Probes that get to the bed and back: BLTouch, servo, dock, the nozzle itself; their faults."""
+"""Probes that are deployed and stowed: BLTouch, servo, dock, the nozzle itself; their faults."""
 
 import re
 from array import array
@@ -82,7 +82,7 @@ def test_bltouch_on_the_firmware_triggers_by_a_pulse_of_10_ms():
 def test_probe_that_does_not_deploy_never_descends(kind, says):
     with homed(kind) as s:
         said, low = failed(s, jammed=True)
-        assert "the probe does not get to the bed" in said
+        assert "the probe did not deploy" in said
         assert says in said
         assert low == 0.0  # of G28
         # Once it moves again, it measures.
@@ -101,7 +101,7 @@ def test_probe_that_does_not_trigger_stops_at_the_low_point(kind):
     with homed(kind) as s:
         x, y = (110, 110) if kind == "nozzle" else (135, 105)
         said, low = failed(s, dead_areas=[(x - 1, y - 1, x + 1, y + 1)])
-        assert "the probe was not triggered at X110 Y110 down to Z -2 mm" in said
+        assert "the probe was not triggered at X110 Y110. The nozzle descended to" in said
         assert low == pytest.approx(-2, abs=STEP)
 
 
@@ -110,7 +110,7 @@ def test_probe_that_triggers_early_is_refused(kind):
     with homed(kind) as s:
         x, y = (110, 110) if kind == "nozzle" else (135, 105)
         said, low = failed(s, touchy_areas=[(x - 1, y - 1, x + 1, y + 1)])
-        assert re.search("triggered at X110 Y110|does not get to the bed: it is triggered", said)
+        assert re.search("triggered at X110 Y110|did not deploy: it is triggered", said)
         assert low == 0.0
 
 

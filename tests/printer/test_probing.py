@@ -75,7 +75,7 @@ def test_probe_and_motor_may_be_on_two_boards(monkeypatch):
         assert s.positions()["z"] == pytest.approx(5, abs=STEP)
 
 
-def test_delta_probes_and_knows_its_carriages():
+def test_delta_probes_and_reports_its_carriages():
     pin = '[probe]\nkind = "fixed"\npin = "^E0_STOP"\ntrigger_height_mm = 0.0\n'
     pin += "[simulated.bed]\ntilt_mm = [0.3, 0.2]\n"
     with at_home(edited("delta", more=pin)) as s:
@@ -120,8 +120,8 @@ def test_probe_stuck_open_stops_at_the_low_point():
         low, said = lowest(s, "G30 X110 Y110")
         assert low == pytest.approx(-2.0, abs=STEP)
         text = said[-2]
-        assert "the probe was not triggered at X110 Y110 down to Z -2 mm of the nozzle" in text
-        assert "which was at X135.000 Y105.000 Z-2.000" in text
+        assert "the probe was not triggered at X110 Y110. The nozzle descended to" in text
+        assert "to X135.000 Y105.000 Z-2.000, and the search ends at Z -2 mm" in text
         assert s.positions()["z"] == 10.0
         assert s.printer.job.locked_axes == []
         assert s.printer.connection.heaters["hotend"].target == 210
@@ -135,7 +135,7 @@ def test_descent_ends_at_the_limit_of_the_motor():
         s.board.force_switch("probe", False)
         low, said = lowest(s, "G30 X110 Y110")
         assert low == pytest.approx(-0.5, abs=STEP)
-        assert "down to Z -0.5 mm of the nozzle" in said[-2]
+        assert "search ends at Z -0.5 mm" in said[-2]
 
 
 def test_probe_stuck_triggered_never_descends():
@@ -182,7 +182,7 @@ def test_noisy_samples_are_dropped_and_then_refused():
     with homed(change) as s:
         s.board.spoil_probe(noise_mm=0.2)
         text = refusal(s)
-        assert re.search(r"at X110 Y110 the samples differ by 0\.\d+ mm, of at most 0\.05 mm", text)
+        assert re.search(r"at X110 Y110 the samples differ by 0\.\d+ mm \(limit 0\.05 mm\)", text)
         assert s.printer.job.locked_axes == []
         s.board.spoil_probe(noise_mm=0.004)
         assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
@@ -194,7 +194,7 @@ def test_descents_that_differ_by_more_than_1_mm_are_refused_at_once():
         assert s.until(lambda: s.positions()["x"] == 135 and s.positions()["z"] < 1.4, 30)
         assert s.until(lambda: s.positions()["z"] > 2, 30)  # after the first descent
         s.board.tilt_bed(20.0)  # 1.2 mm lower there
-        s.host.expect(r"at X110 Y110 two descents differ by 1\.\d+ mm, of at most 1 mm", 30)
+        s.host.expect(r"at X110 Y110 two descents differ by 1\.\d+ mm \(limit 1 mm\)", 30)
         s.host.expect("^ok", 30)
         assert s.positions()["z"] == 10.0
 
@@ -210,7 +210,7 @@ def test_lost_board_of_the_probe_stops_the_descent(monkeypatch):
         stopped = s.positions()["z"]
         assert 8 - 5 * 0.08 < stopped < 8
         s.printer.board.cut_cable("tool", False)
-        s.host.expect("the boards of the probe .*lost each other|does not answer", 10)
+        s.host.expect("the boards of the probe .*lost their connection|does not answer", 10)
 
 
 def test_heaters_are_off_only_during_a_descent():
@@ -312,7 +312,7 @@ def test_probe_ends_straight_moves():
         assert (x, y, said[-3:]) == (135.0, 105.0, ":1]")
         assert z == pytest.approx(bed.height(110, 110) + 1.2, abs=STEP)
         assert s.positions()["z"] == pytest.approx(z, abs=STEP)
-        assert "the probe is triggered before the move" in refusal(s, "G38.2 Z0")
+        assert "the probe is triggered already before the move" in refusal(s, "G38.2 Z0")
         # Away, until it opens, along all axes at once.
         (said,) = [x for x in s.host.ok("G38.4 X140 Z4 F120", 60) if x.startswith("[PRB:")]
         assert s.positions()["z"] == pytest.approx(z, abs=3 * STEP)

@@ -29,7 +29,7 @@ def edges(s, name: str, seconds: float) -> list[tuple[int, int]]:
 
 
 @pytest.mark.parametrize(("key", "period"), [("", 0.1), ("pwm_hz = 50.0", 0.02), ("pwm_hz = 1", 1)])
-def test_a_fan_is_pulsed_as_the_machine_file_says(key, period):
+def test_fan_is_pulsed_as_in_the_machine_file(key, period):
     with Scenario(config.load_text(text(fan=key))) as s:
         s.host.ok("M106 S51")
         s.passes(1)

@@ -145,7 +145,7 @@ def test_skew_needs_limits_of_the_motors():
         ("corexz", "y", lambda p: ((p["a"] + p["b"]) / 2, p["y"], (p["a"] - p["b"]) / 2)),
     ],
 )
-def test_carriages_on_crossed_belts_go_where_the_law_says(kind, own, carriages):
+def test_carriages_on_crossed_belts_follow_the_formula(kind, own, carriages):
     reach = f'kind = "{kind}"\nreach_x_mm = [-5, 310]\nreach_y_mm = [-5, 310]'
     changes = ('kind = "corexy"', reach), ("[steppers.z", f"[steppers.{own}")
     with at_home(edited("corexy", *changes)) as s:

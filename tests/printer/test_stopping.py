@@ -15,7 +15,7 @@ from passo.errors import MachineError
 ORDER = "Command request"
 WARNING = (
     "Error:the emergency stop has not reached {}, which may heat for up to a minute."
-    " Cut the printer's power, or bring the link back."
+    " Cut the printer's power, or restore the connection."
 )
 ARRIVED = "echo:Emergency stop confirmed by all boards; heaters are off"
 UNKNOWN = "T:-273.15 /0.00 B:-273.15 /0.00 @:0 B@:0"

@@ -294,7 +294,11 @@ def test_the_bounds_of_an_integral_are_settings(tmp_path):
         ("A0.1", "A is 0.1: expected a number of at least 1"),
         ("R0.001", "R is 0.001: expected a number of at least 1"),
         ("B999999999", "B is 1e+09: expected a number of at most 20000"),
-        ("A1", "these thermistor values of hotend give no distinct readings from 5 to 285 C"),
+        (
+            "A1",
+            "with these values, the thermistor of hotend has no distinct reading for each"
+            " temperature from 5 to 285 C",
+        ),
     ],
 )
 def test_a_thermistor_that_cannot_be_is_refused_and_not_kept(words, says):

@@ -42,7 +42,7 @@ def test_a_long_move_takes_a_babystep_while_it_runs(s):
     assert height(s) == pytest.approx(50.8, abs=0.02)
 
 
-def test_a_machine_that_stands_moves_by_itself(s):
+def test_machine_at_standstill_moves_by_itself(s):
     s.host.ok("M290 Z0.3")
     s.passes(1)
     assert height(s) == pytest.approx(50.3, abs=0.02)

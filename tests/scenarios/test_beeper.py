@@ -301,7 +301,7 @@ def test_beeper_of_a_display():
         machine(pin="D35", board=fitted)  # its button
 
 
-def test_one_behind_an_inverter_rests_at_its_upper_level():
+def test_output_with_inverter_is_off_at_high_level():
     with Scenario(machine(pin=f"!{PIN}")) as s:
         assert s.board.output_value("beeper") == s.machine.board.clock_hz // 1000
         s.board.trace_output("beeper")

@@ -26,7 +26,7 @@ def x_of(s):
 
 
 @pytest.mark.parametrize("line", ["M220 S-1", "M220 S0", "M220 S-1000"])
-def test_a_speed_factor_that_is_none_changes_nothing(s, line):
+def test_invalid_speed_factor_changes_nothing(s, line):
     s.host.ok("M220 S120")
     assert "expected 10 to 1000 percent" in s.host.ok(line)[0]
     assert s.host.ok("M220") == ["Speed factor override: 120", "ok"]
@@ -164,7 +164,7 @@ def test_g92_e_counts_in_millimetres(s):
     assert s.positions()["e"] == pytest.approx(1.0, abs=0.011)
 
 
-def test_the_firmware_says_its_own_name(s):
+def test_firmware_reports_its_name(s):
     assert s.host.ok("M115")[0].startswith("FIRMWARE_NAME:Passo ")
 
 

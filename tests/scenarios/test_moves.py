@@ -68,7 +68,7 @@ def test_the_feed_rate_stays_and_m220_scales_it(s):
     assert took(s, "G1 X0 F1200") == pytest.approx(first, abs=0.1)
 
 
-def test_a_dwell_takes_its_time_whatever_m220_says(s):
+def test_m220_does_not_change_dwell_time(s):
     s.host.ok("M220 S50")
     for line, seconds in (("G4 S6", 6.0), ("G4 P500", 0.5), ("G4", 0.0)):
         assert took(s, line) == pytest.approx(seconds, abs=0.3), line
@@ -76,7 +76,7 @@ def test_a_dwell_takes_its_time_whatever_m220_says(s):
 
 
 @pytest.mark.parametrize(("command", "dwell_s", "further"), [("M108", 600, 60), ("M410", 1.9, 0)])
-def test_a_dwell_ends_when_somebody_wants_it(s, command, dwell_s, further):
+def test_dwell_ends_on_request(s, command, dwell_s, further):
     """The moves behind it go on after M108, and are forgotten after a stop."""
     other = Host(s)
     before = s.positions()["x"]
@@ -109,7 +109,7 @@ def test_a_target_beyond_the_limits_is_refused_and_nothing_moves(target):
         assert position(s) == {"X": 0, "Y": 0, "Z": 0, "E": 0}
 
 
-def test_a_feed_rate_that_is_none_is_refused(s):
+def test_invalid_feedrate_is_refused(s):
     for line in ("G1 X1 F0", "G1 X1 F-5"):
         assert "must be above 0" in s.host.ok(line)[0]
     assert position(s)["X"] == 0

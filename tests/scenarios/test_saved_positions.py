@@ -40,7 +40,7 @@ def test_a_saved_place_is_found_again(s):
     assert position(s) == (40, 50, 5, 1.5)
 
 
-def test_a_place_that_is_none_is_refused(s):
+def test_invalid_place_is_refused(s):
     before = s.positions()
     for line, why in (
         ("G61", "no position was saved as S0. Save one with G60 first."),
@@ -71,7 +71,7 @@ def test_g28_o_homes_axes_that_are_not_homed():
         assert (s.positions()["x"], s.positions()["y"]) == pytest.approx((30, 0), abs=0.02)
 
 
-def test_motors_of_a_delta_are_told_where_they_are():
+def test_g92_sets_motors_of_a_delta():
     with Scenario("delta") as s:
         assert "is not homed" in s.host.ok("G92 A200")[0]
         assert s.host.ok("G92 A200 B200 C200") == ["ok"]
@@ -144,7 +144,7 @@ def test_no_command_puts_the_nozzle_where_no_motors_lead(machine):
         assert "is not homed" in s.host.ok("G1 Z5")[0]
 
 
-def test_motors_are_not_said_to_be_where_the_nozzle_must_not_go():
+def test_motors_are_not_set_to_positions_out_of_reach():
     with Scenario("delta") as s:
         geometry = s.machine.geometry
         wider = geometry.model_copy(update={"limit_radius": 100.0})

@@ -115,7 +115,7 @@ def test_a_target_that_is_set_in_a_tune_ends_the_tune_and_holds(s, celsius):
     assert target(s) == celsius
 
 
-def test_a_wait_says_that_it_heats(s):
+def test_wait_reports_that_it_heats(s):
     s.host.send("M190 S45")
     s.host.expect("^echo:busy: heating$", 3)
     s.host.expect("^ok$", 300)
@@ -205,7 +205,7 @@ def test_cold_filament_is_allowed_to_one_tool_alone(two):
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0, "erratic"])
-def test_the_heat_that_a_broken_sensor_tells_melts_nothing(share):
+def test_reading_of_a_broken_sensor_does_not_allow_extrusion(share):
     text = config.shipped_text("i3")
     text = text.replace("max_c = 285.0\n", 'max_c = 285.0\non_fault = "heater"\n', 1)
     with Scenario(config.load_text(text)) as s:

@@ -122,7 +122,7 @@ def test_heat_does_not_depend_on_when_it_is_read():
     assert heat(1) == heat(60) == heat(600)
 
 
-def test_full_power_warms_as_the_exponential_says():
+def test_full_power_warms_along_the_exponential():
     bench = Bench()
     bench.connection.set_target("hotend", 290.0)
     bench.run(1.0)

@@ -237,7 +237,7 @@ def test_motors_of_boards() -> None:
     assert board_target("duet-0.6").motors[0] == Motor("X", "PD4", "PD5")
 
 
-def test_boards_and_builds_know_the_same_chips() -> None:
+def test_boards_and_builds_have_the_same_chips() -> None:
     assert {*avr.CHIPS, *arm.CHIPS} == {*chip_names()}
     for name, known in avr.CHIPS.items():
         it = chip(name)
@@ -252,7 +252,7 @@ def test_boards_and_builds_know_the_same_chips() -> None:
 def test_a_clock_that_the_chip_has_not_is_refused(tmp_path: Path) -> None:
     aim = board_target("pico")
     board = aim.board.model_copy(update={"clock_hz": 1_000_000})
-    says = "pico has a clock of 1 MHz, where the firmware of its chip counts at 12 MHz"
+    says = "pico has a clock of 1 MHz, but the firmware for its chip runs at 12 MHz"
     with pytest.raises(FirmwareError, match=says):
         build(replace(aim, board=board), tmp_path)
 

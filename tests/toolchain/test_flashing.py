@@ -180,7 +180,7 @@ def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
     assert (drive / "pico.uf2").read_bytes() == UF2
 
 
-def test_a_board_that_does_not_answer(tools: Path, image: Path) -> None:
+def test_board_that_does_not_answer_is_an_error(tools: Path, image: Path) -> None:
     program(tools, "avrdude")
     port = Port(None)
     with pytest.raises(FirmwareError, match=r"does not identify itself at .*, 250000") as caught:
@@ -239,9 +239,7 @@ def test_a_missing_program_is_reported_before_any_manual_step(tools: Path, image
     work = flash(
         "melzi", config.load_board("melzi"), "/dev/null", image, User(said.append, said.append)
     )
-    with pytest.raises(
-        FirmwareError, match="the program avrdude is missing, which melzi"
-    ) as caught:
+    with pytest.raises(FirmwareError, match="melzi needs the program avrdude, which is") as caught:
         asyncio.run(work)
     assert caught.value.status == 2
     assert said == []
@@ -373,7 +371,7 @@ RAMPS = {"MCU": "atmega2560", "CLOCK_FREQ": 16_000_000, "SERIAL_BAUD": 250_000}
         ),
     ],
 )
-def test_an_image_that_says_itself_what_it_is_for(
+def test_image_that_declares_its_board(
     image: Path, constants: dict[str, object], says: str
 ) -> None:
     image.write_bytes(carrying(**RAMPS | constants))
@@ -412,7 +410,7 @@ def test_klippers_name_of_a_chip_is_longer_and_its_clock_another(
     assert doubt.endswith("nobody knows that it is whole.")
 
 
-def test_nothing_is_doubted_of_an_image_that_says_what_it_is_for(
+def test_image_that_declares_its_board_passes_all_checks(
     tools: Path, image: Path, port: Port
 ) -> None:
     program(tools, "avrdude")
@@ -476,14 +474,14 @@ def test_missing_port_is_reported_before_flashing(tools: Path, tmp_path: Path) -
     assert not notes.exists()
 
 
-def test_the_end_of_input_is_no_enter(
+def test_end_of_input_is_not_a_confirmation(
     tools: Path, image: Path, port: Port, capsys: pytest.CaptureFixture[str], monkeypatch
 ) -> None:
     notes = program(tools, "avrdude")
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     assert main(["firmware", "flash", "melzi", "--port", port.name, "--image", str(image)]) == 2
     said = capsys.readouterr().err
-    assert "no confirmation received after: Put a jumper on" in said and ".." not in said
+    assert "no user has confirmed this step: Put a jumper on" in said and ".." not in said
     assert not notes.exists()
 
 
@@ -545,7 +543,7 @@ def test_a_dry_run_reports_what_is_missing_or_wrong_now(
 ) -> None:
     nothing, missing, *lines = dry(capsys, "melzi", "/dev/no-such-port", image)
     assert nothing == "/dev/no-such-port: nothing is there now."
-    assert missing.startswith("As things are, the program avrdude is missing, which melzi needs.")
+    assert missing.startswith("As things are, melzi needs the program avrdude, which is missing.")
     assert [line[:3] for line in lines] == ["1. ", "2. ", "3. "]
     program(tools, "avrdude")
     wrong, *lines = dry(capsys, "melzi", str(image), image)

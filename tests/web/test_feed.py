@@ -95,7 +95,7 @@ def in_virtual_time(test):
         runner.run(main())
 
 
-def test_fifty_clients_at_20_hz_beside_one_that_does_not_read():
+def test_fifty_clients_and_one_that_does_not_read():
     async def test(bridge, app):
         loop = asyncio.get_running_loop()
         clients, slow = [Client(app) for _ in range(50)], Client(app)

@@ -67,7 +67,7 @@ def last(web):
     return found
 
 
-def test_boards_say_what_they_need(web):
+def test_boards_list_their_manual_steps(web):
     found = web.get(f"{API}/boards").json()
     assert [board["name"] for board in found["shipped"]] == config.shipped_boards()
     (main,) = found["machine"].values()

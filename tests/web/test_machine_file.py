@@ -38,7 +38,7 @@ def written(web, text):
     return web.put(f"{API}/file", json={"text": text, "replaces": replaces})
 
 
-def test_keys_say_where_their_values_come_from(web, bridge):
+def test_keys_name_the_sources_of_their_values(web, bridge):
     bridge.values = [SPEED]
     keys = {key["key"]: key for key in web.get(f"{API}/keys").json()}
     line = TEXT.splitlines().index("speed_mm_s = 300.0") + 1

@@ -25,7 +25,7 @@ def web(built):
     return TestClient(Starlette(routes=page_routes(built)))
 
 
-def test_index_is_asked_for_again_each_time(web):
+def test_index_is_revalidated_each_time(web):
     answer = web.get("/")
     assert answer.text == "<!doctype html>"
     assert answer.headers["cache-control"] == "no-cache"
@@ -52,6 +52,6 @@ def test_other_files_are_not_served(web):
         assert web.get(path).status_code == 404
 
 
-def test_page_that_is_not_built_says_how_to_build_it(tmp_path):
+def test_missing_page_explains_how_to_build_it(tmp_path):
     web = TestClient(Starlette(routes=page_routes(tmp_path / "none")))
     assert "make web" in web.get("/").text

@@ -27,7 +27,8 @@ _SLOW = 2.0  # a status that took this many times as long as the quickest one ha
 class Chip:
     """A kind of accelerometer: the register and the value of its identity, its rates in samples a
     second with the register and the value of each, the registers for its setup, and the register
-    and the value that stop it. Its rate or `measure` starts it."""
+    and the value that stop it. The writes of `measure`, or of the rate if `measure` is empty, start
+    the chip."""
 
     identity: tuple[int, int]
     rates: Mapping[int, tuple[int, int]]

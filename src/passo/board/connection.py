@@ -61,7 +61,8 @@ class Connection(Exchange):
         return bool(same) and self.survives and has_survived(self)
 
     def begin(self, *, adopt: bool) -> None:
-        """Like `connect`; adopts the board if it `can_be_adopted`."""
+        """Like `connect`. With `adopt` the board keeps its state; `can_be_adopted` must be True
+        then."""
         self._identify()
         self.adopted = adopt
         try:

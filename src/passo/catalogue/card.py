@@ -16,24 +16,26 @@ CARD: Mapping[str, Entry] = {
         "there is no card: {value}", "Insert the card or correct the path, then mount it again"
     ),
     "card.format": _card(
-        "holds no FAT32 file system: {key} is {value}, expected {limit}",
+        "has no FAT32 file system: {key} is {value}, expected {limit}",
         "Format the card as FAT32 on a computer, after saving what is on it",
     ),
     "card.broken": _card(
         "the file system is damaged: {key} is {value}, expected {limit}",
         "Check and repair the card on a computer (fsck.fat or chkdsk)",
     ),
-    "card.not-found": _card("is not on the card", "List the card and name what is there"),
+    "card.not-found": _card(
+        "is not on the card", "List the files (M20), and give one of these names"
+    ),
     "card.directory": _card("is a directory, not a file", "Name a file in it"),
     "card.not-directory": _card("is a file, not a directory", "Name a directory of the card"),
     "card.exists": _card("exists already", "Choose another name"),
-    "card.not-empty": _card("is not empty: {value} is in it", "Delete what it holds first"),
+    "card.not-empty": _card("is not empty: {value} is in it", "Delete its contents first"),
     "card.into-itself": _card(
         "cannot be moved into itself", "Choose a directory that is not within it"
     ),
     "card.no-slots": _card(
-        "cannot become {value!r} on this card: its directory has no place for that in one write",
-        "Make a directory with that name and move the files, or rename it on a computer",
+        "cannot be renamed to {value!r}: the entries of its directory leave no space for this name",
+        "Make a directory with that name and move the files into it, or rename it on a computer",
     ),
     "card.name": _card(
         "the name {value!r} is not allowed on a card: expected {limit}", "Choose another name"
@@ -43,7 +45,7 @@ CARD: Mapping[str, Entry] = {
         "Delete files or take another card",
     ),
     "card.too-long": _card(
-        "would be {value} bytes long, beyond the limit of {limit}", "Write it in several parts"
+        "would be {value} bytes long, beyond the limit of {limit}", "Divide it into several files"
     ),
     "card.read-only": _card(
         "cannot be written: {value}", "Remove the write protection (the card's switch, permissions)"
@@ -58,8 +60,10 @@ CARD: Mapping[str, Entry] = {
         "Select it again (M23) and print it from its beginning",
     ),
     "card.line-refused": _card(
-        "a line of it was not taken: {value}", "Shorten it, then upload the file again"
+        "a line of the file was refused: {value}", "Shorten the line, then upload the file again"
     ),
-    "card.no-name": _card("no file is named", "Name one after the command, as M20 lists it"),
+    "card.no-name": _card(
+        "the command names no file", "Write a name from the list of M20 after the command"
+    ),
     "card.no-console": _card("only a console can send a file", "Send it from a console"),
 }

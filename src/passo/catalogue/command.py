@@ -13,7 +13,7 @@ COMMAND: Mapping[str, Entry] = {
     "command.fixed": bad_input(
         "command",
         "{value} is fixed while the printer runs",
-        "Change it in the machine file and start again",
+        "Change it in the machine file, then restart Passo",
     ),
     "command.real-board": bad_input(
         "command",
@@ -24,22 +24,22 @@ COMMAND: Mapping[str, Entry] = {
         "command", "{value} is not a fault of this machine: expected {limit}", "Name one of these"
     ),
     "command.fault-order": bad_input(
-        "command", "{value} is not understood: expected {limit}", "Write it like that"
+        "command", "{value} is not understood: expected {limit}", "Write the fault in this form"
     ),
     "motors.print": bad_input(
         "motors",
-        "{axis} moves motors without their axes, and a print is running or paused",
-        "Wait for its end, or cancel it (M524)",
+        "{axis} moves single motors, which is not allowed while a print is running or paused",
+        "Wait until the print is done, or cancel it (M524)",
     ),
     "motors.relative": bad_input(
         "motors",
-        "the position of {axis} is not known, as axes are not homed",
+        "the position of {axis} is not known, because axes are not homed",
         "Home them (G28), or move by a distance (G91)",
     ),
     "motors.mixed": bad_input(
         "motors",
-        "the command moves arms and motors of axes at once",
-        "Move them one after the other",
+        "one command cannot move motors of arms together with motors of axes",
+        "Send a command for each kind",
     ),
     "motors.reach": bad_input(
         "motors", "the motors would leave their range: {value}", "Give a shorter distance"
@@ -59,7 +59,7 @@ COMMAND: Mapping[str, Entry] = {
     ),
     "command.aside": bad_input(
         "command",
-        "{value} changes scales or the geometry, in which the paused print counts its moves",
+        "{value} would change steps per mm or the geometry while a print is paused",
         "Resume (M24) or cancel (M524), then send the command again",
     ),
     "command.value": bad_input(

@@ -17,11 +17,11 @@ DRIVER: Mapping[str, Entry] = {
         "Switch the motors' supply on, check the driver's seat, jumpers and these pins, then M999",
     ),
     "driver.deaf": _driver(
-        "its driver, a {value} on {limit}, does not take its settings",
+        "its driver, a {value} on {limit}, does not accept its settings",
         "Check the wire to it and that no other driver has its address, then M999",
     ),
     "driver.other-chip": _driver(
-        "the driver on {limit} is another chip than the machine file says, of version {value}",
+        "the driver on {limit} reports version {value}, and is not the chip of the machine file",
         "Correct the motor's driver in the machine file, or the pins",
     ),
     "driver.reset": _driver(
@@ -49,7 +49,8 @@ DRIVER: Mapping[str, Entry] = {
         "Check the motors' supply and its plugs, then M999",
     ),
     "driver.stopped": _driver(
-        "its driver, a {value}, has switched the motor off for a moment: heat or a short circuit",
+        "its driver, a {value}, has switched the motor off for a moment, because of heat or a short"
+        " circuit",
         "Check the motor's cable and the driver's cooling, then M999",
     ),
 }

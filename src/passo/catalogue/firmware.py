@@ -23,7 +23,7 @@ FIRMWARE: Mapping[str, Entry] = {
         "firmware is being built or flashed already", "Wait until it is done, or cancel it"
     ),
     "firmware.not-now": _firmware(
-        "no board is flashed now: {value}",
+        "a board cannot be flashed now: {value}",
         "Wait until the print is done, switch all heaters off, and try again",
     ),
     "firmware.port-used": _firmware(
@@ -43,13 +43,13 @@ FIRMWARE: Mapping[str, Entry] = {
         "Plug the board in and name its port with --port",
     ),
     "firmware.nobody": _firmware(
-        "no confirmation received after: {value}", "Flash from an interactive terminal"
+        "no user has confirmed this step: {value}", "Flash from an interactive terminal"
     ),
     "firmware.tool": _firmware(
-        "the program {value} is missing, which {axis} needs", "Install it, and try again"
+        "{axis} needs the program {value}, which is missing", "Install it, and try again"
     ),
     "firmware.clock": _firmware(
-        "{axis} has a clock of {value} MHz, where the firmware of its chip counts at {limit} MHz",
+        "{axis} has a clock of {value} MHz, but the firmware for its chip runs at {limit} MHz",
         "Leave clock_hz out of the machine file: it is for simulated boards and for AVR chips",
     ),
     "firmware.build": _firmware(

@@ -30,13 +30,14 @@ HEAT: Mapping[str, Entry] = {
     ),
     "heat.reads-nothing": bad_input(
         "heat",
-        "these thermistor values of {axis} give no distinct readings from {limit} °C",
-        "Send its R25, beta and pull-up resistor as they are",
+        "with these values, the thermistor of {axis} has no distinct reading for each temperature"
+        " from {limit} °C",
+        "Send the true R25, beta and pull-up resistor of this thermistor",
     ),
     "heat.unsafe-target": bad_input(
         "heat",
         "heater {axis} was switched off: {value:g} °C is outside of its safe range, {limit} °C",
-        "Give a temperature within it, or change min_c and max_c of the heater",
+        "Give a temperature in this range, or change min_c and max_c of the heater",
     ),
     "heat.sensor-open": _heat(
         "heater {axis} was switched off: its sensor reads {value:.1f} °C; below {limit:.1f} °C"
@@ -87,8 +88,8 @@ HEAT: Mapping[str, Entry] = {
         "Cut its power at once: its MOSFET or relay may be broken",
     ),
     "heat.model-deviation": _heat(
-        "heater {axis} was switched off: at {value:.1f} °C it does not behave as its model, by more"
-        " than {limit:.2f} of full power",
-        "Check cartridge, sensor and fan, or tune its model again",
+        "heater {axis} was switched off: at {value:.1f} °C its power differs from that of its"
+        " model by more than {limit:.2f} of full power",
+        "Check cartridge, sensor and fan, or tune its model again (M303 R5)",
     ),
 }

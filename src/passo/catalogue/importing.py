@@ -13,7 +13,7 @@ def _import(says: str, action: str) -> Entry:
 
 IMPORT: Mapping[str, Entry] = {
     "import.line": _import(
-        "{value!r} is not an option of a section, as `name: value`", "Correct the line"
+        "{value!r} is not an option of the form `name: value`", "Correct the line"
     ),
     "import.include": _import(
         "the included files include each other: {value}", "Remove one of these includes"
@@ -37,11 +37,11 @@ IMPORT: Mapping[str, Entry] = {
     ),
     "import.board": _import(
         "the board is {value!r}: Passo has no file of this board; it has {limit}",
-        "Name a board that is wired alike, or write a board file",
+        "Name a board with the same wiring, or write a board file",
     ),
     "import.endif": _import("{value} has no #if or #endif of its own", "Correct the line"),
     "import.nest": _import(
-        "more than {limit} conditions are within each other", "Remove conditions around this line"
+        "more than {limit} conditions are nested", "Remove conditions around this line"
     ),
     "import.long-line": _import(
         "the line has more than {limit} characters", "Shorten the line, or divide it"
@@ -53,7 +53,7 @@ IMPORT: Mapping[str, Entry] = {
         ExitStatus.BAD_CONFIG,
     ),
     "import.stored": _import(
-        "a printer.cfg has its stored values itself, in the block of SAVE_CONFIG",
+        "a printer.cfg contains its stored values, in the block of SAVE_CONFIG",
         "Leave --stored out; it is for Marlin and APrinter",
     ),
     "import.kinematics": _import(

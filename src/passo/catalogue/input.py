@@ -10,9 +10,7 @@ INPUT: Mapping[str, Entry] = {
     "input.unreadable": bad_input(
         "file", "cannot be read: {value}", "Check the path and permissions"
     ),
-    "input.pipe": bad_input(
-        "file", "can be read only once, and not again", "Save it to a file first"
-    ),
+    "input.pipe": bad_input("file", "can be read only once", "Save it to a file first"),
     "input.no-lines": bad_input(
         "file",
         "prints no line, and the laboratory measures printed lines",
@@ -21,22 +19,23 @@ INPUT: Mapping[str, Entry] = {
     "input.stream": bad_input(
         "file",
         "is not a stream of Klipper's batch mode for this dictionary: {value}",
-        "Give the file of klippy.py -o, and the dictionary that was its -d",
+        "Give the file that klippy.py wrote with -o, and the dictionary that it read with -d",
     ),
     "input.stream-dictionary": bad_input(
         "file",
         "is not the data dictionary of a board: {value}",
-        "Give the file that was the -d of klippy.py, as --dictionary",
+        "Give, with --dictionary, the file that klippy.py read with -d",
     ),
     "input.stream-motors": bad_input(
         "file",
-        "moves {value} motors, and the machine has {limit}",
+        "moves {value} motors, but the machine has {limit}",
         "Choose the machine that printer.cfg describes",
     ),
     "input.stream-path": bad_input(
         "file",
-        "moves the motor {axis} over {value:.1f} mm or degrees, and the print over {limit:.1f}",
-        "Give the stream of the same G-code file, of a machine with the same steps per mm",
+        "moves the motor {axis} by {value:.1f} mm or degrees, but the print moves it by"
+        " {limit:.1f}",
+        "Give a stream of the same G-code file, from a machine with the same steps per mm",
     ),
     "input.empty": bad_input("file", "holds no command", "Slice the model again"),
     "input.no-known-command": bad_input(
@@ -54,7 +53,7 @@ INPUT: Mapping[str, Entry] = {
         "gcode", "{value!r} has a decimal comma", "Write a decimal point in its place"
     ),
     "input.comma": bad_input(
-        "gcode", "{value!r} has a comma", "Put blanks, not commas, between words"
+        "gcode", "{value!r} has a comma", "Put spaces, not commas, between parameters"
     ),
     "input.decimal-points": bad_input(
         "gcode", "{value!r} has two decimal points", "Write one decimal number"
@@ -85,7 +84,7 @@ INPUT: Mapping[str, Entry] = {
     "input.repeated": bad_input(
         "gcode",
         "the command has more than one {value}",
-        "Remove the word that is not meant. In place of an exponent, write a decimal number",
+        "Remove the wrong one. Write a decimal number in place of an exponent",
     ),
     "input.out-of-range": bad_input(
         "motion",
@@ -105,8 +104,8 @@ INPUT: Mapping[str, Entry] = {
     ),
     "input.too-long": bad_input(
         "motion",
-        "extruder {axis} would move {value:.0f} mm of filament in one move, of at most {limit:.0f}",
-        "Correct E, which counts from G92 unless M83 is in force, or use several moves",
+        "extruder {axis} would move {value:.0f} mm of filament in one move (limit {limit:.0f} mm)",
+        "Correct E (absolute, unless M83 is in force), or use several moves",
     ),
     "input.too-slow": bad_input(
         "motion",
@@ -114,26 +113,26 @@ INPUT: Mapping[str, Entry] = {
         "Correct F, T, M203 or the speeds of the machine file, or use several moves",
     ),
     "input.feedrate": bad_input(
-        "gcode", "the feed rate F{value:g} must be above 0", "Give the speed in mm per minute"
+        "gcode", "the feedrate F{value:g} must be above 0", "Give the speed in mm per minute"
     ),
     "input.arc": bad_input(
         "gcode",
-        "the arc has no circle: {value} does not fit its end",
-        "Give the centre, or an R of at least half the distance",
+        "no circle leads to the end of this arc: {value} does not fit",
+        "Give the centre, or an R of at least half the distance to the end",
     ),
     "input.centre": bad_input(
         "gcode",
-        "the arc has neither a centre nor a radius: {value} are missing, or 0",
-        "Give the centre from where the arc begins, or the radius R",
+        "the arc has neither a centre nor a radius: {value} are missing or 0",
+        "Give the centre relative to the start of the arc, or the radius R",
     ),
     "input.radii": bad_input(
         "gcode",
         "the arc begins {value:.3f} mm from its centre and ends {limit:.3f} mm from it",
-        "Correct I, J or K, which count from where the arc begins, or its end",
+        "Correct I, J or K (relative to the start of the arc), or the end of the arc",
     ),
     "input.checksum": bad_input(
         "gcode",
-        "the checksum {value} is wrong: the line's is *{limit}",
+        "the checksum {value} is wrong: the text of the line has *{limit}",
         "Send the line again",
     ),
     "input.no-line": bad_input(
@@ -151,13 +150,14 @@ INPUT: Mapping[str, Entry] = {
     ),
     "input.point-order": bad_input(
         "heat",
-        "{value:g} °C where {key:g} °C is shown is no more than the {limit:g} °C at {before:g} °C",
-        "Measure again, from the lower of the two",
+        "the true {value:g} °C at {key:g} °C shown is not above the true {limit:g} °C at"
+        " {before:g} °C shown",
+        "Measure both again, the lower one first",
     ),
     "input.other-answers": bad_input(
         "file",
         "it begins with {value!r}, not with {limit!r}",
-        "Delete it, or start elsewhere",
+        "Delete the file, or start in another folder",
     ),
     "input.missing-tool": bad_input(
         "printer",
@@ -172,7 +172,7 @@ INPUT: Mapping[str, Entry] = {
     "input.missing-word": bad_input(
         "gcode",
         "{axis} needs {value}",
-        "Add the word to the command, or to one before it in the cycle",
+        "Add it to the command. In a drilling cycle, an earlier command may have it",
     ),
     "input.call": bad_input(
         "gcode",

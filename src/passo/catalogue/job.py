@@ -14,7 +14,9 @@ JOB: Mapping[str, Entry] = {
         "job", "no file is selected", "Select one (M23), after listing the card"
     ),
     "job.failed": bad_input(
-        "job", "{value}", "Correct it and continue after it (M24), or cancel (M524)"
+        "job",
+        "{value}",
+        "Correct the cause, then continue after this command (M24), or cancel (M524)",
     ),
     "job.no-objects": bad_input(
         "job",
@@ -46,14 +48,14 @@ JOB: Mapping[str, Entry] = {
     ),
     "job.other-macros": bad_input(
         "job",
-        "the macros of the machine file have changed since the print began, so its place cannot be"
-        " found",
+        "the macros of the machine file have changed since the print began, so the position in the"
+        " file cannot be found",
         "Restore the macros as they were, then send M1000",
     ),
     "job.no-part": bad_input(
         "job",
         "needs {value}, which is missing from the machine file",
-        "Restore that section and start again, or forget the print (M1000 C)",
+        "Restore that section and restart Passo, or forget the print (M1000 C)",
     ),
     "job.other-file": bad_input(
         "job",

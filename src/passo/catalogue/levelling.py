@@ -26,11 +26,11 @@ LEVELLING: Mapping[str, Entry] = {
         'Set [levelling] method = "mesh", and measure the bed (G29)',
     ),
     "levelling.too-much": _levelling(
-        "the bed would be corrected by {value} mm, of at most {limit} mm (max_correction_mm)",
+        "the bed would be corrected by {value} mm (max_correction_mm is {limit} mm)",
         "Adjust the bed or its endstop, and measure it again",
     ),
     "levelling.too-steep": _levelling(
-        "the correction would rise by {value} mm each mm, of at most {limit} (max_slope)",
+        "the correction would rise by {value} mm per mm (max_slope is {limit})",
         "Adjust the bed, and measure it again",
     ),
     "levelling.few-points": _levelling(
@@ -43,13 +43,13 @@ LEVELLING: Mapping[str, Entry] = {
         "Move or remove one of them",
     ),
     "levelling.line": _levelling(
-        "the {value} points deviate from a line by at most {deviation:.3f} mm: at least {limit:g}"
-        " mm are needed",
+        "the {value} points are too close to one line: they deviate from it by {deviation:.3f}"
+        " mm, and at least {limit:g} mm are needed",
         "Move points, so that they surround the bed",
     ),
     "levelling.conic": _levelling(
-        "the {value} points lie on one curve of second degree: they determine {rank} of {limit}"
-        " coefficients",
+        "the {value} points are on one conic (a circle, for example): they determine only {rank} of"
+        " {limit} coefficients",
         "Add a point in the middle, or use the linear correction",
     ),
     "levelling.no-height": _levelling(
@@ -82,15 +82,16 @@ LEVELLING: Mapping[str, Entry] = {
     "levelling.fade": _levelling(
         "the correction fades over {value:g} mm, but the bed differs by {limit:.3f} mm: the fade"
         " must be longer than that",
-        "Give a greater end of the fade, or correct the bed by its screws",
+        "Let the fade end higher (M420 Z), or adjust the screws of the bed",
     ),
     "levelling.motor-adjustment": _levelling(
-        "motor {axis} would move {value:.3f} mm against another: at most {limit:g} mm are allowed",
+        "motor {axis} would move {value:.3f} mm relative to another motor: at most {limit:g} mm are"
+        " allowed",
         "Level the gantry by hand, check the pivots, or raise max_adjust_mm",
     ),
     "levelling.motor-order": _levelling(
-        "the points differ by {value:.3f} mm, after {limit:.3f} mm in the round before: the"
-        " adjustment makes the tilt worse, and the Z motors {order} may be in another order",
+        "the adjustment made the tilt worse: the points differ by {value:.3f} mm, before it by"
+        " {limit:.3f} mm. Probably the Z motors {order} are in another order",
         "Compare the order of motors and pivots; move one motor and see which corner rises",
     ),
     "levelling.motor-retries": _levelling(
@@ -116,7 +117,7 @@ LEVELLING: Mapping[str, Entry] = {
         "Measure both diagonals and the side AD of the printed square again",
     ),
     "levelling.delta-rods": _levelling(
-        "rods cannot be found from heights alone: measured distances are needed",
+        "the lengths of rods cannot be found from heights alone: measured distances are needed",
         "Calibrate 6 factors, or give distances of a print",
     ),
     "levelling.delta-points": _levelling(
@@ -128,7 +129,8 @@ LEVELLING: Mapping[str, Entry] = {
         "Correct radius, rods and endstops of the machine file, then calibrate again",
     ),
     "levelling.delta-worse": _levelling(
-        "the points deviate after the calibration by rms {value:.4f} mm, before it {limit:.4f} mm",
+        "the calibration makes the deviation of the points worse: {value:.4f} mm rms, before it"
+        " {limit:.4f} mm",
         "The old parameters stay. Check the probe, then calibrate again",
     ),
     "levelling.delta-change": _levelling(
@@ -138,13 +140,15 @@ LEVELLING: Mapping[str, Entry] = {
     ),
     "levelling.mesh-name": _levelling(
         "{value!r} cannot be the name of a mesh",
-        "Use at most 40 letters, digits, dots, dashes and underscores; first a letter or digit",
+        "Use at most 40 letters, digits, dots, dashes and underscores; begin with a letter or"
+        " digit",
     ),
     "levelling.mesh-unreadable": _levelling(
         "the stored mesh cannot be read", "Remove the file, and measure the bed again"
     ),
     "levelling.mesh-unwritable": _levelling(
-        "the mesh cannot be stored: {value}", "Free space, or repair the rights of the folder"
+        "the mesh cannot be stored: {value}",
+        "Free space on the disk, or correct the permissions of the folder",
     ),
     "levelling.mesh-file": _levelling(
         "holds {value!r} in a mesh: expected {limit}",

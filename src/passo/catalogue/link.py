@@ -8,7 +8,7 @@ from passo.catalogue.entry import Entry, ExitStatus
 
 
 def _late(says: str, action: str) -> Entry:
-    head = "commands reached the board {value} they were due, {limit:.0f} ms before is needed"
+    head = "commands reached the board {value} they were due (needed: {limit:.0f} ms before)"
     return Entry("link", f"{head}: {says}", action, ExitStatus.MACHINE_FAULT)
 
 

@@ -13,26 +13,28 @@ def _config(says: str, action: str) -> Entry:
 
 MACHINE: Mapping[str, Entry] = {
     "machine.no-file": _config(
-        "{value} is not a file that can be changed: it comes with Passo, or a program made it",
+        "{value} cannot be changed: it comes with Passo, or a program made it",
         "Save the text as a file of your own, and start with --machine FILE.toml",
     ),
     "machine.file-changed": _config(
-        "the machine file has changed since it was read", "Read it again, and compare the two"
+        "the machine file has changed since it was read",
+        "Read it again, and compare it with your text",
     ),
     "machine.no-restart": _config(
-        "nothing would start Passo again: a program opened the printer, or it has --stdin",
+        "Passo cannot restart itself, because a program opened the printer, or it runs with"
+        " --stdin",
         "Stop Passo and start it again",
     ),
     "machine.switch-missed": Entry(
         "homing",
         "{axis} was not homed: {value} was not triggered within {limit} towards {position}",
-        "Check that the axis moved towards it, and what M119 reports while you press it",
+        "Check that the axis moved towards the endstop, and what M119 reports while you press it",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.switch-lost": Entry(
         "homing",
-        "{axis} was not homed: {value} and a motor of it are on boards that lost each other",
-        "Look at the cables of the boards, and at how busy this computer is",
+        "{axis} was not homed: the boards of {value} and of its motor lost their connection",
+        "Check the cables of the boards, and whether other programs keep this computer busy",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.switch-stuck": Entry(
@@ -44,19 +46,19 @@ MACHINE: Mapping[str, Entry] = {
     "machine.emergency-stop": Entry(
         "job",
         "emergency stop by M112",
-        "Take it out of the file, or end the program there with M2",
+        "Remove the M112 from the file, or end the program there with M2",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.restart": Entry(
         "printer",
-        "the printer restarts, as FIRMWARE_RESTART asks",
-        "Home it before you move it",
+        "FIRMWARE_RESTART restarts the printer",
+        "Home the axes before you move them",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.stopped": Entry(
         "job",
         "the print was stopped by M410",
-        "Take it out of the file, or end the program there with M2",
+        "Remove the M410 from the file, or end the program there with M2",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.slow-heater": Entry(
@@ -74,7 +76,7 @@ MACHINE: Mapping[str, Entry] = {
     "machine.port-in-use": Entry(
         "board",
         "another program has {axis} open",
-        "Stop it first, for example a running Klipper: sudo systemctl stop klipper",
+        "Stop that program first, for example a running Klipper: sudo systemctl stop klipper",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.silent": Entry(
@@ -153,7 +155,7 @@ MACHINE: Mapping[str, Entry] = {
     "machine.unstopped": Entry(
         "board",
         "the emergency stop has not reached {value}, which may heat for up to a minute",
-        "Cut the printer's power, or bring the link back",
+        "Cut the printer's power, or restore the connection",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.program": Entry(

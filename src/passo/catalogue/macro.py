@@ -20,7 +20,7 @@ MACRO: Mapping[str, Entry] = {
     "macro.nested": bad_input(
         "macro",
         "macro {axis} is called by {limit} macros that call each other",
-        "Let no macro call itself; the command that it replaces has the name of rename_existing",
+        "Remove the circle. A macro calls the command that it replaces by its rename_existing name",
     ),
     "macro.raised": bad_input(
         "macro", "macro {axis}: {value}", "The macro has stopped by itself; do what it asks for"
@@ -40,8 +40,9 @@ MACRO: Mapping[str, Entry] = {
     ),
     "macro.saved-unreadable": bad_input(
         "macro",
-        "the variables of SAVE_VARIABLE are damaged: no macro has them, and none is stored",
-        "Correct the file, which is JSON, or remove it, and restart the program",
+        "the file of SAVE_VARIABLE is damaged: macros cannot read its variables, and no variable is"
+        " stored",
+        "Correct the file, which is JSON, or remove it; then restart Passo",
     ),
     "macro.saved-unwritable": bad_input(
         "macro",

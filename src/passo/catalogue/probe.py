@@ -24,28 +24,29 @@ PROBE: Mapping[str, Entry] = {
         "no paper test is under way", "Start one with MANUAL_PROBE, PROBE_CALIBRATE or G29"
     ),
     "probe.no-correction": _probe(
-        "no correction of the bed follows the probe, which could take over the {value} mm",
+        "the {value} mm of babysteps cannot be stored: no bed correction measured by the probe is"
+        " on",
         "Measure the bed first (G29, G32), or set the offset of home (M206 Z)",
     ),
     "probe.wrong-state": _probe(
-        "the probe is {value} before the move that should change that",
+        "the probe is {value} already before the move",
         "Move the probe away from the part, or onto it for G38.4 and G38.5",
     ),
     "probe.no-contact": _probe(
-        "the probe did not change down the whole move, to {position}",
-        "Move it nearer first; G38.3 and G38.5 take this for no error",
+        "the probe did not change during the whole move to {position}",
+        "Move it nearer first, or use G38.3 or G38.5, for which this is not an error",
     ),
     "probe.no-servo": _probe(
         "{value} needs a probe with a servo, and this machine's has none",
         "Give control_pin in [probe] of the machine file",
     ),
     "probe.not-deployed": _probe(
-        "the probe does not get to the bed: it is {value}, and it should be {limit}",
-        "Look whether something blocks it, at its cables, and at the pins of [probe]",
+        "the probe did not deploy: it is {value}, and it should be {limit}",
+        "Check whether something blocks it, its cables, and the pins of [probe]",
     ),
     "probe.not-stowed": _probe(
-        "the probe does not get away from the bed: it is {value}, and it should be {limit}",
-        "Bring it away by hand before the next move, and look at its cables",
+        "the probe did not stow: it is {value}, and it should be {limit}",
+        "Stow it by hand before the next move, and check its cables",
     ),
     "probe.out-of-reach": _probe(
         "{axis} is out of reach: with the probe at {value} the nozzle is at {position},"
@@ -55,33 +56,33 @@ PROBE: Mapping[str, Entry] = {
     "probe.triggered": _probe(
         "{axis} was not measured: the probe is triggered at {value} with the nozzle at {position},"
         " also after a lift by {limit}",
-        "Look whether something touches the probe, at its cable, and at the ! in front of its pin",
+        "Check whether something touches the probe, its cable, and the ! in front of its pin",
     ),
     "probe.missed": _probe(
-        "{axis} was not measured: the probe was not triggered at {value} down to {limit} of the"
-        " nozzle, which was at {position}",
-        "Look at the cable of the probe, at what M119 reports while you trigger it, and at the"
-        " height of the bed",
+        "{axis} was not measured: the probe was not triggered at {value}. The nozzle descended to"
+        " {position}, and the search ends at {limit}",
+        "Check the cable of the probe, what M119 reports while you trigger it, and the height of"
+        " the bed",
     ),
     "probe.home-missed": _probe(
         "Z is not homed: the probe was not triggered at {value} in a descent of {limit}",
-        "Look at the cable of the probe, and at what M119 reports while you trigger it",
+        "Check the cable of the probe, and what M119 reports while you trigger it",
     ),
     "probe.early": _probe(
         "{axis} was not measured: the probe was triggered at {value} with the nozzle at {position},"
         " less than {limit} below the start of the descent",
-        "Look at the cable of the probe; a sensor that is shaken needs settle_s",
+        "Check the cable of the probe. If vibration triggers the sensor, increase settle_s",
     ),
     "probe.apart": _probe(
-        "{axis} was not measured: at {value} two descents differ by {position}, of at most {limit}",
-        "Clean the nozzle and the bed, and look whether the probe is loose",
+        "{axis} was not measured: at {value} two descents differ by {position} (limit {limit})",
+        "Clean the nozzle and the bed, and check that the probe is not loose",
     ),
     "probe.unsteady": _probe(
-        "{axis} was not measured: at {value} the samples differ by {position}, of at most {limit}",
-        "Clean the nozzle and the bed, look whether the probe is loose, or raise tolerance_mm",
+        "{axis} was not measured: at {value} the samples differ by {position} (limit {limit})",
+        "Clean the nozzle and the bed, check that the probe is not loose, or raise tolerance_mm",
     ),
     "probe.lost": _probe(
-        "{axis} was not measured: the boards of the probe and of a motor lost each other",
-        "Look at the cables of the boards, and at how busy this computer is",
+        "{axis} was not measured: the boards of the probe and of a motor lost their connection",
+        "Check the cables of the boards, and whether other programs keep this computer busy",
     ),
 }

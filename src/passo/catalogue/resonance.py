@@ -22,8 +22,9 @@ RESONANCE: Mapping[str, Entry] = {
         " low, else 0x19",
     ),
     "resonance.other-chip": _resonance(
-        "the chip at {limit} answers as 0x{found:02x}, where {value} answers as 0x{wanted:02x}",
-        "Check its wires, and chip in [accelerometer]",
+        "the chip at {limit} identifies itself as 0x{found:02x}, but {value} would be"
+        " 0x{wanted:02x}",
+        "Check its wires, and the key chip in [accelerometer]",
     ),
     "resonance.deaf": _resonance(
         "register 0x{register:02x} of the accelerometer {value} reads 0x{found:02x} after 0x"
@@ -31,7 +32,7 @@ RESONANCE: Mapping[str, Entry] = {
         "Check its wires, or use shorter ones",
     ),
     "resonance.lost": _resonance(
-        "{value} of {all} samples of the accelerometer were lost, of at most {limit}",
+        "{value} of {all} samples of the accelerometer were lost (limit {limit})",
         "Lower rate_hz in [accelerometer], or use a faster link for its board or shorter wires",
     ),
     "resonance.overflow": _resonance(
@@ -41,9 +42,9 @@ RESONANCE: Mapping[str, Entry] = {
         " 100 kHz for I2C, which is enough for 800 samples a second",
     ),
     "resonance.still": _resonance(
-        "the accelerometer measured {value:.0f} mm/s² while it was to vibrate, of at least"
-        " {limit:.0f} mm/s²",
-        "Fix it to the part that this axis moves: the head, or the bed where Y moves the bed",
+        "the accelerometer measured only {value:.0f} mm/s² while its axis vibrated (minimum"
+        " {limit:.0f} mm/s²)",
+        "Fix it to the part that this axis moves: the head, or the bed if Y moves the bed",
     ),
     "resonance.reach": _resonance(
         "the vibration along {axis} needs {value:.1f} mm to either side of {position:g} mm, and the"
@@ -54,7 +55,7 @@ RESONANCE: Mapping[str, Entry] = {
         "the vibration cannot be made: {value}", "Lower ACCEL_PER_HZ or FREQ_END, or move POINT"
     ),
     "resonance.short": _resonance(
-        "the measurement has {value} samples, of at least {limit}",
+        "the measurement has only {value} samples (minimum {limit})",
         "Measure a wider range of frequencies, or more slowly (HZ_PER_SEC)",
     ),
     "resonance.no-numpy": _resonance(
@@ -62,7 +63,7 @@ RESONANCE: Mapping[str, Entry] = {
         "Install it: pip install 'passo[resonance]'",
     ),
     "resonance.failed": _resonance(
-        "the calculation of spectra failed: {value}", "Report it, with this text"
+        "the calculation of spectra failed: {value}", "Report this text as an error of Passo"
     ),
     "resonance.no-file": _resonance(
         "{axis} could not be written: {value}", "Free space, or give another NAME"

@@ -14,7 +14,7 @@ SETTINGS: Mapping[str, Entry] = {
     "settings.unreadable": bad_input(
         "settings",
         "the stored settings are not used: {value}",
-        "Store new ones (M500); until then the machine file's hold",
+        "Store new ones (M500). Until then the values of the machine file apply",
     ),
     "settings.unwritable": bad_input(
         "settings",
@@ -23,8 +23,8 @@ SETTINGS: Mapping[str, Entry] = {
     ),
     "state.busy": bad_input(
         "printer",
-        "another printer keeps its prints and settings there",
-        "Stop that one, or give each a folder of its own (--state)",
+        "another printer keeps its prints and settings in this folder",
+        "Stop the other printer, or give each printer its own folder (--state)",
     ),
     "option.unknown": bad_input(
         "settings",

@@ -22,7 +22,7 @@ WEB: Mapping[str, Entry] = {
     "web.media-type": _web(
         "the body of the request is {value!r}: expected {limit}", "Set its Content-Type"
     ),
-    "web.not-found": _web("there is no {value}", "Read what there is, then name one of these"),
+    "web.not-found": _web("there is no {value}", "Get the list first, then use a name from it"),
     "web.method": _web(
         "{value} is not possible here: expected {limit}", "Use one of these methods"
     ),
@@ -50,7 +50,7 @@ WEB: Mapping[str, Entry] = {
     ),
     "web.too-many": _web(
         "there were too many attempts to log in: the next one may come in {limit} s",
-        "Wait so long, then try again",
+        "Wait, then try again",
     ),
     "web.password": _web(
         "this needs the password again, entered within the last {limit} minutes",
@@ -74,11 +74,11 @@ WEB: Mapping[str, Entry] = {
         "Check the folder of --state, its permissions and the free space on the disk",
     ),
     "web.scripts": _web(
-        "{limit} scripts of this client are under way already", "Wait for their answers"
+        "{limit} scripts of this client are running already", "Wait for their answers"
     ),
     "web.slow": _web(
-        "the body of the request did not come within {limit} s",
-        "Look at the network, then try again",
+        "the body of the request did not arrive within {limit} s",
+        "Check the network, then try again",
     ),
     "web.unreachable": _web(
         "{value} cannot be reached: {limit}", "Check the address, and that `passo serve` runs"
@@ -98,23 +98,23 @@ WEB: Mapping[str, Entry] = {
         "file", "is not a G-code file: expected {limit}", "Slice the model and upload its G-code"
     ),
     "upload.content": bad_input(
-        "file", "does not hold G-code: {value}", "Slice the model and upload its G-code"
+        "file", "does not contain G-code: {value}", "Slice the model and upload its G-code"
     ),
     "upload.malformed": bad_input(
         "upload", "the request cannot be read: {value}", "Correct it and send it again"
     ),
     "upload.slow": bad_input(
         "upload",
-        "only {value} bytes have come within {limit} s",
-        "Look at the network, then send the file again",
+        "only {value} bytes arrived within {limit} s",
+        "Check the network, then send the file again",
     ),
     "upload.too-many": bad_input(
-        "upload", "{limit} files are being uploaded already", "Wait until one of them is whole"
+        "upload", "{limit} files are being uploaded already", "Wait until one of them is complete"
     ),
     "upload.offset": bad_input(
         "upload",
         "the upload continues at byte {limit}, not at {value}",
-        "Ask for its offset, and send what follows it",
+        "Query the offset of the upload, and send the bytes from there",
     ),
     "console.unopened": Entry(
         "console",

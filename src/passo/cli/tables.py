@@ -139,7 +139,8 @@ def estimate_table(estimate: Estimate) -> str:
 
 
 def lab_table(found: Comparison) -> str:
-    """The trials of a laboratory, a line each with the best one marked, and the reason."""
+    """The trials of a laboratory as a table in which the best one is marked, and the reason for the
+    choice."""
     heading = ["", "setting", "print time", "ringing", "10% off", "peak", "corners", "off path"]
     lines = [[*heading, "width", "steps", "commands", "score"]]
     for i, (trial, score) in enumerate(zip(found.trials, found.scores(), strict=True)):

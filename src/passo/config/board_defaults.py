@@ -85,8 +85,8 @@ def put_pullups(data: dict[str, Any]) -> None:
 
 
 def put_driver_wires(data: dict[str, Any]) -> None:
-    """Gives drivers with a UART in a raw machine file that name no pin for it those of their
-    socket, if the board's file has them."""
+    """Fills in the UART pins of drivers in a raw machine file that name none: the pins of the
+    driver's socket, if the board's file has them."""
     for _, stepper in tables(data, "steppers"):
         written, tmc = stepper.get("socket"), table(stepper, "tmc")
         chip = chip_of(stepper.get("driver"))

@@ -27,11 +27,11 @@ class Fan(Model):
     kick_start_rise: Fraction = 0.5
     """A rise of power by more than this starts the fan with `max_power`, too."""
     follows: Name | None = None
-    """The heater that switches this fan on. Such a fan obeys no commands."""
+    """The heater that switches this fan on. Commands do not control such a fan."""
     above_c: Annotated[float, Field(ge=0, le=1200)] = 50.0
     """The fan is on while the heater that it follows is warmer than this."""
     follows_motors: list[Name] = []
-    """The fan is on while any of these motors is on. Such a fan obeys no commands."""
+    """The fan is on while any of these motors is on. Commands do not control such a fan."""
     stays_on_s: Annotated[float, Field(ge=0, le=3600)] = 60.0
     """The fan stays on for this time after these motors go off."""
     pwm_hz: Annotated[float, Field(ge=1, le=1000)] = 10.0

@@ -1,9 +1,9 @@
-"""The limit of jerk: over which time the positions are averaged, and by how much corners are cut.
+"""The jerk limit: the time over which positions are averaged, and the distance by which it cuts
+corners.
 
 The mean of a position over a time w has the acceleration (v(t + w/2) - v(t - w/2)) / w and the jerk
 (a(t + w/2) - a(t - w/2)) / w. So an axis that accelerates and brakes by at most A has a jerk of at
-most 2 A / w.
-"""
+most 2 A / w."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ MAX_JERK = 1e9  # mm/s³
 
 
 def box_s(accel: float, jerk_mm_s3: float) -> float:
-    """The time over which all positions are averaged, s, in whole nanoseconds: with it no axis that
-    accelerates by at most `accel`, mm/s², has a higher jerk. 0 for no limit."""
+    """The time over which all positions are averaged, s, in whole nanoseconds, so that no axis that
+    accelerates by at most `accel`, mm/s², exceeds the jerk limit. 0 for no limit."""
     return round(2 * accel / jerk_mm_s3 * 1e9) / 1e9 if jerk_mm_s3 > 0 else 0.0
 
 
@@ -28,17 +28,17 @@ def least_jerk(accel: float) -> float:
 
 
 def spread_mm(box_s: float, impulses: Impulses, accel: float) -> float:
-    """By how much an axis is off the plan in the middle of a long constant acceleration, mm/s²; the
-    impulses are those of its shaper."""
+    """The deviation of an axis from the plan, mm, in the middle of a long constant acceleration,
+    mm/s². The impulses are those of its shaper."""
     mean = sum(weight * at for weight, at in impulses)
     variance = box_s**2 / 12 + sum(weight * (at - mean) ** 2 for weight, at in impulses)
     return 0.5 * accel * variance
 
 
 def right_angle_mm(box_s: float, impulses: Sequence[Impulses], accel: float, speed: float) -> float:
-    """By how much a corner of 90° is cut at most, mm, if both axes brake to this speed (mm/s) with
-    this acceleration (mm/s²) and the next line begins in the same way. The impulses are those of
-    the shapers of the axes; the largest result counts."""
+    """The maximum distance by which a corner of 90° is cut, mm, if both axes brake to this speed
+    (mm/s) with this acceleration (mm/s²) and the next line begins in the same way. The impulses are
+    those of the shapers of the axes; the largest result counts."""
     one = (*impulses, [(1.0, 0.0)])
     ways = [_cut_mm(box_s, of, accel, speed, end) for of in one for end in (-1.0, 1.0)]
     return sqrt(2) * max(ways)

@@ -143,7 +143,7 @@ class MachineConfig(Model):
         return self.all_boards[board].pin(name)
 
     def socket(self, stepper: str) -> Socket | None:
-        """The socket of a motor's driver; None without one."""
+        """The socket of a motor's driver; None if the motor has no socket."""
         written = self.steppers[stepper].socket
         if written is None:
             return None

@@ -52,7 +52,8 @@ def notes(machine: MachineConfig) -> Iterator[str]:
 
 
 def _jerk_note(machine: MachineConfig, jerk_mm_s3: float) -> str:
-    """What the limit of jerk costs, with the shapers of the file."""
+    """A note on the distance by which the jerk limit, with the shapers of the file, cuts
+    corners."""
     accel = machine.largest_accel_mm_s2
     box = box_s(accel, jerk_mm_s3)
     shapers = [impulses(s.type, s.frequency_hz, s.damping) for s in machine.shaping.values()]

@@ -81,7 +81,7 @@ class GeometryModel(BaseModel):
         return self._found(point) is not None
 
     def why_not(self, point: Point) -> str:
-        """The reason why the core has refused a line over `point` (mm)."""
+        """The reason why the core has refused a straight move that passes `point` (mm)."""
         return self.reason(point) or self.edge(point)
 
     def reason(self, point: Point) -> str:

@@ -65,12 +65,8 @@ class Delta(GeometryModel):
         """The limit radius that the point exceeds, or the rod that is too short."""
         x, y, _ = point
         if x * x + y * y > self.limit_radius**2:
-            return (
-                f"it is {hypot(x, y):.3f} mm from the middle, of at most {self.limit_radius:.3f} mm"
-            )
+            return f"it is {hypot(x, y):.3f} mm from the middle (limit {self.limit_radius:.3f} mm)"
         for name, (tx, ty), rod in zip("ABC", self.towers, self.rods, strict=True):
             if (far := hypot(tx - x, ty - y)) > rod:
-                return (
-                    f"it is {far:.3f} mm from tower {name}, of at most the {rod:.3f} mm of its rod"
-                )
+                return f"it is {far:.3f} mm from tower {name}, whose rod is {rod:.3f} mm long"
         return ""

@@ -22,7 +22,8 @@ def round_step(span: float, most: int) -> float:
 
 
 def time_step(span_s: float, most: int) -> float:
-    """Like `round_step`, for times: steps of at least a second are those of a clock."""
+    """Like `round_step`, for times: a step of at least a second divides a minute, an hour or a
+    day."""
     if span_s <= _SECONDS[0] * most:
         return round_step(span_s, most)
     return next(

@@ -73,8 +73,8 @@ class Correction:
         return self.fade.target_mm + self.fade.factor(z) * (c - self.fade.target_mm)
 
     def table(self, area: Area) -> Mesh:
-        """The heights at the bed, without fade, as they are reported: at the points of the mesh,
-        or of a fit alone at 11 × 11 even points over `area`."""
+        """The heights at the bed, without fade, for reports: at the points of the mesh or, without
+        a mesh, at 11 × 11 even points over `area`."""
         if self.mesh is not None and self.fit is None:
             return self.mesh
         if self.mesh is not None:

@@ -154,7 +154,8 @@ def calibrate(
 ) -> Calibration:
     """The parameters with the least squares of residuals. `heights`: the drops of the carriages
     where the nozzle touches the bed, and the height of the bed there, mm. Raises CommandError if
-    the points do not determine the parameters, or rods are sought without distances."""
+    the points do not determine the parameters, or if the lengths of rods are to be found without
+    distances."""
     if factors == 9 and not distances:
         raise CommandError.of("levelling.delta-rods")
     start = [0.0] * factors

@@ -177,7 +177,7 @@ class MotionQueue:
         return reached
 
     def flush(self) -> None:
-        """Settles the plan for a stop at its end."""
+        """Settles the whole plan: the machine stops at its end."""
         if self._job.queued > 0:
             self.on_motion()
         self._begin_in_time()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def target_of(
     move: PredefinedMove, machine: MachineConfig, position: Sequence[float]
 ) -> dict[int, float]:
-    """Where a move leads from a machine position: mm by slot."""
+    """The target of a move that begins at a machine position, mm by axis index."""
     order = axis_order(machine.axes)
     slots = {slot_of_axis(order.index(name)): mm for name, mm in move.position_mm.items()}
     if move.relative:
@@ -67,7 +67,8 @@ class PredefinedMoves:
             await self._make(name, move)
 
     async def around_homing(self, letters: str, home: Callable[[], Awaitable[None]]) -> None:
-        """Homes by `home`, with the moves before it, and after it if all axes were to home."""
+        """Makes the moves before homing, homes by `home`, and makes the moves after homing if the
+        command was to home all axes."""
         await self.run_hook("before_homing")
         locked = bool(self._rig.job.locked_axes)
         await home()

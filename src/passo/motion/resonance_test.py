@@ -108,8 +108,8 @@ class ResonanceTest:
     async def vibrate(
         self, along: Direction, excitation: Excitation, shapers: Mapping[str, Impulses]
     ) -> Measurement:
-        """Vibrates the head around its present position, and returns what was measured meanwhile.
-        `shapers` are those of axes that shape the motion."""
+        """Vibrates the head around its present position, and returns the measurement. `shapers` are
+        those of axes that shape the motion."""
         rig, queue = self._rig, self._rig.queue
         self._check_reach(along, excitation)
         reader = self._reader()

@@ -30,8 +30,8 @@ class TriggerOvershoot:
         self._hit_at: dict[str, Sequence[float]] = {}
 
     def look(self) -> None:
-        """Call within a second after a trigger, while the plan still has its position at that
-        time."""
+        """Call within a second after a trigger, because the plan keeps its past positions for about
+        that long."""
         for name, clock in self._endstops.hit.items():
             if name not in self._hit_at:
                 found = self._rig.job.position_at(clock - self._rig.queue.base)

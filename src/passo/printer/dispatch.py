@@ -209,7 +209,8 @@ class Dispatch:
         return True
 
     def expand(self, command: Command, reply: Reply) -> None:
-        """Calls a macro: the job reads its lines next. Raises CommandError."""
+        """Calls a macro: its lines are the next that the job reads. Raises CommandError if the
+        template fails."""
         try:
             self._rig.commands.expand(
                 command, lambda text: _respond(reply, text), console=self._from_console

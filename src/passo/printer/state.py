@@ -91,7 +91,7 @@ class State:
 
     @property
     def why_halted(self) -> str:
-        """`halted`, and the next action."""
+        """The reason why the printer is halted, and the next action."""
         said = self.halted.endswith("M999")
         return self.halted if said else f"{self.halted}. Make the printer safe, then send M999"
 

@@ -70,8 +70,8 @@ class WaitForHoming:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """Never continues: M112 or M410 (`code`) in a line of the program ends a print without
-    consoles. A program that is only planned continues."""
+    """M112 or M410 (`code`) in a line of the program: a print without consoles ends there. A
+    program that is only planned continues."""
 
     code: str
     line: int

@@ -13,7 +13,7 @@ _Degrees = Annotated[float, Field(ge=0, le=180)]
 
 
 class ServoProbe(SensingProbe):
-    """A switch on the arm of a servo, which is turned down for a run and up after it."""
+    """A switch on the arm of a servo. The arm turns down before a measurement and up after it."""
 
     kind: Literal["servo"]
     """On the arm of a servo."""

@@ -16,8 +16,8 @@ from passo.resonance.measurement import Measurement
 
 @dataclass(frozen=True, slots=True)
 class Analysis:
-    """The highest peak in Hz, the mean density of X, Y and Z, and the written files; if shapers
-    were fitted, all of them, the best one and the reason."""
+    """The highest peak in Hz, the mean density of X, Y and Z, and the written files. If shapers
+    were fitted, also the fits, the best one and the reason."""
 
     peak_hz: float
     noise: tuple[float, float, float]
@@ -37,10 +37,10 @@ async def analyse(
     shapers: str = "",
     max_smoothing_mm: float | None = None,
 ) -> Analysis:
-    """The spectrum of a measurement. `raw`, `spectrum` and `shapers` are paths of files without
-    their ending, empty for no file: of the samples, of the spectrum, and of the shapers that fit
-    it, which are fitted only then. Raises CommandError, also if the root mean square of the
-    accelerations is below `least_mm_s2`."""
+    """The spectrum of a measurement. `raw`, `spectrum` and `shapers` are paths, without the ending,
+    of the files to write: the samples, the spectrum and the fitted shapers. An empty path writes no
+    file; without a path for `shapers`, no shaper is fitted. Raises CommandError, also if the root
+    mean square of the accelerations is below `least_mm_s2`."""
     order = {
         "chip": found.chip,
         "axes": list(found.axes),

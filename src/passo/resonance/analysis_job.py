@@ -2,12 +2,11 @@
 
 It reads a line with an order in JSON from standard input, then the bytes of the measurement. It
 prints the answer in JSON. The order has the measurement (`chip`, `axes`, `rate_hz`, `start_s`), the
-acceleration that the chip must have felt (`least_mm_s2`, root mean square), `max_smoothing_mm` (or
-null), `title`, and the paths of files without their ending, empty for no file: `raw`, `spectrum`
-and `shapers`. The answer has `peak_hz`, `noise`, `files`, and, if the order has `shapers`, the
-`fits`, the kind of the `best` and the `reason`; or `error` with the code of an error and its
-`values`.
-"""
+acceleration that the chip must have measured (`least_mm_s2`, root mean square), `max_smoothing_mm`
+(or null), `title`, and the paths of files without their ending, empty for no file: `raw`,
+`spectrum` and `shapers`. The answer has `peak_hz`, `noise`, `files`, and, if the order has
+`shapers`, the `fits`, the kind of the `best` and the `reason`; or `error` with the code of an error
+and its `values`."""
 
 from __future__ import annotations
 

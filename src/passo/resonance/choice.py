@@ -33,8 +33,8 @@ _TARGET_MM = 0.12  # smoothing at the suggested acceleration
 
 
 def smoothing_mm(found: Impulses, accel_mm_s2: float, corner_mm_s: float) -> float:
-    """How far a shaper leaves the path, mm, at a turn back with this acceleration or in a corner of
-    90° with this speed."""
+    """How far a shaper moves the path, mm: the larger distance of a reversal with this acceleration
+    and a corner of 90° at this speed."""
     mean = sum(a * t for a, t in found)
     back = sum(a * 0.5 * accel_mm_s2 * (t - mean) ** 2 for a, t in found)
     corner = sqrt(2) * sum(
@@ -46,9 +46,9 @@ def smoothing_mm(found: Impulses, accel_mm_s2: float, corner_mm_s: float) -> flo
 
 
 def max_accel(found: Impulses, corner_mm_s: float = _CORNER_MM_S) -> float:
-    """The greatest acceleration, mm/s², with a smoothing of at most 0.12 mm; 0 if the corner alone
-    exceeds it. Smoothing is linear in the acceleration on both branches, so it is found in closed
-    form."""
+    """The greatest acceleration, mm/s², with a smoothing of at most 0.12 mm; 0 if the corner
+    exceeds this without acceleration. Reversal and corner are linear in the acceleration, so a
+    closed form gives it."""
     mean = sum(a * t for a, t in found)
     back = sum(0.5 * a * (t - mean) ** 2 for a, t in found)
     later = [(a, t - mean) for a, t in found if t >= mean]

@@ -1,7 +1,6 @@
 """The motion that excites an axis for a measurement: a vibration whose frequency rises, on top of a
-slow sweep. Its constants and its form are those of Klipper's resonance tester, so that results of
-both compare.
-"""
+slow sweep. Its constants and its form are those of Klipper's resonance tester, so that the results
+of both can be compared."""
 
 from __future__ import annotations
 
@@ -78,7 +77,8 @@ class Excitation:
 
     @property
     def reach_mm(self) -> float:
-        """The greatest distance from the start, either way, the stop at the end included."""
+        """The greatest distance from the start in either direction, including the stop at the
+        end."""
         far = position = speed = 0.0
         for part in self.segments():
             position, speed, turn = _moved(position, speed, part)
@@ -87,8 +87,8 @@ class Excitation:
 
     @property
     def stop_accel_mm_s2(self) -> float:
-        """The acceleration with which the head stops at the end: half of that of the vibration
-        there."""
+        """The acceleration with which the head stops at the end: half of the acceleration of the
+        vibration at its end."""
         return 0.5 * self.accel_per_hz * self.end_hz
 
 
@@ -121,7 +121,7 @@ Law = tuple[float, float, float]
 def shaped(
     motion: Sequence[Swing], shapers: Sequence[Impulses]
 ) -> Iterator[tuple[float, tuple[Law, ...]]]:
-    """The motion as it is after each of the shapers: (seconds, one law for each shaper). A shaper
+    """The motion after each of the shapers: pairs of seconds and one law for each shaper. A shaper
     of one impulse at time 0 leaves it as it is. The sum of delayed copies of quadratics is a
     quadratic, between the times at which any copy changes."""
     copies = [

@@ -10,8 +10,8 @@ from passo.config.shapers import ShaperType
 @dataclass(frozen=True, slots=True)
 class Fit:
     """A shaper for a spectrum. `vibrations` is the part of the vibration that remains, 0 to 1;
-    `smoothing_mm` is what it cuts off a corner at 5000 mm/s²; the smoothing stays below 0.12 mm
-    up to `max_accel_mm_s2`."""
+    `smoothing_mm` is the distance by which it cuts a corner at 5000 mm/s²; the smoothing stays
+    below 0.12 mm up to `max_accel_mm_s2`."""
 
     kind: ShaperType
     frequency_hz: float

@@ -21,8 +21,8 @@ Curve = tuple[str, Sequence[float], bool]
 
 
 def picture(title: str, hz: Sequence[float], curves: Sequence[Curve], notes: Iterable[str]) -> str:
-    """The picture. Curves have a value for each frequency of `hz`, which rises. `notes` are lines
-    below it."""
+    """The picture. The frequencies `hz` ascend; a curve has a value for each of them. `notes` are
+    lines below it."""
     high_hz = _round_up(max(hz))
     largest = max((max(values) for _, values, share in curves if not share), default=1.0) or 1.0
     shares = any(share for _, _, share in curves)

@@ -40,8 +40,8 @@ class Spectrum:
         return Spectrum(self.hz[kept], self.x[kept], self.y[kept], self.z[kept])
 
     def normalized(self) -> Spectrum:
-        """The spectrum divided by the frequency, as the excitation's acceleration grows with it,
-        and reduced below 10 Hz."""
+        """The spectrum divided by the frequency, because the acceleration of the excitation grows
+        with the frequency; below 10 Hz it is reduced further."""
         shifted = self.hz + 0.1
         factor = 1 / shifted
         low = self.hz < _DRIFT_HZ
@@ -55,17 +55,17 @@ class Spectrum:
 
 
 def window_samples(rate_hz: float) -> int:
-    """The number of samples in a window: the next power of two from half a second on."""
+    """The number of samples in a window: the smallest power of two that covers half a second."""
     return 1 << ceil(log2(max(_WINDOW_S * rate_hz, 2)))
 
 
 def spectrum(samples: Array, rate_hz: float) -> Spectrum:
-    """The spectrum of accelerations, mm/s², with a row (x, y, z) for each sample: the mean over
-    windows that overlap by half (Welch, 1967), each with a Kaiser window and without its mean.
-    Raises TooShortError."""
+    """The spectrum of accelerations, mm/s², with a row (x, y, z) for each sample. It is the mean
+    over windows that overlap by half (Welch, 1967). The mean of each window is subtracted, and a
+    Kaiser window applied. Raises TooShortError."""
     size = window_samples(rate_hz)
     if len(samples) < size:
-        raise TooShortError(f"{len(samples)} samples, of at least {size}")
+        raise TooShortError(f"{len(samples)} samples (minimum {size})")
     window = np.kaiser(size, _KAISER_BETA)
     found = [_density(samples[:, axis], window) / rate_hz for axis in range(3)]
     hz = np.arange(size // 2 + 1, dtype=np.float64) * (rate_hz / size)

@@ -27,7 +27,7 @@ with other parameters (`query_analog_in` without `bytes_per_report`, one value i
 other messages are the same.
 
 A frame is its length (5 to 64, all of it), 0x10 and a number that counts to 15, commands or one
-report, a CRC of 16 bits, and 0x7E. The board tells the numbers of its messages in its dictionary;
+report, a CRC of 16 bits, and 0x7E. The dictionary of a board has the numbers of its messages;
 only those of `identify` (1) and its answer (0) are known beforehand. Types: `%c` a byte, `%hu` and
 `%hi` 16 bits, `%u` and `%i` 32 bits, `%s` bytes. Times are ticks of the board's clock
 (`CLOCK_FREQ`), 32 bits of it; `oid` is the number that the host has given an object.
@@ -73,7 +73,7 @@ def _reports(found: Declarations) -> Iterator[str]:
         (f"`{name}`", _parameters(by_name[name]), _meaning(name, text))
         for name, text in REPORTS.items()
     ]
-    yield from _table(("report", "parameters", "what it tells"), rows)
+    yield from _table(("report", "parameters", "content"), rows)
 
 
 def _rest(found: Declarations) -> Iterator[str]:

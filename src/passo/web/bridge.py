@@ -172,8 +172,8 @@ class Bridge(Protocol):
 
     async def restart_program(self) -> None:
         """Ends the printer, and restarts it with the current machine file. Consoles are closed and
-        opened again. If it raises, the printer continues: `job.printing`, `machine.no-restart`, and
-        ConfigError for a file with errors."""
+        opened again. Raises `job.printing`, `machine.no-restart`, and ConfigError for a file with
+        errors; after an error the printer continues."""
         ...
 
     async def endstops(self) -> dict[str, bool]:

@@ -164,9 +164,9 @@ class Firmware:
         image: str,
         port: str | None = ...,
     ) -> passo.web.firmware.flashes.Flash:
-        """Starts to flash an image of the last build onto its board, in a process of its
-        own, one board at a time. `firmware.flashing` has the log, and the steps by hand. If
-        there are accounts, the password must have been entered within the last minutes."""
+        """Starts to flash an image of the last build onto its board, in a separate process,
+        one board at a time. `firmware.flashing` has the log, and the manual steps. If there
+        are accounts, the password must have been entered within the last minutes."""
         ...
     def flashing(
         self,
@@ -181,7 +181,8 @@ class Firmware:
     def cancel_flash(
         self,
     ) -> None:
-        """Ends flashing at a step by hand. While the image is written, nothing happens."""
+        """Cancels flashing while it waits for a manual step. Has no effect while the image
+        is being written."""
         ...
 
 class Emergency:
@@ -466,7 +467,7 @@ class Calibration:
     ) -> passo.web.endpoints.console.Answer:
         """Homes all axes, vibrates an axis for about two minutes, chooses its input shaper,
         and uses it until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get`
-        tells whether the machine has an accelerometer."""
+        reports whether the machine has an accelerometer."""
         ...
     def bed(
         self,
@@ -858,9 +859,9 @@ class AsyncFirmware:
         image: str,
         port: str | None = ...,
     ) -> passo.web.firmware.flashes.Flash:
-        """Starts to flash an image of the last build onto its board, in a process of its
-        own, one board at a time. `firmware.flashing` has the log, and the steps by hand. If
-        there are accounts, the password must have been entered within the last minutes."""
+        """Starts to flash an image of the last build onto its board, in a separate process,
+        one board at a time. `firmware.flashing` has the log, and the manual steps. If there
+        are accounts, the password must have been entered within the last minutes."""
         ...
     async def flashing(
         self,
@@ -875,7 +876,8 @@ class AsyncFirmware:
     async def cancel_flash(
         self,
     ) -> None:
-        """Ends flashing at a step by hand. While the image is written, nothing happens."""
+        """Cancels flashing while it waits for a manual step. Has no effect while the image
+        is being written."""
         ...
 
 class AsyncEmergency:
@@ -1160,7 +1162,7 @@ class AsyncCalibration:
     ) -> passo.web.endpoints.console.Answer:
         """Homes all axes, vibrates an axis for about two minutes, chooses its input shaper,
         and uses it until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get`
-        tells whether the machine has an accelerometer."""
+        reports whether the machine has an accelerometer."""
         ...
     async def bed(
         self,

@@ -1,4 +1,4 @@
-"""The first checks of each request: its host; and security headers for browsers in each answer."""
+"""Checks the host of each request, and adds security headers for browsers to each answer."""
 
 from __future__ import annotations
 

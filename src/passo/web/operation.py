@@ -21,8 +21,9 @@ Method: TypeAlias = Literal["GET", "POST", "PUT", "PATCH", "DELETE"]
 
 @dataclass(frozen=True, slots=True)
 class Caller:
-    """The caller of a request. `session` is the hash of the log-in, and empty without one; `key`
-    the hash of an API key, or empty. `address` is the key of the limiter."""
+    """The caller of a request. `session` is the hash of the log-in, or empty. `key` is the hash of
+    the API key, or empty. `address` is the caller's address in the form in which failed log-ins are
+    counted (see `address_key`)."""
 
     name: str
     role: Role

@@ -63,7 +63,7 @@ class TemperatureHistory:
         ]
 
     async def record(self, bridge: Bridge) -> None:
-        """Takes a sample every second, without end, in the time of the running loop."""
+        """Takes a sample every second until cancelled, by the time of the running event loop."""
         loop = asyncio.get_running_loop()
         while True:
             self.add(bridge.latest(), loop.time())

@@ -75,7 +75,7 @@ def test_names_in_utf_8_are_selected(named):
     assert ok(f"M32 {name}")[0] == f"File opened: {name} Size: 6"
     printed(named)
     assert ok(f"M30 {name}") == [f"File deleted:{name}", "ok"]
-    missing = f"/{name}: is not on the card. List the card and name what is there."
+    missing = f"/{name}: is not on the card. List the files (M20), and give one of these names."
     assert ok(f"M23 {name}")[0] == f"echo:file.open failed, File: {name}. {missing}"
 
 

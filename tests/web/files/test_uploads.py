@@ -175,7 +175,7 @@ def test_one_byte_a_second_is_too_slow():
     pace = Pace(100.0)
     for second in range(1, int(SPAN_S)):
         pace.received(100.0 + second, 1)
-    with pytest.raises(InputError, match="only 30 bytes have come within 30 s"):
+    with pytest.raises(InputError, match="only 30 bytes arrived within 30 s"):
         pace.received(100.0 + SPAN_S, 1)
 
 

@@ -104,7 +104,7 @@ def test_each_listed_object_answers_a_complete_dict():
     run(test)
 
 
-def test_clients_hear_changes_by_their_own_templates():
+def test_clients_receive_changes_by_their_own_templates():
     async def test(served):
         one, other = served.client(), served.client()
         await one.ask("objects/subscribe", objects={"fan": None}, response_template={"method": "a"})

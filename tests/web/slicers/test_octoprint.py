@@ -43,7 +43,7 @@ def test_prusaslicer_uploads_into_a_folder(bridge, client, tmp_path):
     assert bridge.asked == ["create /toys/part.gcode"]
 
 
-def test_cura_says_after_the_file_that_it_prints(bridge, client, tmp_path):
+def test_cura_asks_to_print_after_the_file(bridge, client, tmp_path):
     assert client.post("/api/files/local", **recorded.cura()).status_code == 201
     assert bridge.asked == ["create /CE3_part.gcode", "print /CE3_part.gcode"]
 

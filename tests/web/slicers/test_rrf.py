@@ -45,7 +45,7 @@ def test_a_slicer_uploads_and_prints(bridge, web, tmp_path):
     ("name", "status"),
     [("part.bgcode", 415), ("..%2Fpart.gcode", 400), ("", 400), ("none/part.gcode", 404)],
 )
-def test_a_failed_upload_says_so_in_both_ways(web, tmp_path, name, status):
+def test_failed_upload_is_reported_in_both_formats(web, tmp_path, name, status):
     """APrinter's page looks at the status, slicers at `err`."""
     answer = web.post(f"/rr_upload?name=0:/gcodes/{name}", content=GCODE)
     assert (answer.status_code, answer.json()["err"]) == (status, 1)

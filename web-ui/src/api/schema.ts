@@ -340,9 +340,9 @@ export interface FilesStatus {
   folder: string;
 }
 
-/** An image on its way onto a board, or the last one; `idle` before the first. It is `waiting`
- * while a step by hand is to do, which `asks` describes; `log` has the lines so far, those of the
- * program that writes included. */
+/** The current or the last flashing of a board; its state is `idle` before the first one. The
+ * state is `waiting` while the user has to do the manual step in `asks`. `log` has the lines so
+ * far, including those of the flash program. */
 export interface Flash {
   image: string;
   port: string;

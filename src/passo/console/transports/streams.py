@@ -49,8 +49,8 @@ def cannot_open(what: str, error: Exception) -> ConsoleError:
 
 
 class StreamWire(asyncio.Protocol):
-    """Connects a session to one transport for both directions, or to a reading one and a writing
-    one, which must be set first."""
+    """Connects a session to its transport: one for both directions, or one for reading and one for
+    writing. The one for writing must be set first."""
 
     def __init__(
         self,

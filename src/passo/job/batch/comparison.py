@@ -27,9 +27,9 @@ _MOST_LOST = 0.005  # a trial that is lost for a larger fraction of the time is 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What came out of one setting. The time is that without heating. `off_tune_rms_um` is the
-    ringing if everything vibrates 10 % slower than the shapers expect, as a heavier print does.
-    `lost` is the larger one of both prints. `corner` is the same corner in all trials."""
+    """The result of one setting. The print time excludes heating. `off_tune_rms_um` is the ringing
+    if everything vibrates 10 % slower than the shapers expect, as a heavier print does. `lost` is
+    the larger one of both prints. `corner` is the same corner in all trials."""
 
     name: str
     print_time_s: float
@@ -73,8 +73,8 @@ class Comparison:
     def scores(self) -> list[float]:
         """The cost of each trial; the least is best. Ringing (the mean of that on tune and off
         tune), rounding of corners and width error count as fractions of the largest one of all
-        trials, and time by how much longer a print is than the shortest one: half as long again
-        counts 1, as does more. The wanted criterion counts four times. Infinite for a trial that
+        trials, and time by how much longer a print is than the shortest one: a print that is 50 %
+        longer, or more, counts 1. The wanted criterion counts four times. Infinite for a trial that
         did not follow the file, with which no other is compared either."""
         judged = [trial for trial in self.trials if trial.followed]
         shortest = min((trial.print_time_s for trial in judged), default=1.0) or 1.0

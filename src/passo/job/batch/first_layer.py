@@ -67,7 +67,7 @@ class FirstLayerWatch:
     def placed(self, errors_mm: Mapping[str, float] | None = None) -> None:
         """Call this after homing, which changes the position at the end of the plan without a move.
         `errors_mm` is the real position of each motor minus its position in the plan, mm or
-        degrees; None: as before."""
+        degrees; with None, the last difference stays."""
         self._errors_mm = self._errors_mm if errors_mm is None else errors_mm
         rows = {row["name"]: row["count"] / row["steps_per_unit"] for row in self._job.steppers()}
         at = [rows[name] + self._errors_mm[name] for name in self._motors]

@@ -47,11 +47,12 @@ def run_laboratory(
     compared: RecordedStream | None = None,
     workers: int = 1,
 ) -> Comparison:
-    """Prints the file under each setting, and, if the best shaper is another than that, once more
-    with the best shaper and advance; then plays the stream that is compared. Each setting takes two
-    prints. Up to `workers` of them run side by side, in processes of their own, unless they are
-    short; the result does not depend on it. `progress` is called with the number of prints that are
-    done, and of all that may be needed. Raises InputError and MachineError."""
+    """Prints the file under each setting. If the best shaper is not the one that was printed with
+    advance, prints the file once more with the best shaper and advance. Then plays the stream that
+    is compared. Each setting takes two prints. Up to `workers` of them run side by side, in
+    processes of their own, unless they are short; the result does not depend on it. `progress` is
+    called with the number of prints that are done, and of all that may be needed. Raises InputError
+    and MachineError."""
     with open_source(path) as source:
         if not source.seekable():
             raise InputError.of("input.pipe", str(path))

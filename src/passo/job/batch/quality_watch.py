@@ -50,11 +50,10 @@ class Quality:
     """The measured quality of a print, all lengths of deviations in µm.
 
     Ringing is the deviation of the head across its line for 0.1 s after each sharp corner, once the
-    motors are on the line; rounding is the distance of the head's way from a corner; `off_path_um`
+    motors are on the line; rounding is the distance of the head's path from a corner; `off_path_um`
     is its distance from all printed lines. The width error is the mean of the lines over their
     length, as a fraction of the width. `lost` is the fraction of the time in which the motors were
-    more than 2 mm from the path; nothing is measured then.
-    """
+    more than 2 mm from the path; nothing is measured then."""
 
     corners: int
     printed_mm: float

@@ -24,8 +24,8 @@ _FITS_UNITS = 1.0  # or by this, mm or degrees
 
 
 class RecordedStream:
-    """The output of Klipper's batch mode: the file of `klippy.py -o`, and the data dictionary that
-    was its `-d`."""
+    """The output of Klipper's batch mode: the file that `klippy.py` wrote with `-o`, and the data
+    dictionary that it read with `-d`."""
 
     def __init__(
         self, path: str | os.PathLike[str], dictionary: str | os.PathLike[str] | None = None
@@ -57,12 +57,12 @@ class RecordedStream:
         steps: dict[str, int],
         corner: int | None,
     ) -> Measurement:
-        """Measures the stream on this machine by the path of a print without filters, which
-        `measured` has kept; `steps` are the steps of each motor in it. The stream begins with as
-        many steps before its end, so that what Klipper does to home is left out. Motors are matched
-        by their order: those of the geometry, then the extruders; or, if the stream has as many as
-        the machine file, in the order of that file. Raises InputError if the stream is not one of
-        this file on this machine."""
+        """Measures the stream on this machine against the path of a print without filters, which
+        `measured` has kept; `steps` are the steps of each motor in that print. Only the last part
+        of the stream, with the same number of steps, is measured, so that Klipper's homing is left
+        out. Motors are matched by their order: those of the geometry, then the extruders; or, if
+        the stream has as many as the machine file, in the order of that file. Raises InputError if
+        the stream is not one of this file on this machine."""
         motors = self._motors(machine, measured, steps)
         masses = simulated_masses(machine.geometry.kind, machine.simulated.masses)
         x, y, z = ((mass.frequency_hz, mass.damping) for mass in masses)

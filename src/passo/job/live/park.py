@@ -23,8 +23,8 @@ _log = logging.getLogger(__name__)
 
 
 def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
-    """Raises CommandError for a word of M600, see `Park.leave`, that exceeds the limits of this
-    machine, or the maximum amount that M701 extrudes at once."""
+    """Raises CommandError if a parameter of M600 (see `Park.leave`) exceeds the limits of this
+    machine, or the maximum length that M701 extrudes at once."""
     z = machine.axes["z"]
     longest = {"Z": z.max_mm - z.min_mm} | dict.fromkeys("ELU", _core.LONGEST_CHANGE_MM)
     ranges = {letter: (-mm, mm) for letter, mm in longest.items()}

@@ -137,7 +137,7 @@ class Runner:
 
     @property
     def stands(self) -> bool:
-        """Whether a line or the card has failed during the print, which can continue after it."""
+        """Whether the print has stopped because a line or the card failed, and can be continued."""
         return self.state is JobState.FAILED and self.offset > 0
 
     # -- actions -------------------------------------------------------------------------

@@ -276,7 +276,8 @@ class DeltaCommands:
         self._use(_with_heights(geometry.model_copy(update=update), heights))
 
     def endstop_line(self) -> str:
-        """M666 with the current values, and a note on the firmware whose signs they have."""
+        """M666 with the current values, and a comment that names the firmware whose signs they
+        use."""
         shown = zip("XYZ", self._offsets(), strict=True)
         words = " ".join(f"{k}{round(mm, 4) + 0.0:.4f}" for k, mm in shown)
         return f"M666 {words} ; {'Marlin' if self._marlin else 'RepRapFirmware'}'s signs"

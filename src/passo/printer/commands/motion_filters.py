@@ -260,7 +260,7 @@ class MotionFilters:
 
     def knees(self, extruder: int, advance_s: float) -> list[tuple[float, float]]:
         """The knees of an extruder whose advance is `advance_s`: the speed of the filament in mm/s,
-        and the s by which each further mm/s leads."""
+        and the advance in s above this speed."""
         made = self._made[extruder]
         scale = advance_s / (made.advance_s or 1.0)
         return [(speed, value * scale) for speed, value in made.advance_knees]

@@ -56,7 +56,8 @@ class Motors:
             self._rig.lock(self.axes_lost(steppers))
 
     def live(self, name: str) -> bool:
-        """Whether the output of a motor is on: while any of the motors that share it is."""
+        """Whether the enable output of a motor is on. A shared output is on while any of its motors
+        is."""
         return any(self._outputs.get(other) == self._outputs.get(name) for other in self.on)
 
     def axes_lost(self, steppers: Sequence[str]) -> set[str]:

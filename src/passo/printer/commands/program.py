@@ -164,7 +164,7 @@ class Commands:
             self.flow.homed()
 
     def expand(self, command: Command, respond: Respond, *, console: bool = False) -> None:
-        """Calls a macro: the job reads its lines next. See Macros.expand."""
+        """Calls a macro: its lines are the next that the job reads. See Macros.expand."""
         self.macros.expand(self._job, command, self.status(), respond, console=console)
 
     def status(self) -> Status:

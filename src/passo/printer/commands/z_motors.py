@@ -92,7 +92,7 @@ class ZMotorCommands:
         When.EXCLUSIVE,
         "I(1-30) T(0.01-1 mm)",
         "Measures the tilt of the gantry, and levels it by the motors of Z, at most I times, until"
-        " the tilt is at most T. Where each motor has an endstop, G28 keeps it level from then on.",
+        " the tilt is at most T. If each motor has an endstop, G28 keeps it level from then on.",
         kind=Kind.PROBED,
         lacks=NO_MOTORS,
     )

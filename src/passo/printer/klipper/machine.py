@@ -25,7 +25,7 @@ def webhooks(status: Status) -> Object:
 
 
 def mcu(status: Status, name: str) -> Object:
-    """A board. Its load is 0 until it has reported one, and always on a simulated chip."""
+    """A board. Its load is 0 until the board reports one, and stays 0 on a simulated chip."""
     board = status.boards[name]
     return {
         "mcu_version": board.firmware,

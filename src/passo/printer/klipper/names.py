@@ -11,18 +11,20 @@ if TYPE_CHECKING:
 
 
 def extruder_object(number: int) -> str:
-    """The extruder of a tool."""
+    """Klipper's name for the extruder of a tool."""
     return f"extruder{number or ''}"
 
 
 def number_of(extruder: str) -> int | None:
-    """The tool of the name of an extruder; None for another name."""
+    """The number of the tool whose extruder has this name; None if it is not the name of an
+    extruder."""
     number = extruder.removeprefix("extruder")
     return int(number or 0) if number.isdigit() or not number else None
 
 
 def heater_object(machine: MachineConfig, name: str) -> str:
-    """A heater: hotends by their tools, the first bed, others by name."""
+    """Klipper's name for a heater: hotends are named by their tools; the first bed is
+    heater_bed."""
     if machine.heaters[name].kind == "hotend":
         for number in range(max(len(machine.tools), len(machine.heaters))):
             if heater_of(machine, "hotend", number) == name:
@@ -33,7 +35,8 @@ def heater_object(machine: MachineConfig, name: str) -> str:
 
 
 def fan_object(machine: MachineConfig, name: str) -> str:
-    """A fan: P0 of M106, those that follow a heater or motors, others by name."""
+    """Klipper's name for a fan. The kind is that of a fan for P0 of M106, of one that follows a
+    heater, of one that follows motors, or of any other."""
     part = machine.fans[name]
     if part.follows is not None:
         return f"heater_fan {name}"
@@ -44,12 +47,13 @@ def fan_object(machine: MachineConfig, name: str) -> str:
 
 
 def board_object(name: str) -> str:
-    """A board; `main` is the main one."""
+    """Klipper's name for a board; `main` is the main one."""
     return "mcu" if name == "main" else f"mcu {name}"
 
 
 def stepper_object(name: str) -> str:
-    """A motor: those of X, Y and Z by their axis, others by name."""
+    """Klipper's name for a motor: extruders by their tools, others by the name in the machine
+    file."""
     if name[:1] == "e" and (number := name[1:] or "0").isdigit():
         return extruder_object(int(number))
     return f"stepper_{name}"

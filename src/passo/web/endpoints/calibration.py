@@ -212,7 +212,7 @@ async def level(call: Call, body: Levelling) -> Answer:
 )
 async def measure_shaper(call: Call, body: Resonance) -> Answer:
     """Homes all axes, vibrates an axis for about two minutes, chooses its input shaper, and uses it
-    until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get` tells whether the
+    until `settings.store` stores it (G28, SHAPER_CALIBRATE). `machine.get` reports whether the
     machine has an accelerometer."""
     if call.bridge.machine.accelerometer is None:
         raise WebError.of("web.not-found", value="accelerometer of this machine")

@@ -154,8 +154,8 @@ async def list_ports(call: Call) -> list[Port]:
     status=202,
 )
 async def flash(call: Call, body: FlashOrder) -> Flash:
-    """Starts to flash an image of the last build onto its board, in a process of its own, one board
-    at a time. `firmware.flashing` has the log, and the steps by hand. If there are accounts, the
+    """Starts to flash an image of the last build onto its board, in a separate process, one board
+    at a time. `firmware.flashing` has the log, and the manual steps. If there are accounts, the
     password must have been entered within the last minutes."""
     call.site.access.require_password(call.caller)
     found = call.site.builds.image(body.image)
@@ -187,7 +187,8 @@ async def confirm(call: Call) -> None:
 
 @operation("firmware.cancel_flash", "DELETE", "/firmware/flash", Role.ADMIN)
 async def cancel_flash(call: Call) -> None:
-    """Ends flashing at a step by hand. While the image is written, nothing happens."""
+    """Cancels flashing while it waits for a manual step. Has no effect while the image is being
+    written."""
     await call.site.flashes.cancel()
 
 

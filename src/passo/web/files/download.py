@@ -1,4 +1,4 @@
-"""A file of the card as an answer, complete or in part (RFC 9110, section 14)."""
+"""Sends a file of the card to a client, whole or in part (RFC 9110, section 14)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Flashing of boards, one at a time, each in a process of its own."""
+"""Flashing of boards, one at a time, each in a separate process."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _MAX_LINE = 1 << 20  # bytes of a line: progress of a program that never ends it
 
 
 class Flash(Struct):
-    """An image on its way onto a board, or the last one; `idle` before the first. It is `waiting`
-    while a step by hand is to do, which `asks` describes; `log` has the lines so far, those of the
-    program that writes included."""
+    """The current or the last flashing of a board; its state is `idle` before the first one. The
+    state is `waiting` while the user has to do the manual step in `asks`. `log` has the lines so
+    far, including those of the flash program."""
 
     image: str
     port: str
@@ -32,7 +32,7 @@ class Flash(Struct):
 
 
 class Flashes:
-    """The boards that one printer's computer flashes; used in the web's event loop alone."""
+    """The boards that one printer's computer flashes; use it only in the web's event loop."""
 
     def __init__(self) -> None:
         self.last = Flash("", "", "idle", "", [])
@@ -61,8 +61,8 @@ class Flashes:
             self._write(b"\n")
 
     async def cancel(self) -> None:
-        """Ends it at a step by hand. While a program writes, nothing happens: a board whose image
-        is half written does not start."""
+        """Cancels flashing while it waits for a manual step. Has no effect while a program writes,
+        because a board with half an image does not start."""
         if self.last.state == "waiting" and self._task is not None:
             self.last.state = "cancelled"
             self._write(None)

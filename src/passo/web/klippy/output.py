@@ -16,8 +16,8 @@ def shown(text: str) -> str:
 
 
 def failed(text: str) -> str:
-    """An error: its first line after `!! `. If it has more lines, all of them come before that as
-    information."""
+    """An error: its first line after `!! `. If it has more lines, all lines are sent as information
+    before it."""
     lines = text.strip().splitlines() or [""]
     before = [f"// {line}" for line in lines] if len(lines) > 1 else []
     return "\n".join([*before, f"!! {lines[0]}"])

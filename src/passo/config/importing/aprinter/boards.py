@@ -42,7 +42,7 @@ class Pins:
         self.base, self.board, self._node = base, load_board(base), boards[0]
 
     def motor(self, port: Node) -> dict[str, str]:
-        """The socket of a stepper port, or its pins if no socket of the board is wired so."""
+        """The socket of a stepper port, or its pins if no socket of the board has this wiring."""
         found = self._found("stepper_ports", port)
         keys = {"step": "StepPin", "direction": "DirPin", "enable": "EnablePin"}
         pins = {key: self._pin(found, name) for key, name in keys.items()}

@@ -99,7 +99,7 @@ class Stored:
         return Read(float(found.scalar), key, found.place)
 
     def needed(self, node: Node, key: str, option: str = "") -> Read:
-        """Like `number`. Raises ConfigError if neither is there, too."""
+        """Like `number`, but raises ConfigError also if neither is there."""
         found = self.number(node, key, option)
         if found is None:
             raise missing(node.place, key)

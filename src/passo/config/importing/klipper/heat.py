@@ -61,9 +61,7 @@ def _put_heater(job: Import, section: Section, name: str) -> None:
     kind = "chamber" if chamber else "bed" if name == "bed" else "hotend"
     put((*path, "kind"), kind, section.place)
     if chamber:
-        job.draft.changed(
-            section.place, f"[{section.name}]", "it obeys M141 and M191, as a chamber"
-        )
+        job.draft.changed(section.place, f"[{section.name}]", "M141 and M191 set it, as a chamber")
     for option, key in (("heater_pin", "pin"), ("sensor_pin", "sensor_pin")):
         pin, found = job.pins.of(section, option), section.options.get(option)
         if found is None:

@@ -20,7 +20,8 @@ _FREE = 9000  # code numbers from here on are not used by any firmware
 
 
 def put_macros(job: Import) -> None:
-    """Imports all macros, and a homing that moves otherwise as a macro G28."""
+    """Imports all macros. A [homing_override], or a [safe_z_home] that needs one, becomes a macro
+    G28."""
     for section in job.config.of("gcode_macro"):
         _put_macro(job, section)
     put_homing_macro(job)

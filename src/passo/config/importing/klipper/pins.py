@@ -110,7 +110,8 @@ def board_name(name: str) -> str:
 
 
 def clock_hz(comments: list[str]) -> int | None:
-    """The clock of the chip that the comments name first in order of `CLOCKS`."""
+    """The clock, Hz, of the first chip of `CLOCKS` that the comments name; None if they name
+    none."""
     text = "\n".join(comments).lower()
     return next((hz for chip, hz in CLOCKS if chip in text), None)
 

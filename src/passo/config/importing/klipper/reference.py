@@ -23,7 +23,7 @@ _TAKEN = (
     ("tmc2208, tmc2209, tmc2130, tmc5160", "`steppers.NAME.tmc`"),
     ("input_shaper", "`shaping`"),
     ("adxl345, lis2dw, resonance_tester", "`accelerometer`; one measures all axes"),
-    ("heater_bed, heater_generic", "`heaters`; a heater_generic obeys M141, as a chamber"),
+    ("heater_bed, heater_generic", "`heaters`; M141 sets a heater_generic, as a chamber"),
     ("thermistor", "`heaters.NAME.sensor`"),
     ("verify_heater", "`heaters.NAME.protection`"),
     ("fan, heater_fan, controller_fan, fan_generic, temperature_fan", "`fans`"),

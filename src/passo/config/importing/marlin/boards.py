@@ -26,8 +26,8 @@ _ON_RAMPS = {
 
 
 class KnownBoard(NamedTuple):
-    """A board file, the variant of it, and its sockets for Marlin's X, Y, Z, further motors and
-    extruders in this order, where they are printed by numbers: `E` and a number is an extruder."""
+    """A board file and its variant. `sockets`, for boards that number their sockets, are those of
+    Marlin's X, Y, Z, a second Z and the extruders, in this order; empty for other boards."""
 
     base: str
     variant: str | None = None

@@ -55,7 +55,7 @@ class Job:
         return self.defines.place(name)
 
     def decide(self, name: str, text: str) -> None:
-        """Reports a define about which a person has to decide."""
+        """Reports a define that the user has to decide about."""
         self.draft.decide(self.place(name), name, text)
 
     def changed(self, name: str, text: str) -> None:
@@ -68,5 +68,5 @@ class Job:
 
 
 def plain(value: float) -> float:
-    """A number without the last digits of its calculation."""
+    """A number without the rounding error of its calculation."""
     return float(f"{value:.10g}")

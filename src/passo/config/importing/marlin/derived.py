@@ -30,7 +30,8 @@ _CONVERTERS = ("-2", "-3", "-5")
 
 
 def derived(defines: Names, name: str, argument: str | None) -> int | None:
-    """The value of a name, or of a test of an `argument`; None if it is not known."""
+    """The value of a name, or, with `argument`, of the test `name(argument)`; None if it is not
+    known."""
     has = defines.text_of
     if argument is not None:
         if name in ("AXIS_IS_TMC_CONFIG", "AXIS_IS_TMC", "AXIS_HAS_STEALTHCHOP"):
