@@ -171,7 +171,7 @@ def test_blanks_around_the_sign_of_a_pair_mean_nothing(capsys, tmp_path):
 @pytest.mark.parametrize(
     "line", ["N1 G1 X5*{}", "M92 {}=", "SET_VELOCITY_LIMIT {}=1", "G5.{}", "#{}", "M104 S1 {}"]
 )
-def test_of_a_long_text_only_its_beginning_is_reported(capsys, tmp_path, line):
+def test_only_the_beginning_of_a_long_text_is_reported(capsys, tmp_path, line):
     _, result, err = told(capsys, tmp_path, f"G28\n{line.format('A' * 5000)}\nG1 X1\n")
     assert all(len(text) < 700 for text in err.splitlines())
     assert all(len(text) < 700 for text in result["warnings"] + result["errors"])

@@ -79,7 +79,7 @@ def test_a_clock_of_its_own_is_waited_for(monkeypatch):
 
 
 def test_a_slow_clock_shows_no_bursts(unpacked):
-    """However much is planned in one go, the board works so much print time at a time."""
+    """However much is planned at once, the board advances in small parts of print time."""
     path, seen = unpacked("demo"), []
     machine = config.load("i3")
     stream = Print(machine).run(path).stream_hash

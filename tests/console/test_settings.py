@@ -103,8 +103,8 @@ def test_the_machine_files_retraction_comes_back_whole(s):
     assert report(s) == before
 
 
-def test_the_report_leaves_open_what_follows_something_else(s):
-    """Fed back it does not fix how fast G11 is: M207 says, as before."""
+def test_report_omits_settings_that_follow_from_others(s):
+    """If the report is sent back, the speed of G11 still follows M207."""
     for line in report(s):
         s.host.ok(line.removeprefix("echo:"))
     s.host.ok("M207 F1200")

@@ -137,7 +137,7 @@ def test_the_range_of_words_that_the_board_watches(converter, low, high, words):
 
 @pytest.mark.parametrize(("kind", "number"), [(k, i) for i, k in enumerate("BEJKNRST")])
 @pytest.mark.parametrize(("mains", "bit"), [(50, 1), (60, 0)])
-def test_max31856_setup(kind, number, mains, bit):
+def test_max31856_gets_its_settings(kind, number, mains, bit):
     sensor = UniversalConverter(kind="max31856", thermocouple=kind, mains_hz=mains, **PINS)
     setup = converter_setup(sensor)
     assert setup.words == (bytes([0x81, number]), bytes([0x80, 0x10 | bit]),

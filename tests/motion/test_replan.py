@@ -66,7 +66,7 @@ def test_a_new_feed_rate_from_any_clock(path, sent, where, factor, accel):
 
 @given(paths, st.floats(0, 1), st.floats(0, 1))
 @settings(max_examples=60, deadline=None)
-def test_hold_and_release(path, sent, where):
+def test_hold_stops_and_release_continues_the_plan(path, sent, where):
     motion = Motion(cartesian(), True)
     end = push_all(motion, path)
     motion.flush()

@@ -23,7 +23,7 @@ def add_machine(parser: argparse.ArgumentParser) -> None:
 
 
 def add_policy(parser: argparse.ArgumentParser) -> None:
-    """`--out-of-range` and `--missing-tool`."""
+    """Declares `--out-of-range` and `--missing-tool`."""
     parser.add_argument(
         "--out-of-range",
         choices=("stop", "clamp"),
