@@ -138,6 +138,7 @@ def _furnish(
     _keep_variables(printer, folder)
     _keep_meshes(printer, folder, objects)
     queue = PrintQueue(printer, runner, library, folder)
+    status.queue = queue.status
     if card is not None:
         library.mount()
         _start_by_itself(printer, library, keeper)

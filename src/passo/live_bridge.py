@@ -27,7 +27,7 @@ from passo.gcode.registry import When, row_of, table
 from passo.job.batch.estimate import Estimate, estimate_open
 from passo.job.batch.policy import Policy
 from passo.learn.explain import explain
-from passo.web.bridge import BedState, PastPrint, Queue, SettingValue, SimulatedPart, Snapshot
+from passo.web.bridge import BedState, PastPrint, SettingValue, SimulatedPart, Snapshot
 
 if TYPE_CHECKING:
     from passo.app import Assembly
@@ -36,10 +36,9 @@ if TYPE_CHECKING:
     from passo.console.observer import Observer
     from passo.events import Event
     from passo.gcode.registry import Declaration
-    from passo.job.live.print_queue import QueuedPrint
     from passo.learn.explanation import Explanation
     from passo.printer.console_lines import ConsoleLine
-    from passo.printer.status import PrinterState
+    from passo.printer.status import PrinterState, Queue, QueuedPrint
     from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
@@ -307,8 +306,7 @@ class LiveBridge:
 
     async def queue(self) -> Queue:
         """Like `Bridge.queue`."""
-        queue = self._assembly.queue
-        return await self._call(lambda: Queue(queue.entries, queue.automatic))
+        return await self._call(self._assembly.queue.status)
 
     async def queue_print(self, path: str) -> QueuedPrint:
         """Like `Bridge.queue_print`."""

@@ -11,7 +11,6 @@ from passo.errors import CardError, PassoError
 from passo.events import Event
 from passo.gcode.registry import Declaration, table
 from passo.job.batch.estimate import Estimate
-from passo.job.live.print_queue import QueuedPrint
 from passo.learn.explanation import Explanation
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
@@ -21,6 +20,8 @@ from passo.printer.status import (
     HeaterStatus,
     MotionStatus,
     PrinterState,
+    Queue,
+    QueuedPrint,
     ShaperStatus,
     Status,
 )
@@ -29,7 +30,6 @@ from passo.web.bridge import (
     Hearer,
     Listener,
     PastPrint,
-    Queue,
     SettingValue,
     SimulatedPart,
     Snapshot,

@@ -48,6 +48,8 @@ def test_next_print_waits_until_the_bed_is_clear(tmp_path):
             done = await over
             await asyncio.sleep(10)
             left = (await asyncio.to_thread(web.get, API)).json()
+            status = (await asyncio.to_thread(web.get, "/api/v1/status")).json()
+            assert status["status"]["queue"] == left
             return refused.json()["error"]["code"], done, paths(left), printer.status.state.name
 
     assert run(main(), clock=100) == ("queue.bed", ["a.gcode"], ["/b.gcode"], "IDLE")

@@ -46,6 +46,48 @@ test("a file that leaves the machine cannot be printed, with the reason", async 
   expect(await page.getByRole("button", { name: "Print", exact: true }).isDisabled()).toBe(true);
 });
 
+test("prints wait in the queue, change places, and start when the bed is clear", async ({ page }) => {
+  for (const name of ["a.gcode", "b.gcode"]) {
+    await upload(page, name, "G28\nG1 X10 F3000\n");
+    await row(page, name).getByText("Fits").waitFor();
+    await page.getByRole("button", { name, exact: true }).click();
+    await page.getByRole("button", { name: "Add to the queue" }).click();
+    await page.getByText("In the queue: 1").waitFor();
+  }
+  const queue = page.getByRole("region", { name: "Queue" });
+  const names = () => queue.locator("li .name").allTextContents();
+  expect(await names()).toEqual(["a.gcode", "b.gcode"]);
+  await expect.poll(() => queue.locator("li", { hasText: /\d+ s/ }).count()).toBe(2);
+  for (const width of [1280, 400]) {
+    await page.setViewportSize({ width, height: 900 });
+    for (const colorScheme of ["light", "dark"] as const) {
+      await page.emulateMedia({ colorScheme });
+      await expectFits(page);
+      await expectAccessible(page);
+      await picture(page, `queue-${width}-${colorScheme}`);
+    }
+  }
+
+  await page.getByRole("button", { name: "Move b.gcode up" }).press("Enter");
+  await expect.poll(names).toEqual(["b.gcode", "a.gcode"]);
+  const focus = () => page.evaluate(() => document.activeElement?.getAttribute("aria-label"));
+  await expect.poll(focus).toBe("Move b.gcode down"); // at the top it moves no further up
+  await queue.getByRole("checkbox").check();
+  await queue.getByText("Only for a printer that clears its bed itself").waitFor();
+  await queue.getByRole("checkbox").uncheck();
+
+  await queue.getByRole("button", { name: "Start the next print" }).click();
+  await page.getByRole("dialog", { name: "Is the bed clear?" }).waitFor();
+  await expectAccessible(page);
+  await page.getByRole("button", { name: "The bed is clear: start" }).click();
+  const card = page.getByRole("region", { name: "Print" });
+  await card.locator(".chip", { hasText: "Finished" }).waitFor();
+  await picture(page, "queue-next-400-dark");
+  await card.getByRole("link", { name: "Next: a.gcode" }).click();
+  await queue.getByRole("button", { name: "Remove a.gcode" }).click();
+  await queue.waitFor({ state: "detached" });
+});
+
 test("a print is started, watched, paused and cancelled", async ({ page }) => {
   await page.getByRole("button", { name: "demo.gcode" }).click();
   await page.getByRole("button", { name: "Print", exact: true }).click();

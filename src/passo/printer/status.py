@@ -218,6 +218,23 @@ class InterruptedPrint:
 
 
 @dataclass(frozen=True, slots=True)
+class QueuedPrint:
+    """A queued file of the card; `number` identifies it while it waits."""
+
+    number: int
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Queue:
+    """The queued prints, the next one first. With `automatic`, the next print starts without
+    confirmation after a successful print; otherwise a user must confirm that the bed is clear."""
+
+    prints: tuple[QueuedPrint, ...] = ()
+    automatic: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class BedPoint:
     """A place of the bed and its measured height, mm."""
 
@@ -318,15 +335,15 @@ class Status:
     answers it; `progress` is the fraction of
     the print that is done; for a print by a host, the host reports it (M73, M532). `job` is None
     while no file is printed; `ended` is the last print, until another file is selected;
-    `interrupted` is the print that M1000 resumes, None without one; `started`:
-    the boards have started at least once; `macros` are the variables of the macros, by name. Below
-    `min_extrude_c` the hotend of `tool` moves no filament; 0 means no limit (M302). `unsaved` are
-    the settings that M500 would change, as commands with their values, by headings;
-    `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine without a
-    probe. `moving_s` is the print time for which the machine has printed or moved without a break.
-    `gantry_level`: the Z motors have levelled the gantry, and have been on since then; None on a
-    machine that cannot do this. `skew_profile` is the name of the active saved skew, or empty; None
-    without skew and profiles. `screws` are the last measurements of the bed screws;
+    `interrupted` is the print that M1000 resumes, None without one; `queue` are the prints that
+    wait; `started`: the boards have started at least once; `macros` are the variables of the
+    macros, by name. Below `min_extrude_c` the hotend of `tool` moves no filament; 0 means no limit
+    (M302). `unsaved` are the settings that M500 would change, as commands with their values, by
+    headings; `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine
+    without a probe. `moving_s` is the print time for which the machine has printed or moved without
+    a break. `gantry_level`: the Z motors have levelled the gantry, and have been on since then;
+    None on a machine that cannot do this. `skew_profile` is the name of the active saved skew, or
+    empty; None without skew and profiles. `screws` are the last measurements of the bed screws;
     `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
     shapers by axis, `advances` the pressure advance of each extruder.
     """
@@ -354,6 +371,7 @@ class Status:
     job: JobStatus | None = None
     ended: EndedJob | None = None
     interrupted: InterruptedPrint | None = None
+    queue: Queue = Queue()
     started: bool = True
     macros: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
     min_extrude_c: float = 0.0

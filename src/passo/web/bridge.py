@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
-from passo.job.live.print_queue import QueuedPrint
-
 if TYPE_CHECKING:
     from passo.card import Card, Writer
     from passo.config.machine import MachineConfig
@@ -17,7 +15,7 @@ if TYPE_CHECKING:
     from passo.learn.explanation import Explanation
     from passo.levelling.correction import Correction
     from passo.printer.console_lines import ConsoleLine
-    from passo.printer.status import Status
+    from passo.printer.status import Queue, QueuedPrint, Status
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,15 +57,6 @@ class SettingValue:
     file: str | None
     stored: str | None
     source: str
-
-
-@dataclass(frozen=True, slots=True)
-class Queue:
-    """The queued prints, the next one first. With `automatic`, the next print starts without
-    confirmation after a successful print; otherwise a user must confirm that the bed is clear."""
-
-    prints: tuple[QueuedPrint, ...]
-    automatic: bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,6 @@
 """The Python client, made from the table of operations: make reference."""
 
 import builtins
-import passo.job.live.print_queue
 import passo.learn.explanation
 import passo.printer.status
 import passo.web.answers
@@ -238,14 +237,14 @@ class Job:
 class Queue:
     def get(
         self,
-    ) -> passo.web.bridge.Queue:
+    ) -> passo.printer.status.Queue:
         """The queued prints, the next one first. The queue survives a restart if the
         printer has a folder for it (`--state`)."""
         ...
     def add(
         self,
         path: str,
-    ) -> passo.job.live.print_queue.QueuedPrint:
+    ) -> passo.printer.status.QueuedPrint:
         """Adds a file of the card at the end of the queue."""
         ...
     def remove(
@@ -933,14 +932,14 @@ class AsyncJob:
 class AsyncQueue:
     async def get(
         self,
-    ) -> passo.web.bridge.Queue:
+    ) -> passo.printer.status.Queue:
         """The queued prints, the next one first. The queue survives a restart if the
         printer has a folder for it (`--state`)."""
         ...
     async def add(
         self,
         path: str,
-    ) -> passo.job.live.print_queue.QueuedPrint:
+    ) -> passo.printer.status.QueuedPrint:
         """Adds a file of the card at the end of the queue."""
         ...
     async def remove(

@@ -61,6 +61,13 @@ export const setFlow = (tool: number, factor: number) =>
   attempt(call("PUT", `tuning/flow/${tool}`, { factor }));
 
 export const startPrint = (path: string) => attempt(call("POST", "job", { path }));
+export const queuePrint = (path: string) => attempt(call("POST", "queue", { path }));
+export const unqueuePrint = (number: number) => attempt(call("DELETE", `queue/prints/${number}`));
+export const moveQueuedPrint = (number: number, place: number) =>
+  attempt(call("PUT", `queue/prints/${number}/place/${place}`));
+export const setQueueMode = (automatic: boolean) => attempt(call("PUT", "queue/mode", { automatic }));
+/** The user has confirmed that the bed is clear. */
+export const startQueuedPrint = () => attempt(call("POST", "queue/start", { bed_clear: true }));
 export const pausePrint = () => attempt(call("POST", "job/pause"));
 export const resumePrint = () => attempt(call("POST", "job/resume"));
 export const cancelPrint = () => attempt(call("POST", "job/cancel"));

@@ -59,7 +59,8 @@ class Files {
     this.entries = read.entries;
     this.free_bytes = read.free_bytes;
     this.loaded = true;
-    void this.#learn(mine);
+    const programs = read.entries.filter((entry) => !entry.folder && isProgram(entry.name));
+    void this.learn(programs.map(({ path }) => path), () => mine === this.#loading);
   }
 
   /** What is in the folder that is open, also if it has not been loaded. */
@@ -68,19 +69,19 @@ class Files {
     return entries.map((entry) => entry.name);
   }
 
-  /** Finds out about the programs of the folder, one after the other, until all is known. */
-  async #learn(mine: number): Promise<void> {
-    let waiting = this.entries.filter((entry) => !entry.folder && isProgram(entry.name));
+  /** Finds out about programs, one after the other, until all is known or no longer wanted. */
+  async learn(paths: readonly string[], wanted: () => boolean): Promise<void> {
+    let waiting = paths;
     while (waiting.length) {
-      const pending: FileEntry[] = [];
-      for (const entry of waiting) {
-        if (mine !== this.#loading) return;
-        const found = await call<Metadata>("GET", `files/metadata?${query({ path: entry.path })}`).catch(
+      const pending: string[] = [];
+      for (const path of waiting) {
+        if (!wanted()) return;
+        const found = await call<Metadata>("GET", `files/metadata?${query({ path })}`).catch(
           () => undefined, // it was removed meanwhile
         );
         if (!found) continue;
-        this.metadata[entry.path] = found;
-        if (found.state === "pending") pending.push(entry);
+        this.metadata[path] = found;
+        if (found.state === "pending") pending.push(path);
       }
       waiting = pending;
       if (waiting.length) await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.errors import CardError, CommandError, PassoError
 from passo.job.durable_files import load_json, store_json
+from passo.printer.status import Queue, QueuedPrint
 
 if TYPE_CHECKING:
     from passo.job.live.job_state import JobState
@@ -19,14 +20,6 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 MAX_QUEUED = 200
-
-
-@dataclass(frozen=True, slots=True)
-class QueuedPrint:
-    """A queued file of the card; `number` identifies it while it waits."""
-
-    number: int
-    path: str
 
 
 class PrintQueue:
@@ -46,19 +39,13 @@ class PrintQueue:
         self._load()
         runner.watchers.append(self._job_changed)
 
-    @property
-    def entries(self) -> tuple[QueuedPrint, ...]:
-        """The queued prints, the next one first."""
-        return self._entries
-
-    @property
-    def automatic(self) -> bool:
-        """Whether the next print starts without confirmation after a successful print: for printers
-        that clear their bed."""
-        return self._automatic
+    def status(self) -> Queue:
+        """`Status.queue`."""
+        return Queue(self._entries, self._automatic)
 
     def set_automatic(self, on: bool) -> None:
-        """Sets whether the next print starts without confirmation after a successful print."""
+        """Sets whether the next print starts without confirmation after a successful print: for
+        printers that clear their bed."""
         self._keep(self._entries, on)
 
     def add(self, path: str) -> QueuedPrint:

@@ -23,6 +23,7 @@ from passo.printer.status import (
     JobStatus,
     MotionStatus,
     PrinterState,
+    Queue,
     Status,
 )
 
@@ -55,6 +56,7 @@ class StatusReader:
         self._moves_since_s: float | None = None
         self.unsaved: Callable[[], dict[str, dict[str, str]]] = dict  # gives `Status.unsaved`
         self.interrupted: Callable[[], InterruptedPrint | None] = lambda: None  # gives its field
+        self.queue: Callable[[], Queue] = Queue  # gives its field
         runner.watchers.append(self._job_changed)
 
     def read(self) -> Status:
@@ -88,6 +90,7 @@ class StatusReader:
             job=self._job(),
             ended=self._ended if self._runner.ended else None,
             interrupted=self.interrupted(),
+            queue=self.queue(),
             started=printer.state.start_failure is None,
             macros=deepcopy(printer.rig.macros.variables),
             min_extrude_c=printer.heat.cold.min_c(job.tool),

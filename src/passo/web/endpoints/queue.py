@@ -7,8 +7,7 @@ from typing import Annotated
 from msgspec import Meta, Struct
 
 from passo.errors import CommandError
-from passo.job.live.print_queue import QueuedPrint
-from passo.web.bridge import Queue
+from passo.printer.status import Queue, QueuedPrint
 from passo.web.call import Call
 from passo.web.files.names import confined
 from passo.web.operation import operation
