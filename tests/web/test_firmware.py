@@ -224,7 +224,7 @@ def test_missing_program_is_named_in_the_log(cold, monkeypatch, tmp_path):
     web.post(f"{API}/flash", json={"image": f"{TEENSY}.hex"})
     found = flashing(web, "done", "failed")
     assert found["state"] == "failed"
-    assert "the program teensy_loader_cli is missing" in found["log"][-1]
+    assert "the program teensy_loader_cli, which is missing" in found["log"][-1]
 
 
 def test_flashing_is_refused_while_it_would_disturb(cold, monkeypatch):
