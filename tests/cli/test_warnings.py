@@ -136,7 +136,6 @@ def test_m205_sets_the_junction_deviation(capsys, tmp_path):
         ("G28\nG1 X10 F600\nN3 g1", [3]),
         ("G28\nG1 X10 F600\nG1 X2\n", []),
         ("G28\nG1 X10 F600\nM84", []),
-        ("G28\nG1 X10 F600\nG10", []),
         ("G28\nG1 X10 F600\nM2\nG1 X2", []),
     ],
 )

@@ -469,4 +469,4 @@ def test_command_imports_by_the_ending(tmp_path: Path, capsys) -> None:
     other.write_text("[printer]\n")
     words = ["import", str(other), "--output", str(tmp_path / "other.toml")]
     assert main([*words, "--stored", str(stored)]) == 3
-    assert "has its stored values itself" in capsys.readouterr().err
+    assert "contains its stored values" in capsys.readouterr().err

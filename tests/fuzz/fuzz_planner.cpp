@@ -40,7 +40,7 @@ Machine machine_of(JunctionLaw law, bool delta, bool short_of_commands) {
     machine.steppers.push_back(
         {std::string(1, "xyze"[i]), i < 3 ? Drive::actuator : Drive::extruder, i < 3 ? i : 0,
          i == 2 ? 400.0 : 80.0, 16, 4, 4, 500000, kInfinity, kInfinity, -kInfinity, kInfinity});
-  machine.limits = {3000, 3000, 5000, kInfinity, law, 0.02, 0, short_of_commands ? 0.2 : 0};
+  machine.limits = {3000, 3000, 5000, kInfinity, law, 0.02, 5, 0, short_of_commands ? 0.2 : 0};
   if (short_of_commands) machine.budget = {20000, 500, 10, true};
   return machine;
 }
@@ -144,7 +144,7 @@ Piece swing(const double* a, const double* b, double seconds, double mm) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < 1 || size > 1200) return 0;
   bool short_of_commands = data[0] & 8;
-  Motion motion(machine_of(JunctionLaw(data[0] % 3), data[0] & 4, short_of_commands), true,
+  Motion motion(machine_of(JunctionLaw(data[0] % 4), data[0] & 4, short_of_commands), true,
                 nullptr);
   MoveRequest move{};
   double at[kAxes] = {}, flow = 1, owed = 0;

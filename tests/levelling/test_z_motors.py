@@ -62,7 +62,7 @@ def test_a_motor_that_would_go_too_far_is_refused():
 def test_motors_in_a_wrong_order_are_found_at_the_first_rise():
     check_progress([0.4], ["z", "z1"])
     check_progress([0.4, 0.1, 0.1], ["z", "z1"])
-    with pytest.raises(CommandError, match=r"0\.700 mm, after 0\.400 mm .*z, z1"):
+    with pytest.raises(CommandError, match=r"0\.700 mm, before it by 0\.400 mm.*z, z1"):
         check_progress([0.4, 0.7], ["z", "z1"])
 
 

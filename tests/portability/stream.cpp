@@ -31,7 +31,7 @@ static Machine machine(const std::string& kind, const GeometryParams& params, do
   m.steppers.push_back({"e", Drive::extruder, 0, 95.5, 32, 4, 4, 400000, kInfinity, kInfinity,
                         -kInfinity, kInfinity});
   m.tools.push_back({0, {0, 0, 0}});
-  m.limits = {2000, 2500, 3000, 250, JunctionLaw::deviation, 0.02, 0.0, 0.1};
+  m.limits = {2000, 2500, 3000, 250, JunctionLaw::deviation, 0.02, 5, 0.0, 0.1};
   return m;
 }
 

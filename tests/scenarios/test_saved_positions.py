@@ -151,7 +151,7 @@ def test_motors_are_not_set_to_positions_out_of_reach():
         a, b, c = wider.inverse((0, 80, 50))
         assert geometry.forward((a, b, c))[1] == pytest.approx(80)
         before = s.host.ok("M114 D")
-        assert "of at most 75.100 mm" in s.host.ok(f"G92 A{a} B{b} C{c}")[0]
+        assert "80.000 mm from the middle (limit 75.100 mm)" in s.host.ok(f"G92 A{a} B{b} C{c}")[0]
         assert s.host.ok("M114 D") == before
 
 
