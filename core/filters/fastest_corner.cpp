@@ -108,6 +108,7 @@ void FastestCorner::consider(const Move* before, const Move& after) {
   corner_->filters = machine_.filters;
   corner_->moves.assign(recent_.begin(), recent_.end());
   corner_->gaps = gaps_;
+  corner_->rests = false;
   open_ = true;
 }
 

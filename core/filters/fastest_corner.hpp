@@ -54,7 +54,7 @@ class FastestCorner {
     uint32_t line;
     int extruder;
     Filters filters;
-    bool rests = false;  // after the last move
+    bool rests;  // after the last move
     std::vector<Move> moves;
     std::array<Backlash, 2> gaps;  // before the first move
 
