@@ -52,7 +52,15 @@ def stream_of(compiler: list[str], emulator: list[str], folder: Path) -> str:
     assert shutil.which(compiler[0]), f"{compiler[0]} is missing: make test installs it"
     whole, binary = folder / "whole.cpp", folder / "stream"
     whole.write_text("".join(f'#include "{path}"\n' for path in SOURCES))
-    words = [compiler[0], *FLAGS, *compiler[1:], f"-I{ROOT / 'core'}", str(whole), "-o", str(binary)]
+    words = [
+        compiler[0],
+        *FLAGS,
+        *compiler[1:],
+        f"-I{ROOT / 'core'}",
+        str(whole),
+        "-o",
+        str(binary),
+    ]
     subprocess.run(words, check=True)
     words = [*emulator, str(binary), *sources(folder)]
     return subprocess.run(words, check=True, capture_output=True, text=True).stdout
