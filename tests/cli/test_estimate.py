@@ -91,6 +91,8 @@ def test_estimates_of_several_files_at_once(capsys, tmp_path):
         ("G28\nM104 S100\nG1 X9 E2 F300\n", True),
         ("G28\nM104 S200\nG1 X9 E2 F300\n", False),
         ("G28\nM302 P1\nG1 X9 E2 F300\n", False),
+        ("G28\nM302 S150\nM104 S160\nG1 X9 E2 F300\n", False),
+        ("G28\nM302 S210\nM104 S200\nG1 X9 E2 F300\n", True),
         ("G28\nG1 X9 F300\n", False),
     ],
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -13,7 +13,7 @@ from passo.job.batch.heating import Heating
 from passo.job.batch.program import run_open_program
 from passo.job.batch.source import open_source
 from passo.job.batch.toolpath import encoded_toolpath
-from passo.printer.cold_extrusion import COLD_C
+from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.program import Commands
 
 if TYPE_CHECKING:
@@ -61,16 +61,24 @@ class Estimate:
 
 
 class _Commands(Commands):
-    """The commands of a plan. `allows_cold`: one of them allows cold extrusion."""
+    """The commands of a plan; `cold` has the settings of M302."""
 
-    allows_cold = False
+    def __init__(self, machine: MachineConfig, job: _core.Job, heating: Heating) -> None:
+        super().__init__(machine, job, heating, [1] * len(machine.timed_outputs))
+        self.cold = ColdExtrusion(machine)
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
         """Like `Commands.run`."""
         if command.code == "M302":
-            words = command.words()
-            self.allows_cold |= bool(words.get("P")) or words.get("S", COLD_C) < COLD_C
+            self.cold.set(command.words())
         return super().run(command, reply)
+
+    def stays_cold(self, hottest_c: Mapping[str, float]) -> bool:
+        """Whether there are hotends, and no filament may move with these highest targets, °C."""
+        hotends = self.cold.hotends
+        return bool(hotends) and all(
+            hottest_c.get(name, 0.0) < self.cold.min_c_of(name) for name in hotends
+        )
 
 
 def estimate(
@@ -105,7 +113,7 @@ def estimate_open(
     if take_path:
         job.keep_toolpath()
     heating = Heating(machine, job)
-    commands = _Commands(machine, job, heating, [1] * len(machine.timed_outputs))
+    commands = _Commands(machine, job, heating)
     for _ in run_open_program(
         job, commands, source, size, name, lambda wait: heating.settle(wait, commands)
     ):
@@ -114,7 +122,7 @@ def estimate_open(
         heating.finish()
         take_path(encoded_toolpath(job, heating.targets))
     plan = job.statistics()
-    moves_cold = any(plan["filament_mm"]) and heating.stays_cold and not commands.allows_cold
+    moves_cold = any(plan["filament_mm"]) and commands.stays_cold(heating.hottest_c)
     cold = [f"{name}: {_COLD}"] if moves_cold else []
     layers, layers_s = plan["layers"], plan["layer_s"]
     # If a file has layer marks, moves before the first mark belong to no layer.

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.job.batch.program import heated
-from passo.printer.cold_extrusion import COLD_C
 from passo.printer.wait_requests import Wait
 
 if TYPE_CHECKING:
@@ -49,19 +48,14 @@ class Heating:
         self._now_s = 0.0  # time of the plan without waits for heaters
         self.seconds = 0.0
         self.unreached: dict[str, float] = {}
-        self._hotends = {name for name, h in machine.heaters.items() if h.kind == "hotend"}
-        self._melts = False  # a hotend had a target at which filament moves
+        self.hottest_c: dict[str, float] = {}
+        """The highest target of each heater so far, °C."""
         self.targets: list[tuple[float, str, float]] = []
         """The targets so far: the time of the plan in s, the heater, the target in °C."""
 
-    @property
-    def stays_cold(self) -> bool:
-        """Whether there are hotends, and none had a target yet at which filament moves."""
-        return bool(self._hotends) and not self._melts
-
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a target when the moves so far are done, or at once."""
-        self._melts = self._melts or (heater in self._hotends and celsius >= COLD_C)
+        self.hottest_c[heater] = max(celsius, self.hottest_c.get(heater, 0.0))
         if at_once:
             self._bodies[heater].heater.target = celsius
             self.targets.append((self._now_s, heater, celsius))
