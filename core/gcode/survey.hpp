@@ -165,7 +165,8 @@ class Survey {
     return note;
   }
 
-  // Follows the calls from the main program on; each has `fault`, or its own if that is none.
+  // Follows the calls from the main program on, and keeps the bad ones: with this fault, or, with
+  // CallFault::none, each with its own.
   void judge(CallFault fault) {
     std::vector<bool> reached(parts_.size());
     std::vector<size_t> open{0};

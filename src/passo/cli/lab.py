@@ -75,8 +75,13 @@ def run(arguments: argparse.Namespace) -> int:
     policy = replace(policy_of(arguments), skips=skips_of(arguments))
     try:
         found = run_laboratory(
-            *(machine, arguments.file, arguments.weight, policy),
-            *(progress, compared, os.cpu_count() or 1),
+            machine,
+            arguments.file,
+            arguments.weight,
+            policy=policy,
+            progress=progress,
+            compared=compared,
+            workers=os.cpu_count() or 1,
         )
     except PassoError as error:
         if arguments.json:

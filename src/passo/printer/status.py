@@ -330,23 +330,21 @@ class Status:
     coordinates, in mm, by axis and `e`; `homed` are the axes with a certain position; fans are
     fractions of full speed; `time_s` is print time since the start; `halted` is the reason why the
     printer is halted, or empty, and `faults` has the same as errors of the catalogue; `link` is a
-    name of `LinkState` in lower case; `message` is the text of M117;
-    `question` is the question that waits for an answer of the user (M0, a pause), or empty: M876 S0
-    answers it; `progress` is the fraction of
-    the print that is done; for a print by a host, the host reports it (M73, M532). `job` is None
-    while no file is printed; `ended` is the last print, until another file is selected;
-    `interrupted` is the print that M1000 resumes, None without one; `queue` are the prints that
-    wait; `started`: the boards have started at least once; `macros` are the variables of the
-    macros, by name. Below `min_extrude_c` the hotend of `tool` moves no filament; 0 means no limit
-    (M302). `unsaved` are the settings that M500 would change, as commands with their values, by
-    headings; `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine
+    name of `LinkState` in lower case; `message` is the text of M117; `question` is the question
+    that waits for an answer of the user (M0, a pause), or empty: M876 S0 answers it; `progress` is
+    the fraction of the print that is done; for a print by a host, the host reports it (M73, M532).
+    `job` is None while no file is printed; `ended` is the last print, until another file is
+    selected; `interrupted` is the print that M1000 resumes, None without one; `queue` are the
+    prints that wait; `started`: the boards have started at least once; `macros` are the variables
+    of the macros, by name. Below `min_extrude_c` the hotend of `tool` moves no filament; 0 means no
+    limit (M302). `unsaved` are the settings that M500 would change, as commands with their values,
+    by headings; `saved_variables` are the variables of SAVE_VARIABLE. `bed` is None on a machine
     without a probe. `moving_s` is the print time for which the machine has printed or moved without
     a break. `gantry_level`: the Z motors have levelled the gantry, and have been on since then;
     None on a machine that cannot do this. `skew_profile` is the name of the active saved skew, or
     empty; None without skew and profiles. `screws` are the last measurements of the bed screws;
     `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
-    shapers by axis, `advances` the pressure advance of each extruder.
-    """
+    shapers by axis, `advances` the pressure advance of each extruder."""
 
     state: PrinterState
     halted: str

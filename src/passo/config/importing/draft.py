@@ -58,6 +58,7 @@ def plain_name(name: str) -> str:
 
 NO_SWITCH = "homing without a switch (sensorless) is not there yet"
 MOTORS_ALONE = "the fan runs with the motors alone, not with heaters"
+TWO_APPROACHES = "an axis approaches its endstop twice: it goes back by 3 mm between"  # the default
 PROBE_SPEEDS = "the probe homes Z with its own speeds, probe.fast_mm_s and slow_mm_s"
 
 

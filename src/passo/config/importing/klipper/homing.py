@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, bad
+from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, TWO_APPROACHES, bad
 from passo.config.importing.klipper.safe_home import put_safe_home_of_probe
 from passo.geometry.delta import rise_mm
 
@@ -114,13 +114,12 @@ def _put_homing_speeds(job: Import, section: Section, path: KeyPath, letter: str
         value = source.number(option, values.get(option))
         # Klipper's default for the second approach is half the speed of the first
         if value is None:
-            value = (values["homing_speed"]) / 2
+            value = values["homing_speed"] / 2
         values[option] = value
         job.draft.put((*path, key), value or None, source.at(option))
     if values["homing_retract_dist"] == 0:
-        text = "an axis approaches its endstop twice: it goes back by 3 mm between"
         what = f"[{section.name}] homing_retract_dist 0"
-        job.draft.changed(section.at("homing_retract_dist"), what, text)
+        job.draft.changed(section.at("homing_retract_dist"), what, TWO_APPROACHES)
 
 
 def _direction(job: Import, section: Section, letter: str, position: float) -> str:

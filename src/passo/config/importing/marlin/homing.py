@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, Place, bad
+from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, TWO_APPROACHES, Place, bad
 from passo.config.importing.marlin.arms import ARMS, FULL_TURN_DEG, put_home
 from passo.config.importing.marlin.motors import MOTORS, further_motors
 from passo.geometry.delta import rise_mm
@@ -194,5 +194,4 @@ def _put_speeds(job: Job, path: KeyPath, index: int, axis: str) -> None:
     elif bump.value > 0:
         job.put((*path, "retract"), bump)
     else:
-        text = "an axis approaches its endstop twice: it goes back by 3 mm between"
-        job.draft.changed(bump.place, bump.name, text)
+        job.draft.changed(bump.place, bump.name, TWO_APPROACHES)
