@@ -56,7 +56,7 @@ build/card/demo.gcode: build/demo.gcode
 test: .venv/.built .venv/.dev web .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm chromium \
-	  libsodium23
+	  libsodium23 curl
 	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder --ignore tests/hosts --ignore tests/browser
 	nice -n -10 $(BIN)/python -m pytest tests/hosts tests/browser  # real time: it comes first, where that is allowed
 
@@ -89,7 +89,7 @@ bench: .venv/.built .venv/.dev
 soak: .venv/.built
 	$(BIN)/python bench/soak.py
 
-faults: .venv/.built
+faults: .venv/.built .venv/.dev
 	$(BIN)/python bench/faults.py
 
 corpus: .venv/.built
@@ -110,8 +110,8 @@ sizes: .venv/.built
 reference: .venv/.built
 	$(BIN)/python tools/reference.py
 
-fuzz: $(FUZZERS)
-	@for fuzzer in $^; do \
+fuzz: $(FUZZERS) .venv/.built .venv/.dev
+	@for fuzzer in $(FUZZERS); do \
 	  echo "$$fuzzer: $(FUZZ_SECONDS) s"; \
 	  mkdir -p $$fuzzer.corpus; \
 	  $$fuzzer -max_total_time=$(FUZZ_SECONDS) -seed=$(FUZZ_SEED) -timeout=120 -verbosity=0 -print_final_stats=1 \
@@ -123,7 +123,7 @@ fuzz: $(FUZZERS)
 
 # The firmware's part in C, with its tables.
 build/fuzz/firmware/.built: $(FIRMWARE) src/passo/toolchain/declarations.py src/passo/toolchain/tables.py
-	tools/debian.sh clang libclang-rt-14-dev
+	tools/debian.sh clang libclang-rt-dev
 	@mkdir -p $(@D)
 	PYTHONPATH=src $(PYTHON) -S -m passo.toolchain $(@D) $(HOST_FIRMWARE)
 	cd $(@D) && clang -std=c11 -O1 -g -fsanitize=fuzzer-no-link,address,undefined \
@@ -138,7 +138,7 @@ build/fuzz/fuzz_firmware: tests/fuzz/fuzz_firmware.cpp build/fuzz/firmware/.buil
 # The core, which the other fuzzers share.
 FUZZ_CXX := clang++ -std=c++20 -O1 -g -ffp-contract=off -fno-sanitize-recover=all -Icore
 build/fuzz/core/%.o: core/%.cpp $(filter %.hpp,$(CORE))
-	tools/debian.sh clang libclang-rt-14-dev
+	tools/debian.sh clang libclang-rt-dev
 	@mkdir -p $(@D)
 	$(FUZZ_CXX) -fsanitize=fuzzer-no-link,address,undefined -Ifirmware/hal/host -c $< -o $@
 

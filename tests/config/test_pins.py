@@ -12,6 +12,7 @@ from passo.config.board_defaults import bindings
 from passo.config.board_files import shipped_tables
 from passo.config.toml_lines import key_lines
 from passo.errors import ConfigError
+from passo.printer.setup.boards import board_description
 
 
 def problems_of(text: str, file: str = "my.toml") -> list[str]:
@@ -59,9 +60,15 @@ def test_a_mark_that_does_nothing(i3_text: str, old: str, new: str, says: str) -
     assert says in problem
 
 
-def test_marks_that_do_something(i3_text: str) -> None:
+def test_marks_reach_the_description_of_the_board(i3_text: str) -> None:
     text = i3_text.replace('"D9"', '"!D9"').replace('"^X_MIN"', '"!^X_MIN"')
-    config.load_text(text.replace('socket = "X"', 'socket = "X"\nstep_pin = "!X_STEP"'))
+    text = text.replace('socket = "X"', 'socket = "X"\nstep_pin = "!X_STEP"')
+    plain, marked = (board_description(config.load_text(each)) for each in (i3_text, text))
+    assert marked.steppers[0].step_pin == f"!{plain.steppers[0].step_pin}"
+    assert [e.pin.replace("!", "") for e in marked.endstops] == [e.pin for e in plain.endstops]
+    assert [e.name for e in marked.endstops if "!" in e.pin] == ["x"]
+    changed = set(marked.outputs) - set(plain.outputs)
+    assert [(o.name, o.pin[0]) for o in changed] == [("part", "!")]
 
 
 def test_motors_that_share_their_enable_pin_agree_on_it(i3_text: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import sqlite3
 import threading
+import weakref
 from contextlib import closing
 from pathlib import Path
 
@@ -22,7 +23,8 @@ CREATE TABLE IF NOT EXISTS known (
 
 class MetadataCache:
     """Stores bytes for each file, which are valid while the file and the machine stay the same. Any
-    thread may use it. A cache that cannot be read behaves as an empty one."""
+    thread may use it. A cache that cannot be read behaves as an empty one. The file is closed when
+    the cache is no longer used."""
 
     def __init__(self, folder: Path | None, made_for: str) -> None:
         """`made_for` identifies the machine and the version. Without a folder, the cache is in
@@ -34,6 +36,7 @@ class MetadataCache:
         except (sqlite3.Error, OSError) as error:
             _log.warning("Facts about files are not kept: %s", error)
             self._base = _opened(":memory:")
+        weakref.finalize(self, self._base.close)
 
     def get(self, path: str, entry: Entry) -> bytes | None:
         """The facts about this content of a file."""
@@ -58,11 +61,6 @@ class MetadataCache:
                     self._base.execute(old, (_MOST,))
             except sqlite3.Error as error:
                 _log.warning("Facts about files are not kept: %s", error)
-
-    def close(self) -> None:
-        """Closes the cache."""
-        with self._lock:
-            self._base.close()
 
 
 def _opened(path: str | Path) -> sqlite3.Connection:
