@@ -108,7 +108,7 @@ sizes: .venv/.built
 	$(BIN)/python tools/what_fits.py
 
 reference: .venv/.built
-	$(BIN)/python tools/reference.py
+	$(BIN)/python -m tools.reference
 
 fuzz: $(FUZZERS) .venv/.built .venv/.dev
 	@for fuzzer in $(FUZZERS); do \

@@ -1,27 +1,34 @@
-"""Writes the generated pages of docs/reference/. Usage: .venv/bin/python tools/reference.py"""
+"""Writes the generated pages of docs/reference/. Usage: .venv/bin/python -m tools.reference"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from passo import catalogue_reference
-from passo.config import board_reference, machine_reference, sensor_names
+from tools.references import (
+    boards,
+    client_stub,
+    commands,
+    errors,
+    http_api,
+    machine_file,
+    page_types,
+    protocol,
+)
+
+from passo.config import sensor_names
 from passo.config.importing.klipper import reference as klipper_reference
 from passo.config.importing.marlin import reference as marlin_reference
-from passo.gcode import reference as command_reference
-from passo.toolchain import protocol_reference
-from passo.web import client_stub, http_reference, page_types
 
 FOLDER = Path(__file__).parents[1] / "docs" / "reference"
 PAGES = {
-    "boards.md": board_reference.reference,
-    "errors.md": catalogue_reference.reference,
-    "gcode.md": command_reference.reference,
+    "boards.md": boards.reference,
+    "errors.md": errors.reference,
+    "gcode.md": commands.reference,
     "klipper-sections.md": klipper_reference.reference,
-    "http.md": http_reference.reference,
+    "http.md": http_api.reference,
     "marlin-defines.md": marlin_reference.reference,
-    "machine-file.md": machine_reference.reference,
-    "protocol.md": protocol_reference.reference,
+    "machine-file.md": machine_file.reference,
+    "protocol.md": protocol.reference,
     "sensors.md": sensor_names.reference,
     "../../src/passo/web/client.pyi": client_stub.stub,
     "../../web-ui/src/api/schema.ts": page_types.page_types,

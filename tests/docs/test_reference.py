@@ -6,13 +6,13 @@ import json
 import lzma
 import re
 from pathlib import Path
-from runpy import run_path
 
 import pytest
+from tools.reference import PAGES as MADE_PAGES
+from tools.references import machine_file
 
 import passo
 from passo.catalogue import CATALOGUE
-from passo.config import machine_reference
 from passo.gcode.registry import Subject, table
 from passo.toolchain import protocol_words
 from passo.toolchain.build import firmware_folder
@@ -26,13 +26,10 @@ PAGES = [
 ]
 
 
-PAGES_MADE = run_path(str(ROOT / "tools/reference.py"))["PAGES"]
-
-
-@pytest.mark.parametrize("name", sorted(PAGES_MADE))
+@pytest.mark.parametrize("name", sorted(MADE_PAGES))
 def test_generated_page_is_up_to_date(name):
     written = (ROOT / "docs/reference" / name).read_text(encoding="utf-8")
-    assert written == PAGES_MADE[name](), "make reference"
+    assert written == MADE_PAGES[name](), "make reference"
 
 
 def test_each_command_is_in_the_reference_once():
@@ -59,7 +56,7 @@ def test_commands_without_an_effect_have_no_handler():
 
 
 def test_every_key_of_the_machine_file_has_help():
-    found = list(machine_reference.tables())
+    found = list(machine_file.tables())
     keys = [key for table in found for key in table.keys]
     assert len(keys) > 250
     assert [key.name for key in keys if not re.search(r"^[A-Zβ].*[.…]$", key.help)] == []

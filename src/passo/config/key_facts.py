@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from passo.config.findings import did_you_mean, key_text, path_of
 from passo.config.machine import MachineConfig
-from passo.config.machine_reference import Key, key_of, models_of
+from passo.config.machine_keys import Key, key_of, models_of
 from passo.config.machine_text import shown_toml
 from passo.errors import ConfigError
 

@@ -10,7 +10,7 @@ from passo.config.electronics import Fan
 from passo.config.heat import Heater
 from passo.config.key_settings import setting_of
 from passo.config.machine import MachineConfig
-from passo.config.machine_reference import field_help, models_of, unit_of
+from passo.config.machine_keys import field_help, models_of, unit_of
 
 if TYPE_CHECKING:
     from pydantic import BaseModel

@@ -18,7 +18,7 @@ from passo.toolchain.protocol_words import (
 
 _HEAD = """# What the firmware says and understands
 
-Made from the declarations in `firmware/core/` (`passo.toolchain.protocol_reference`). Frames,
+Made from the declarations in `firmware/core/` (`tools/references/protocol.py`). Frames,
 messages and meanings are those of Klipper's protocol, so that hosts made for it can drive a board.
 What is marked *Passo's* is not known to others, and nothing depends on it: while `survive` is off
 the board behaves as one without it. Kalico and Klipper hosts up to v0.13 query analog inputs

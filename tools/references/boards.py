@@ -12,7 +12,7 @@ _SLOW_DRIVERS_US, _QUICK_DRIVERS_US = 2, 0.1  # pulses
 
 _HEAD = """# Boards
 
-Made from the files in `src/passo/config/boards/` and `chips/` (`passo.config.board_reference`). A
+Made from the files in `src/passo/config/boards/` and `chips/` (`tools/references/boards.py`). A
 machine names a board as `base` in its table `[board]`. In front of a pin `!` says that it is on, or
 pressed, when low. How a board gets its firmware: [Set up a board](../how-to/set-up-a-board.md).
 

@@ -9,7 +9,7 @@ from passo.catalogue import CATALOGUE, Entry, ExitStatus
 
 _HEAD = """# Errors
 
-Made from the catalogue (`passo.catalogue_reference`). Consoles, the `passo` command, the log and
+Made from the catalogue (`tools/references/errors.py`). Consoles, the `passo` command, the log and
 Python programs (`problem.code`) show the same sentences: what happened, with the measured value and
 the limit, then what to do. Words in *italics* stand for names and values. The file and the line
 come before the sentence where they are known.
