@@ -8,9 +8,12 @@ from dataclasses import replace
 import pytest
 
 import passo
-from passo.errors import CardError, CommandError, InputError
+from passo.errors import CardError, CommandError, InputError, PassoError
 from passo.live_bridge import LiveBridge
 from passo.printer.status import PrinterState
+from passo.web.answers import status_of
+from passo.web.openapi import statuses
+from passo.web.operations import OPERATIONS
 
 MOVES = "G28\n" + "".join(f"G1 X{10 + i % 2 * 50} Y{20 + i} F3000\n" for i in range(60))
 
@@ -268,5 +271,38 @@ def test_a_file_may_go_while_it_is_planned(tmp_path):
                 with suppress(CardError):
                     await bridge.remove_file("/long.gcode")
         assert isinstance(estimate.exception(), CardError)
+
+    bridged(test, tmp_path)
+
+
+def test_each_refusal_of_a_print_command_has_a_described_status(tmp_path):
+    described = {o.name: statuses(o) for o in OPERATIONS}
+
+    async def test(bridge: LiveBridge, _):
+        calls = {
+            "job.resume": bridge.resume_print,
+            "job.start": lambda: bridge.start_print("/part.gcode"),
+            "job.pause": bridge.pause_print,
+            "job.cancel": bridge.cancel_print,
+        }
+        refused = set()
+
+        async def call(*names):
+            for name in names:
+                try:
+                    await calls[name]()
+                except PassoError as error:
+                    code = error.problems[0].code
+                    assert code in described[name][status_of(code)]
+                    refused.add((name, code))
+
+        await call("job.resume", "job.start", "job.resume", "job.start", *calls)
+        await bridge.run("M112")
+        await call(*calls)
+        assert refused == {
+            ("job.resume", "job.no-file"),
+            ("job.resume", "job.printing"),
+            ("job.start", "job.printing"),
+        }
 
     bridged(test, tmp_path)

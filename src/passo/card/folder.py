@@ -47,6 +47,8 @@ def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
         return CardError.of(
             "card.name", path, value=path.rpartition("/")[2], limit="a shorter name"
         )
+    if error.errno == errno.EEXIST:  # a link or device, which is not on the card
+        return CardError.of("card.exists", path)
     if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
         return CardError.of("card.not-found", path)
     return CardError.of("card.removed", path, value=value)

@@ -50,6 +50,13 @@ def check(name: str, path: str) -> None:
         raise CardError.of("card.name", path, value=name, limit=limit)
 
 
+def cleaned(name: str) -> str:
+    """The allowed name nearest to a name that a client gives to a new file: `_` in place of each
+    forbidden character, no space at the ends and no dot at the end. A name that consists only of
+    dots and spaces, and control characters, stay as they are, so that `check` refuses them."""
+    return _FORBIDDEN.sub("_", name).strip(" ").rstrip(" .") or name
+
+
 def split(path: str) -> list[str]:
     """The names of a path from the root on; `..` removes the last name and stops at the root."""
     names: list[str] = []

@@ -531,10 +531,12 @@ class Files:
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Uploads a file to the card. Once it is complete, it replaces a file of the same
-        path. If the connection is lost, the received bytes are kept for ten minutes:
-        `files.kept` reports their number, and the client sends the rest with `Content-
-        Range: bytes FIRST-LAST/TOTAL`. A client may send any file in such parts."""
+        """Uploads a file to the card, and makes its folders. Once it is complete, it
+        replaces a file of the same path. Characters that no name may have become `_`: the
+        answer has the new path. If the connection is lost, the received bytes are kept for
+        ten minutes: `files.kept` reports their number, and the client sends the rest with
+        `Content-Range: bytes FIRST-LAST/TOTAL`. A client may send any file in such
+        parts."""
         ...
     def kept(
         self,
@@ -1226,10 +1228,12 @@ class AsyncFiles:
         data: bytes,
         path: str,
     ) -> passo.web.endpoints.files.StoredFile:
-        """Uploads a file to the card. Once it is complete, it replaces a file of the same
-        path. If the connection is lost, the received bytes are kept for ten minutes:
-        `files.kept` reports their number, and the client sends the rest with `Content-
-        Range: bytes FIRST-LAST/TOTAL`. A client may send any file in such parts."""
+        """Uploads a file to the card, and makes its folders. Once it is complete, it
+        replaces a file of the same path. Characters that no name may have become `_`: the
+        answer has the new path. If the connection is lost, the received bytes are kept for
+        ten minutes: `files.kept` reports their number, and the client sends the rest with
+        `Content-Range: bytes FIRST-LAST/TOTAL`. A client may send any file in such
+        parts."""
         ...
     async def kept(
         self,

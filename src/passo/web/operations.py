@@ -31,7 +31,7 @@ from passo.web.endpoints import (
     tuning,
 )
 from passo.web.operation import Operation
-from passo.web.slicers import octoprint, prusalink, rrf
+from passo.web.slicers import moonraker, octoprint, prusalink, rrf
 
 
 def _declared(module: ModuleType) -> list[Operation]:
@@ -66,7 +66,7 @@ _MODULES = (
         accounts,
         metrics,
     ),
-    *(octoprint, prusalink, rrf),
+    *(octoprint, prusalink, moonraker, rrf),
 )
 OPERATIONS: tuple[Operation, ...] = tuple(
     operation for module in _MODULES for operation in _declared(module)

@@ -59,6 +59,39 @@ def test_a_name_that_no_file_should_have_is_refused(sent):
     assert raised.value.problems[0].code == "card.name"
 
 
+@pytest.mark.parametrize(
+    ("sent", "path"),
+    [
+        ("Body_01*_PLA.gcode", "/Body_01__PLA.gcode"),
+        ('12:30 "fast"?.gcode', "/12_30 _fast__.gcode"),
+        ("a<b>/c|d.gcode", "/a_b_/c_d.gcode"),
+        ("C:\\toys\\a.gcode", "/C__toys_a.gcode"),
+        (" a .gcode ", "/a .gcode"),
+        ("toys./a.gcode.", "/toys/a.gcode"),
+    ],
+)
+def test_names_of_uploads_are_cleaned(sent, path):
+    assert program(sent) == path
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        "../a.gcode",
+        "toys/.. /a.gcode",
+        "./a.gcode",
+        "a\0.gcode",
+        "a\n.gcode",
+        "CON.gcode",
+        "aux /b.g",
+    ],
+)
+def test_a_cleaned_name_is_still_confined(sent):
+    with pytest.raises(CardError) as raised:
+        program(sent)
+    assert raised.value.problems[0].code == "card.name"
+
+
 @given(st.text())
 def test_any_text_is_confined_or_refused(text):
     try:

@@ -49,7 +49,7 @@ def test_a_file_is_stored_as_it_comes(web, tmp_path):
         ("a.gcode", b"\x7fELF\0", 415, "upload.content"),
         ("a.gcode", b"", 415, "input.empty"),
         ("a.stl", b"solid", 415, "upload.kind"),
-        ("none/a.gcode", b"G28", 404, "card.not-found"),
+        ("new/a.gcode", b"PK\3\4 an archive", 415, "upload.content"),
         ("..%2Fa.gcode", b"G28", 400, "card.name"),
     ],
 )
@@ -57,6 +57,27 @@ def test_what_is_not_a_program_is_refused(web, tmp_path, name, content, status, 
     answer = put(web, name, content)
     assert (answer.status_code, code_of(answer)) == (status, code)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_upload_makes_its_folders_and_names_its_path(web, tmp_path):
+    for name in ("toys/a?/b:c.gcode", "TOYS/a_/d.gcode"):
+        path = put(web, name.replace("?", "%3F"), b"G28\n").json()["path"]
+        assert path == f"/{name.replace('?', '_').replace(':', '_')}"
+    found = {str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.gcode")}
+    assert found == {"toys/a_/b_c.gcode", "toys/a_/d.gcode"}
+
+
+@pytest.mark.parametrize(
+    ("name", "code"), [("part.g", "card.not-directory"), ("link", "card.exists")]
+)
+def test_no_upload_goes_below_a_file_or_a_link(web, tmp_path, tmp_path_factory, name, code):
+    outside = tmp_path_factory.mktemp("outside")
+    (tmp_path / "link").symlink_to(outside, target_is_directory=True)
+    (tmp_path / "part.g").write_bytes(b"G28\n")
+    answer = put(web, f"{name}/toys/a.gcode", b"G28\n")
+    assert (answer.status_code, code_of(answer)) == (409, code)
+    assert list(outside.iterdir()) == []
+    assert {path.name for path in tmp_path.iterdir()} == {"link", "part.g"}
 
 
 @pytest.mark.parametrize("said", [True, False])

@@ -85,6 +85,32 @@ def prusalink(name: str = "part.gcode", *, start: bool = True) -> tuple[str, str
     return "PUT", f"/api/v1/files/local/{name}", {"headers": headers, "content": GCODE}
 
 
+def moonraker(
+    name: str = "part.gcode", *, start: bool = True, folder: str = "", **fields: str
+) -> dict:
+    """PrusaSlicer, host type Moonraker: libcurl's form. Without a folder or a start, it has no such
+    field."""
+    boundary = "------------------------9f6e1c7a30b2d584"
+    sent = {"root": "gcodes", "path": folder, "print": "true" if start else "", **fields}
+    return {
+        "headers": {
+            "User-Agent": "PrusaSlicer/2.9.4+linux-x64",
+            "Accept": "*/*",
+            "X-Api-Key": KEY,
+            "Content-Type": f"multipart/form-data; boundary={boundary}",
+            "Expect": "100-continue",
+        },
+        "content": form(
+            *((f'name="{field}"', value.encode()) for field, value in sent.items() if value),
+            (
+                f'name="file"; filename="{name}"\r\nContent-Type: application/octet-stream',
+                GCODE,
+            ),
+            boundary=boundary,
+        ),
+    }
+
+
 def duet_upload(name: str = "part.gcode") -> tuple[str, str, dict]:
     """PrusaSlicer, OrcaSlicer and Cura's plug-in, host type Duet; there is no key."""
     query = f"name=0:/gcodes/{name}&time=2026-11-25T10:00:00"

@@ -36,11 +36,20 @@ def test_prusaslicer_uploads_and_prints(bridge, client, tmp_path):
 
 
 def test_prusaslicer_uploads_into_a_folder(bridge, client, tmp_path):
-    (tmp_path / "toys").mkdir()
-    sent = recorded.prusaslicer(start=False, folder="toys")
+    sent = recorded.prusaslicer(start=False, folder="toys/cars")
     assert client.post("/api/files/local", **sent).json()["effectivePrint"] is False
-    assert (tmp_path / "toys" / "part.gcode").read_bytes() == GCODE
-    assert bridge.asked == ["create /toys/part.gcode"]
+    assert (tmp_path / "toys/cars/part.gcode").read_bytes() == GCODE
+    assert bridge.asked == ["create /toys/cars/part.gcode"]
+
+
+def test_forbidden_characters_of_a_name_are_replaced(bridge, client, tmp_path):
+    sent = recorded.prusaslicer("Body_01*: PLA?.gcode", folder="a<b")
+    (told,) = client.post("/api/files/local", **sent).json()["files"].values()
+    assert told["path"] == "a_b/Body_01__ PLA_.gcode"
+    assert (tmp_path / told["path"]).read_bytes() == GCODE
+    again = client.post("/api/files/local/a<b/Body_01*: PLA%3F.gcode", json={"command": "select"})
+    assert again.status_code == 204
+    assert bridge.asked[-2:] == [f"print /{told['path']}", f"select /{told['path']}"]
 
 
 def test_cura_asks_to_print_after_the_file(bridge, client, tmp_path):
@@ -196,7 +205,7 @@ def test_a_form_makes_a_folder(client, tmp_path):
 
 @pytest.mark.parametrize("before", [b'"print"', b"true", b'"file"', b"G28", b"M400"])
 def test_a_form_that_breaks_off_leaves_nothing(client, tmp_path, before):
-    sent = recorded.prusaslicer()
+    sent = recorded.prusaslicer(folder="toys/cars")
     sent["content"] = sent["content"].partition(before)[0]
     answer = client.post("/api/files/local", **sent)
     assert (answer.status_code, code_of(answer)) == (400, "upload.malformed")

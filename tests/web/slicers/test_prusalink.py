@@ -31,7 +31,6 @@ def test_the_storage_is_the_card(client):
 @pytest.mark.parametrize("start", [True, False])
 def test_a_file_is_uploaded_and_printed(bridge, client, tmp_path, start):
     method, path, sent = recorded.prusalink("toys/part.gcode", start=start)
-    (tmp_path / "toys").mkdir()
     answer = client.request(method, path, **sent)
     assert (answer.status_code, answer.json()["print_started"]) == (201, start)
     assert (tmp_path / "toys" / "part.gcode").read_bytes() == GCODE

@@ -43,7 +43,7 @@ def test_a_slicer_uploads_and_prints(bridge, web, tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "status"),
-    [("part.bgcode", 415), ("..%2Fpart.gcode", 400), ("", 400), ("none/part.gcode", 404)],
+    [("part.bgcode", 415), ("..%2Fpart.gcode", 400), ("", 400), ("toys/part.stl", 415)],
 )
 def test_failed_upload_is_reported_in_both_formats(web, tmp_path, name, status):
     """APrinter's page looks at the status, slicers at `err`."""
@@ -52,9 +52,17 @@ def test_failed_upload_is_reported_in_both_formats(web, tmp_path, name, status):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_upload_and_print_find_the_same_cleaned_name(bridge, web, tmp_path):
+    method, path, sent = recorded.duet_upload("toys/a*b.gcode")
+    assert web.request(method, path, **sent).json() == {"err": 0}
+    assert (tmp_path / "toys/a_b.gcode").read_bytes() == GCODE
+    assert web.get('/rr_gcode?gcode=M32 "0:/gcodes/toys/a*b.gcode"').status_code == 200
+    assert bridge.asked == ["create /toys/a_b.gcode", "print /toys/a_b.gcode"]
+
+
 def test_a_damaged_upload_is_refused(web, tmp_path):
     right = f"{zlib.crc32(GCODE):x}"
-    answer = web.post("/rr_upload?name=a.gcode&crc32=1234", content=GCODE)
+    answer = web.post("/rr_upload?name=new/a.gcode&crc32=1234", content=GCODE)
     assert (answer.status_code, answer.json()["err"]) == (400, 1)
     assert list(tmp_path.iterdir()) == []
     assert web.post(f"/rr_upload?name=a.gcode&crc32={right}", content=GCODE).json() == {"err": 0}

@@ -14,7 +14,7 @@ from passo.web.files.body import Body
 from passo.web.files.download import download
 from passo.web.files.incoming import in_worker_thread
 from passo.web.files.metadata import Metadata, comments_of
-from passo.web.files.names import confined, program
+from passo.web.files.names import cleaned, confined, program
 from passo.web.operation import operation
 from passo.web.roles import Role
 
@@ -22,7 +22,15 @@ _RANGE = re.compile(r"bytes (\d{1,19})-(\d{1,19})/(\d{1,19})")
 _CARD = ("card.absent", "card.name", "card.not-found", "card.removed")
 _CHANGE = (*_CARD, "card.busy", "card.read-only", "job.printing")
 _UPLOAD = (
-    *("card.full", "card.directory", "input.empty", "upload.binary", "upload.kind"),
+    *(
+        "card.full",
+        "card.directory",
+        "card.not-directory",
+        "card.exists",
+        "input.empty",
+        "upload.binary",
+        "upload.kind",
+    ),
     *("upload.content", "upload.slow", "upload.too-many", "upload.malformed", "upload.offset"),
 )
 _Path = Annotated[str, Meta(min_length=1, max_length=1024)]
@@ -175,7 +183,8 @@ async def content(call: Call, query: FilePath) -> Response:
     status=201,
 )
 async def upload(call: Call, query: FilePath) -> StoredFile:
-    """Uploads a file to the card. Once it is complete, it replaces a file of the same path. If the
+    """Uploads a file to the card, and makes its folders. Once it is complete, it replaces a file of
+    the same path. Characters that no name may have become `_`: the answer has the new path. If the
     connection is lost, the received bytes are kept for ten minutes: `files.kept` reports their
     number, and the client sends the rest with `Content-Range: bytes FIRST-LAST/TOTAL`. A client may
     send any file in such parts."""
@@ -199,7 +208,7 @@ async def upload(call: Call, query: FilePath) -> StoredFile:
 )
 async def kept(call: Call, query: FilePath) -> KeptUpload:
     """The offset from which an interrupted upload of a file continues."""
-    path = confined(query.path)
+    path = cleaned(query.path)
     found = call.site.uploads.kept(path)
     if found is None or found.total is None:
         raise WebError.of("web.not-found", value=f"interrupted upload of {path}")
@@ -209,7 +218,7 @@ async def kept(call: Call, query: FilePath) -> KeptUpload:
 @operation("files.forget", "DELETE", "/files/upload", Role.OPERATOR, errors=("card.name",))
 async def forget(call: Call, query: FilePath) -> None:
     """Discards an interrupted upload."""
-    await call.site.uploads.forget(confined(query.path))
+    await call.site.uploads.forget(cleaned(query.path))
 
 
 @operation("files.remove", "DELETE", "/files", Role.OPERATOR, errors=(*_CHANGE, "card.directory"))

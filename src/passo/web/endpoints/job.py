@@ -35,7 +35,10 @@ class HowMany(Struct, forbid_unknown_fields=True):
     "POST",
     "/job",
     Role.OPERATOR,
-    errors=("card.absent", "card.not-found", "job.printing", "command.halted"),
+    errors=(
+        *("card.absent", "card.not-found", "card.directory", "card.removed"),
+        *("job.printing", "command.halted"),
+    ),
 )
 async def start(call: Call, body: FileToPrint) -> None:
     """Prints a file of the card."""
@@ -48,7 +51,13 @@ async def pause(call: Call) -> None:
     await call.bridge.pause_print()
 
 
-@operation("job.resume", "POST", "/job/resume", Role.OPERATOR, errors=("command.halted",))
+@operation(
+    "job.resume",
+    "POST",
+    "/job/resume",
+    Role.OPERATOR,
+    errors=("job.no-file", "job.at-end", "job.printing", "input.not-homed", "command.halted"),
+)
 async def resume(call: Call) -> None:
     """Resumes a paused print."""
     await call.bridge.resume_print()

@@ -3,16 +3,18 @@ card."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import AsyncGenerator, Callable, Mapping
 from contextlib import aclosing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo.errors import InputError
-from passo.web.files.form import Field, FileBegins, FileData, FileEnds, Form, Part
+from passo.web.files.form import Field, FileBegins, FileData, Form, Part
 
 if TYPE_CHECKING:
     from passo.web.files.body import Body
+    from passo.web.files.incoming import Incoming
     from passo.web.files.uploads import Uploads
 
 
@@ -28,26 +30,44 @@ class FormUpload:
 async def receive_form(
     body: Body, uploads: Uploads, target: Callable[[Mapping[str, str], str], str]
 ) -> FormUpload:
-    """Receives a form with at most one file. `target` returns the confined path of the file from
-    the fields before it and its name. Raises the errors of `Uploads.file` and `Form`."""
+    """Receives a form with at most one file, which is put on the card when the form is complete.
+    `target` returns the confined path of the file from the fields before it and its name. The field
+    `checksum`, if there is one, is the SHA-256 of the file. Raises the errors of `Uploads.file` and
+    `Form`."""
     fields: dict[str, str] = {}
-    path, size = "", 0
     async with aclosing(_parts(body)) as parts:
         async for part in parts:
             if isinstance(part, Field):
                 fields[part.name] = part.value
             elif isinstance(part, FileBegins):
-                if path:
-                    raise InputError.of("upload.malformed", value="it has more than one file")
                 path = target(fields, part.name)
                 async with uploads.file(path, room=body.length or 0) as incoming:
-                    async for more in parts:
-                        if isinstance(more, FileData):
-                            await incoming.write(more.data)
-                        elif isinstance(more, FileEnds):
-                            break
-                    size = incoming.offset
-    return FormUpload(fields, path, size)
+                    digest = await _receive_file(parts, incoming, fields)
+                    _check(digest, fields.get("checksum", ""))
+                return FormUpload(fields, path, incoming.offset)
+    return FormUpload(fields, "", 0)
+
+
+async def _receive_file(
+    parts: AsyncGenerator[Part], incoming: Incoming, fields: dict[str, str]
+) -> str:
+    """Receives the file and the fields after it; returns the SHA-256 of the file."""
+    digest = hashlib.sha256()
+    async for part in parts:
+        if isinstance(part, FileData):
+            digest.update(part.data)
+            await incoming.write(part.data)
+        elif isinstance(part, Field):
+            fields[part.name] = part.value
+        elif isinstance(part, FileBegins):
+            raise InputError.of("upload.malformed", value="it has more than one file")
+    return digest.hexdigest()
+
+
+def _check(digest: str, wanted: str) -> None:
+    if wanted and wanted.strip().lower() != digest:
+        text = f"its SHA-256 is {digest}, not {wanted}"
+        raise InputError.of("upload.malformed", value=text)
 
 
 async def _parts(body: Body) -> AsyncGenerator[Part]:

@@ -3,12 +3,13 @@ when it is complete."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
 from anyio import CapacityLimiter, to_thread
 
 from passo.errors import CardError, InputError
+from passo.web.files.folders import remove_folders
 
 if TYPE_CHECKING:
     from passo.card import Card, Writer
@@ -33,10 +34,18 @@ async def in_worker_thread(action: Callable[[], _T]) -> _T:
 
 class Incoming:
     """One file that is being uploaded. `offset` counts the received bytes; `total` is the expected
-    number, or None. After an error the upload has ended, and the card has its earlier content."""
+    number, or None; `folders` are those that were made for it. After an error the upload has ended,
+    and the card has its earlier content."""
 
-    def __init__(self, card: Card, writer: Writer, path: str, total: int | None) -> None:
-        self._card, self._writer = card, writer
+    def __init__(
+        self,
+        card: Card,
+        writer: Writer,
+        path: str,
+        total: int | None,
+        folders: Sequence[str] = (),
+    ) -> None:
+        self._card, self._writer, self._folders = card, writer, folders
         self.path, self.total = path, total
         self.offset = 0
         self._waiting = bytearray()
@@ -73,11 +82,12 @@ class Incoming:
 
     async def abort(self) -> None:
         """Discards the upload."""
-        await in_worker_thread(self._writer.abort)
+        await in_worker_thread(self.abort_now)
 
     def abort_now(self) -> None:
         """Like `abort`, but blocks: call it in a worker thread."""
         self._writer.abort()
+        remove_folders(self._card, self._folders)
 
     async def _flush(self) -> None:
         if not self._written:

@@ -33,9 +33,15 @@ def confined(path: str) -> str:
     return "/" + "/".join(parts)
 
 
+def cleaned(path: str) -> str:
+    """Like `confined`, for a file or folder to create: characters that no name may have become
+    `_`."""
+    return confined("/".join(names.cleaned(part) for part in path.split("/")))
+
+
 def program(path: str) -> str:
-    """Like `confined`, for a file to upload. Also raises InputError if it is not G-code."""
-    found = confined(path)
+    """Like `cleaned`, for a file to upload. Also raises InputError if it is not G-code."""
+    found = cleaned(path)
     name = found.rpartition("/")[2]
     if not name:
         raise CardError.of("card.name", value=path, limit="the name of a file")

@@ -12,7 +12,8 @@ from anyio import CancelScope
 
 from passo.card.names import fold
 from passo.errors import InputError, PassoError
-from passo.web.files.incoming import Incoming
+from passo.web.files.folders import make_folders, remove_folders
+from passo.web.files.incoming import Incoming, in_worker_thread
 
 if TYPE_CHECKING:
     from passo.web.bridge import Bridge
@@ -52,12 +53,13 @@ class Uploads:
         resumable: bool = False,
         room: int = 0,
     ) -> AsyncGenerator[Incoming]:
-        """Uploads a file to a confined path within the block, from `offset` on. At the end of the
-        block, the file is put on the card if `total` bytes have arrived, or if `total` is None. An
-        incomplete `resumable` upload is kept for `KEPT_S`, even if the connection was lost. `room`
-        is the free space, in bytes, that must remain on the card after the upload. Raises
-        CardError, CommandError for a file that is being printed, InputError `upload.too-many`,
-        `upload.offset`, and the errors of `Incoming`; then the card keeps its earlier content.
+        """Uploads a file to a confined path within the block, from `offset` on, and makes the
+        folders of the path that do not exist. At the end of the block, the file is put on the card
+        if `total` bytes have arrived, or if `total` is None. An incomplete `resumable` upload is
+        kept for `KEPT_S`, even if the connection was lost. `room` is the free space, in bytes, that
+        must remain on the card after the upload. Raises CardError, CommandError for a file that is
+        being printed, InputError `upload.too-many`, `upload.offset`, and the errors of `Incoming`;
+        then the card keeps its earlier content.
         """
         self._active += 1
         try:
@@ -102,8 +104,15 @@ class Uploads:
             del self._kept[fold(path)]
             return kept.incoming
         await self.forget(path)
-        writer = await self._bridge.create_file(path)
-        incoming = Incoming(await self._bridge.card(), writer, path, total)
+        card = await self._bridge.card()
+        folders = await in_worker_thread(lambda: make_folders(card, path))
+        try:
+            writer = await self._bridge.create_file(path)
+        except BaseException:
+            with CancelScope(shield=True):
+                await in_worker_thread(lambda: remove_folders(card, folders))
+            raise
+        incoming = Incoming(card, writer, path, total, folders)
         try:
             await incoming.check_space(room)
         except BaseException:

@@ -16,7 +16,7 @@ from passo.web.call import Call
 from passo.web.files.body import Body
 from passo.web.files.form_upload import receive_form
 from passo.web.files.incoming import in_worker_thread
-from passo.web.files.names import confined, program
+from passo.web.files.names import cleaned, confined, program
 from passo.web.operation import operation
 from passo.web.roles import Role
 from passo.web.slicers.octoprint_status import job_state, printer_profile, printer_state, state_text
@@ -168,7 +168,7 @@ async def upload(call: Call) -> Response:
     if not path:
         if not (folder := form.fields.get("foldername")):
             raise InputError.of("upload.malformed", value="it has no file")
-        path = confined(f"{form.fields.get('path', '')}/{folder}")
+        path = cleaned(f"{form.fields.get('path', '')}/{folder}")
         card = await call.bridge.card()
         await in_worker_thread(lambda: card.make_directory(path))
         answer = {"done": True, "folder": _named(request, path)}
@@ -197,7 +197,7 @@ async def file(call: Call, path: str) -> Response:
 @operation("octoprint.select", "POST", "/api/files/local/{path:path}", Role.OPERATOR, root="")
 async def select(call: Call, path: str) -> Response:
     """Selects a file, and prints it if `print` is true."""
-    wanted, path = await posted(call), confined(path)
+    wanted, path = await posted(call), cleaned(path)
     if wanted.get("command") != "select":
         raise _unknown(wanted.get("command"))
     if wanted.get("print") is True:

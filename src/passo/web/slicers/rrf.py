@@ -16,7 +16,7 @@ from passo.web.call import Call
 from passo.web.files.body import Body
 from passo.web.files.download import download
 from passo.web.files.incoming import in_worker_thread
-from passo.web.files.names import confined, program
+from passo.web.files.names import cleaned, confined, program
 from passo.web.operation import operation
 from passo.web.requests import limited
 from passo.web.roles import Role
@@ -31,7 +31,11 @@ _BUFFER = 255  # reported size of the command buffer in bytes, as in RepRapFirmw
 
 def on_card(path: str) -> str:
     """The path on the card for `0:/gcodes/…` or `/sdcard/…`. Raises CardError."""
-    return confined(_PREFIX.sub("", path, count=1))
+    return confined(_without_prefix(path))
+
+
+def _without_prefix(path: str) -> str:
+    return _PREFIX.sub("", path, count=1)
 
 
 @operation("rrf.connect", "GET", "/rr_connect", Role.PUBLIC, root="")
@@ -71,7 +75,7 @@ async def gcode(call: Call) -> Response:
     line = call.request.query_params.get("gcode", "")
     try:
         if file := _FILE_COMMAND.fullmatch(line):
-            path = on_card(file[2])
+            path = cleaned(_without_prefix(file[2]))  # as the upload has named it
             act = call.bridge.start_print if file[1].upper() == "M32" else call.bridge.select_file
             await act(path)
         else:
@@ -122,7 +126,7 @@ async def upload(call: Call) -> Response:
     """Stores the body as a file, if its CRC matches the given one."""
     body, query = Body(call.request), call.request.query_params
     try:
-        path = program(on_card(query.get("name", "")))
+        path = program(_without_prefix(query.get("name", "")))
         crc = 0
         async with call.site.uploads.file(path, total=body.length) as incoming:
             async for data in body.pieces():
@@ -211,7 +215,8 @@ async def fileinfo(call: Call) -> Response:
 async def mkdir(call: Call) -> Response:
     """Makes a folder."""
     try:
-        card, path = await call.bridge.card(), on_card(call.request.query_params.get("dir", ""))
+        path = cleaned(_without_prefix(call.request.query_params.get("dir", "")))
+        card = await call.bridge.card()
         await in_worker_thread(lambda: card.make_directory(path))
     except PassoError as error:
         return _failed(error)
