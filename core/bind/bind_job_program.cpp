@@ -97,7 +97,7 @@ void bind_job_program(JobClass& job) {
       .def(
           "restart",
           [](JobView& self, uint32_t first_line) {
-            self.job.interpreter.restart(first_line);
+            self.job.restart(first_line);
             self.job.motion.lines().forget();
           },
           "first_line"_a = 1,
@@ -206,6 +206,15 @@ void bind_job_program(JobClass& job) {
           "ignore_calls", [](JobView& self) { return self.job.interpreter.ignore_calls; },
           [](JobView& self, bool ignore) { self.job.interpreter.ignore_calls = ignore; },
           "M98 of a sub-program that is missing is an event, not an error.")
+      .def_prop_rw(
+          "clamp", [](JobView& self) { return self.job.interpreter.clamp; },
+          [](JobView& self, bool clamp) { self.job.interpreter.clamp = clamp; },
+          "Targets out of range go to the limit, and moves that the machine cannot reach are left "
+          "out. It concerns the lines that are read while it is set.")
+      .def_prop_rw(
+          "ignore_tools", [](JobView& self) { return self.job.interpreter.ignore_tools; },
+          [](JobView& self, bool ignore) { self.job.interpreter.ignore_tools = ignore; },
+          "Selecting a missing tool is an event, not an error.")
       .def_prop_ro(
           "commands", [](JobView& self) { return self.job.interpreter.commands(); },
           "The number of commands read, including unknown ones.")

@@ -57,7 +57,10 @@ void Interpreter::restart(uint32_t first) {
   frames_[source_].clear();
   if (!source_) ended_line_ = 0;
   if (first == 1) layers = LayerCounter();
-  if (first == 1 && !source_) forget_objects();
+  if (first == 1 && !source_) {
+    forget_objects();
+    std::fill(std::begin(clamped_), std::end(clamped_), Clamped());
+  }
   dark();
 }
 
@@ -88,6 +91,8 @@ void Interpreter::resume(const Interpreter& before) {
   volumetric_ = mine.volumetric_;
   change_ = std::move(mine.change_);
   std::copy(std::begin(mine.homed_), std::end(mine.homed_), homed_);
+  clamp = mine.clamp;
+  ignore_tools = mine.ignore_tools;
   auto_retract_ = mine.auto_retract_;
   retraction_ = mine.retraction_;
 }
@@ -102,6 +107,8 @@ void Interpreter::adopt(const Interpreter& other) {
   locked_ = mine.locked_;
   std::copy(std::begin(mine.homed_), std::end(mine.homed_), homed_);
   cold = mine.cold;
+  clamp = mine.clamp;
+  ignore_tools = mine.ignore_tools;
   subprograms = std::move(mine.subprograms);
   ignore_calls = mine.ignore_calls;
   frames_[0].clear();

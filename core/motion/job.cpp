@@ -63,6 +63,12 @@ Job::Status Job::advance(double horizon, size_t most, bool to_boundary) {
   }
 }
 
+void Job::restart(uint32_t first_line) {
+  // The program counts moves that were left out among its positions; the machine does not.
+  if (std::exchange(left_out, {}).times > 0) abandon();
+  interpreter.restart(first_line);
+}
+
 void Job::abandon() {
   std::vector<double> extruders;
   for (size_t i = 0; i < motion.machine().extruders.size(); ++i)

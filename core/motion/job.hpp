@@ -40,6 +40,8 @@ class Job {
   // Where the plan ends, in machine mm; E of the tool in use.
   std::array<double, kAxes> position() const { return motion.position(interpreter.extruder()); }
 
+  // Drops the unread text of the selected source; its next line has this number.
+  void restart(uint32_t first_line);
   // After an error or a stop: drops the rest of the line. The program continues from the end of
   // the plan.
   void abandon();

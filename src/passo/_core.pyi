@@ -1910,6 +1910,22 @@ class Job:
     def ignore_calls(self, arg: bool, /) -> None: ...
 
     @property
+    def clamp(self) -> bool:
+        """
+        Targets out of range go to the limit, and moves that the machine cannot reach are left out. It concerns the lines that are read while it is set.
+        """
+
+    @clamp.setter
+    def clamp(self, arg: bool, /) -> None: ...
+
+    @property
+    def ignore_tools(self) -> bool:
+        """Selecting a missing tool is an event, not an error."""
+
+    @ignore_tools.setter
+    def ignore_tools(self, arg: bool, /) -> None: ...
+
+    @property
     def commands(self) -> int:
         """The number of commands read, including unknown ones."""
 

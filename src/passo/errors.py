@@ -50,6 +50,11 @@ class Problem:
         return _Sentence().vformat(self.entry.says, (), self.values)
 
     @property
+    def advice(self) -> str:
+        """What to do next."""
+        return self.hint or self.entry.action
+
+    @property
     def place(self) -> str:
         """`file:line`, as editors understand it; empty without a file."""
         if not self.file or self.line is None:
@@ -59,8 +64,8 @@ class Problem:
     def __str__(self) -> str:
         """One line: place, sentence, hint or next action."""
         head = f"{self.place}: " if self.place else ""
-        advice = self.hint or self.entry.action
-        return f"{head}{self.sentence}. {advice}{'' if advice.endswith('?') else '.'}"
+        end = "" if self.advice.endswith("?") else "."
+        return f"{head}{self.sentence}. {self.advice}{end}"
 
     @property
     def log_fields(self) -> dict[str, Any]:
@@ -82,7 +87,7 @@ class Problem:
             "file": self.file,
             "line": self.line,
             "values": dict(self.values),
-            "action": self.hint or self.entry.action,
+            "action": self.advice,
         }
 
 

@@ -86,6 +86,8 @@ class Printer:
         halt_reports: str | None = None,
         skip_unknown: bool = False,
         skip_levelling: bool = False,
+        clamp: bool = False,
+        ignore_tools: bool = False,
         machine_source: str = "",
         restarts: bool = False,
     ) -> None:
@@ -94,8 +96,9 @@ class Printer:
         the SD card (a folder, an image or a device). `state` is the folder of settings, history,
         the journal and a report of each halt; without it, `halt_reports` is the prefix of the paths
         of the reports, if given. `skip_unknown` and `skip_levelling` let prints skip commands, see
-        `Machine.print`. `machine_source` is the file that a given machine was loaded from. With
-        `restarts` the web may end the printer to restart it, see `serve`. Raises ConfigError."""
+        `Machine.print`; `clamp` and `ignore_tools` are those of `Machine.estimate`.
+        `machine_source` is the file that a given machine was loaded from. With `restarts` the web
+        may end the printer to restart it, see `serve`. Raises ConfigError."""
         self._source = machine_source
         if isinstance(machine, str | os.PathLike):
             self._source = os.fspath(machine)
@@ -104,7 +107,7 @@ class Printer:
         self.config = machine.config if isinstance(machine, Machine) else machine
         self._fast, self._card, self._state = fast, card, state
         self._halt_reports = halt_reports
-        self._skips = Skips(unknown=skip_unknown, levelling=skip_levelling)
+        self._skips = Skips(skip_unknown, skip_levelling, clamp, ignore_tools)
         self._assembly: Assembly | None = None
         self._observed: Observer | None = None
         self._client: Client | None = None

@@ -6,7 +6,7 @@ import asyncio
 import os
 import threading
 import time
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Collection, Coroutine, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -14,7 +14,7 @@ from functools import partial
 from io import BufferedReader, BytesIO, RawIOBase
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar, cast
 
 from passo.board.fault_injection import NO_FAULT
 from passo.card.unheld import Unheld
@@ -24,8 +24,8 @@ from passo.errors import CommandError, ConfigError, InputError, PassoError
 from passo.gcode.command import forced
 from passo.gcode.line_protocol import uncommented
 from passo.gcode.registry import When, row_of, table
-from passo.job.batch.estimate import Estimate, estimate_open
 from passo.job.batch.policy import Policy
+from passo.job.batch.verdict import Verdict, fitting, shipped_printers, verdict
 from passo.learn.explain import explain
 from passo.web.bridge import BedState, PastPrint, SettingValue, SimulatedPart, Snapshot
 
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from passo.learn.explanation import Explanation
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import PrinterState, Queue, QueuedPrint
+    from passo.printer.unfit_commands import Skips
     from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
@@ -185,6 +186,11 @@ class LiveBridge:
         return self._source
 
     @property
+    def skips(self) -> Skips:
+        """Like `Bridge.skips`."""
+        return self._printer.skips
+
+    @property
     def places(self) -> Sequence[str]:
         """Like `Bridge.places`."""
         return tuple(self._places)
@@ -274,12 +280,13 @@ class LiveBridge:
         """Like `Bridge.select_file`."""
         await self._call(lambda: self._assembly.library.open(path))
 
-    async def start_print(self, path: str) -> None:
+    async def start_print(self, path: str, allow: Collection[str] = ()) -> None:
         """Like `Bridge.start_print`."""
+        skips = self.skips.allowing(allow)
 
         def start() -> None:
             self._assembly.library.open(path)
-            self._assembly.runner.start()
+            self._assembly.runner.start(skips=skips)
 
         await self._call(start)
 
@@ -374,16 +381,32 @@ class LiveBridge:
         card = await self.card()
         await asyncio.to_thread(card.rename, path, to)  # which may copy a file
 
-    async def estimate(
-        self, path: str, take_path: Callable[[bytes], None] | None = None
-    ) -> Estimate:
-        """Like `Bridge.estimate`."""
+    async def verdict(self, path: str, take_path: Callable[[bytes], None] | None = None) -> Verdict:
+        """Like `Bridge.verdict`."""
+        machine, skips = self.machine, self.skips
+        return await self._planned(
+            path, lambda source, size, name: verdict(machine, source, size, name, skips, take_path)
+        )
+
+    async def fitting_machines(self, path: str, most: int) -> list[str]:
+        """Like `Bridge.fitting_machines`."""
+        others = (m for m in shipped_printers() if m.name != self.machine.name)
+        return await self._planned(
+            path, lambda source, size, name: fitting(others, source, size, name, most)
+        )
+
+    async def _planned(self, path: str, plan: Callable[[BinaryIO, int, str], _T]) -> _T:
         source = await asyncio.to_thread(Unheld, await self.card(), path)
-        work = self._planner.submit(_estimate, self.machine, source, path, take_path)
+
+        def work() -> _T:
+            with BufferedReader(source, _PIECE) as buffered:
+                return plan(cast("BinaryIO", buffered), source.size, path.rpartition("/")[2])
+
+        begun = self._planner.submit(work)
         try:
-            return await asyncio.wrap_future(work)
+            return await asyncio.wrap_future(begun)
         finally:
-            source.close()  # ends the estimate, if it was cancelled
+            source.close()  # ends the plan, if the caller was cancelled
 
     async def explain(self, path: str, line: int) -> Explanation:
         """Like `Bridge.explain`."""
@@ -434,17 +457,6 @@ def _explain(
             problems = [replace(p, file=name if p.file else "") for p in error.problems]
             raise type(error)(problems) from None
         return replace(told, place=f"{name}:{line}")
-
-
-def _estimate(
-    machine: MachineConfig,
-    source: Unheld,
-    path: str,
-    take_path: Callable[[bytes], None] | None,
-) -> Estimate:
-    with BufferedReader(source, _PIECE) as buffered:
-        name = path.rpartition("/")[2]
-        return estimate_open(machine, buffered, source.size, name, take_path=take_path)
 
 
 def _be_modest() -> None:

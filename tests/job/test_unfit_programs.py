@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from tests.support.macro_machine import macro, with_macros
 from tests.support.scenario import Scenario
 
 from passo.printer.unfit_commands import Skips
@@ -35,6 +36,54 @@ def test_a_card_print_stops_before_its_first_move(folder):
 def test_printer_may_skip_commands_that_options_allow(folder):
     with Scenario("i3", card=folder, skips=Skips(unknown=True, levelling=True)) as s:
         s.host.ok("M32 a.g")
+        s.host.expect("^Done printing file$", 60)
+        assert s.positions()["x"] == 20
+
+
+def test_a_print_that_may_clamp_goes_to_the_limit(tmp_path):
+    (tmp_path / "a.g").write_text("G28\nG1 X999 F9000\nG1 X300\nG1 Y20\n")
+    with Scenario("i3", card=str(tmp_path), skips=Skips(clamp=True)) as s:
+        s.host.ok("M32 a.g")
+        told = s.host.expect("X 999.000 mm is beyond the limit of 250.000 mm", 60)
+        assert "a.g:2: " in told
+        assert "such targets were moved to the limit (2 times)" in told
+        s.host.expect("^Done printing file$")
+        assert (s.positions()["x"], s.positions()["y"]) == (250, 20)
+        s.host.ok("M32 a.g")  # the next print counts from 0
+        assert "(2 times)" in s.host.expect("X 999.000 mm is beyond the limit", 60)
+        answers = s.host.ok("G1 X999")  # consoles do not clamp
+        assert any("X 999.000 mm is beyond the limit" in text for text in answers), answers
+        assert s.positions()["x"] == 250
+
+
+def test_a_print_may_leave_out_moves_beyond_the_reach(tmp_path):
+    (tmp_path / "a.g").write_text("G28\nG1 Z20 F3000\nG1 X10 Y10\nG1 X70 Y70\nG1 Z10\n")
+    with Scenario("delta", card=str(tmp_path), skips=Skips(clamp=True)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("such moves were left out \\(2 times\\)", 60)
+        s.host.ok("M23 a.g")
+        assert s.host.ok("M114")[0].startswith("X:10.000 Y:10.000 Z:20.000")
+
+
+def test_a_print_may_keep_its_tool(tmp_path):
+    (tmp_path / "a.g").write_text("G28\nT1\nG1 X20 F3000\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("^echo:Print of a.g stopped: a.g:2: tool T1 does not exist", 60)
+    with Scenario("i3", card=str(tmp_path), skips=Skips(ignore_tools=True)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("^Done printing file$", 60)
+        assert s.positions()["x"] == 20
+        assert any("tool T1 does not exist" in text for text in s.host.ok("T1"))
+
+
+def test_what_a_print_may_skip_concerns_its_macros_too(tmp_path):
+    (tmp_path / "a.g").write_text("G28\nBEGIN\nG1 X20 F3000\n")
+    machine = with_macros(macro("BEGIN", "OTHER_MACRO\nG1 X10 F3000"))
+    with Scenario(machine, card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("^echo:Print of a.g stopped: a.g:2: OTHER_MACRO is unknown", 60)
+        s.host.ok("M24 U1")
         s.host.expect("^Done printing file$", 60)
         assert s.positions()["x"] == 20
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from passo import config
 from passo.card import Card, Writer, open_card
@@ -11,6 +11,7 @@ from passo.errors import CardError, PassoError
 from passo.events import Event
 from passo.gcode.registry import Declaration, table
 from passo.job.batch.estimate import Estimate
+from passo.job.batch.verdict import Verdict
 from passo.learn.explanation import Explanation
 from passo.printer.console_lines import ConsoleLine
 from passo.printer.status import (
@@ -25,6 +26,7 @@ from passo.printer.status import (
     ShaperStatus,
     Status,
 )
+from passo.printer.unfit_commands import NOTHING
 from passo.web.bridge import (
     BedState,
     Hearer,
@@ -89,7 +91,8 @@ class FakeBridge:
         self.asked: list[str] = []
         self.answers: dict[str, tuple[str, ...] | PassoError] = {}
         self.estimated: list[str] = []
-        self.estimates: dict[str, Estimate] = {}
+        self.verdicts: dict[str, Verdict] = {}
+        self.skips = NOTHING
         self.history: list[ConsoleLine] = []
         self.line_listeners: list[Callable[[ConsoleLine], None]] = []
         self.senders: list[str] = []
@@ -159,8 +162,8 @@ class FakeBridge:
     async def select_file(self, path: str) -> None:
         self._answer(f"select {path}")
 
-    async def start_print(self, path: str) -> None:
-        self._answer(f"print {path}")
+    async def start_print(self, path: str, allow: Collection[str] = ()) -> None:
+        self._answer(" ".join(("print", path, *allow)))
 
     async def pause_print(self) -> None:
         self._answer("pause")
@@ -222,16 +225,20 @@ class FakeBridge:
         self._answer(f"rename {path} {to}")
         (await self.card()).rename(path, to)
 
-    async def estimate(
-        self, path: str, take_path: Callable[[bytes], None] | None = None
-    ) -> Estimate:
+    async def verdict(self, path: str, take_path: Callable[[bytes], None] | None = None) -> Verdict:
         self.estimated.append(path)
         answer = self.answers.get(f"estimate {path}")
         if isinstance(answer, PassoError):
             raise answer
+        if path in self.verdicts:
+            return self.verdicts[path]
         if take_path:
             take_path(f"path of {path}".encode())
-        return self.estimates.get(path, Estimate(path, self._machine.name, 60.0, moves=1))
+        return Verdict(Estimate(path, self._machine.name, 60.0, moves=1))
+
+    async def fitting_machines(self, path: str, most: int) -> list[str]:
+        self._answer(f"fits {path}")
+        return ["ender3", "corexy"][:most]
 
     async def explain(self, path: str, line: int) -> Explanation:
         self._answer(f"explain {path} {line}")

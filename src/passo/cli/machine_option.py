@@ -57,10 +57,15 @@ def add_skips(parser: argparse.ArgumentParser) -> None:
 
 
 def skips_of(arguments: argparse.Namespace) -> Skips:
-    """The commands that a print may skip, by these options."""
+    """What a print may do in place of a failure, by the options of `add_policy` and `add_skips`."""
     from passo.printer.unfit_commands import Skips
 
-    return Skips(unknown=arguments.unknown == "skip", levelling=arguments.levelling == "skip")
+    return Skips(
+        unknown=arguments.unknown == "skip",
+        levelling=arguments.levelling == "skip",
+        clamp=arguments.out_of_range == "clamp",
+        ignore_tools=arguments.missing_tool == "ignore",
+    )
 
 
 def policy_of(arguments: argparse.Namespace) -> Policy:

@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 from passo.cli.clock import factor
 from passo.cli.log_file import LEVELS, LogFile
-from passo.cli.machine_option import add_machine, add_skips, skips_of
+from passo.cli.machine_option import add_machine, add_policy, add_skips, skips_of
 from passo.cli.main import endings
 from passo.errors import ExitStatus
 
@@ -34,6 +34,7 @@ _BAUD = 250_000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the options of `passo serve`."""
     add_machine(parser)
+    add_policy(parser)
     add_skips(parser)
     parser.add_argument(
         "--clock",
@@ -277,6 +278,8 @@ async def _serve(
         halt_reports=arguments.log and f"{arguments.log}-halt",
         skip_unknown=skips.unknown,
         skip_levelling=skips.levelling,
+        clamp=skips.clamp,
+        ignore_tools=skips.ignore_tools,
         machine_source=arguments.machine,
         restarts=not arguments.stdin,  # with --stdin, the program ends with its console
     )

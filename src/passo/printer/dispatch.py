@@ -52,6 +52,7 @@ class Dispatch:
         self.immediate: dict[str, Handler] = {}
         self.planned: dict[str, Handler] = {}
         self._from_console = False
+        self._file_skips = skips  # what the print of the file may do in place of a failure
         for code in DECLARED:
             row = row_of(code)
             if row is not None and row.when is When.IMMEDIATE:
@@ -234,8 +235,16 @@ class Dispatch:
     def select(self, *, console: bool) -> None:
         """Selects whether the next text comes from a console or from the file."""
         self._from_console = console
-        self._rig.job.select(console)
+        job = self._rig.job
+        job.select(console)
+        job.clamp = self._file_skips.clamp and not console
+        job.ignore_tools = self._file_skips.ignore_tools and not console
         self._before_line()
+
+    def allow(self, skips: Skips) -> None:
+        """Sets what the print of the file may do in place of a failure. It does not concern
+        consoles."""
+        self._file_skips = skips
 
     @property
     def in_console_line(self) -> bool:
@@ -262,7 +271,7 @@ class Dispatch:
         if handler is not None and in_turn:
             return WaitForMoves(partial(self._carried_out, handler, command, reply))
         surveyed = self._from_console or self._rig.job.macro_depth == 0
-        if not surveyed and (problem := unfit(command, self._skips)):
+        if not surveyed and (problem := unfit(command, self._file_skips)):
             raise InputError([problem])
         wait = self._carried_out(handler, command, reply)
         if self._from_console and (problem := unfit(command, self._skips)):

@@ -198,11 +198,12 @@ class FilesStatus:
 @dataclass(frozen=True, slots=True)
 class EndedJob:
     """A finished print: its result (done, cancelled or failed), the reason of a failure, and its
-    progress."""
+    progress. `problems` are the errors of the reason, if they are known."""
 
     outcome: str
     reason: str
     job: JobStatus
+    problems: tuple[FaultStatus, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

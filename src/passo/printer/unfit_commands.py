@@ -4,6 +4,7 @@ levelling on a machine that cannot level."""
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 from passo.errors import Problem
@@ -41,13 +42,34 @@ _FLOW_OF_CONTROL = re.compile(
 )
 
 
+# The field of Skips that allows what an error of the catalogue refuses.
+ALLOWED_BY = {
+    "input.out-of-range": "clamp",
+    "input.unreachable": "clamp",
+    "input.actuator": "clamp",
+    "input.missing-tool": "ignore_tools",
+    "input.unknown-moves": "unknown",
+    "input.no-macro": "unknown",
+    "input.call": "unknown",
+    "input.no-levelling": "levelling",
+}
+
+
 class Skips(NamedTuple):
-    """The commands that a print may skip: unknown ones, and bed levelling. `levels` are the
-    levelling commands that the machine supports."""
+    """What a print may do in place of a failure: skip unknown commands and bed levelling, move
+    targets beyond the machine's limits to the limit (`clamp`), and keep the current tool where a
+    tool is missing (`ignore_tools`). `levels` are the levelling commands that the machine
+    supports."""
 
     unknown: bool = False
     levelling: bool = False
+    clamp: bool = False
+    ignore_tools: bool = False
     levels: frozenset[str] = frozenset()
+
+    def allowing(self, names: Iterable[str]) -> Skips:
+        """The same with these fields True as well."""
+        return self._replace(**dict.fromkeys(names, True))
 
     def on(self, machine: MachineConfig) -> Skips:
         """The same options for this machine."""
@@ -56,6 +78,12 @@ class Skips(NamedTuple):
         of_delta = OF_DELTAS if machine.geometry.kind == "delta" else frozenset[str]()
         of_motors = OF_Z_MOTORS if machine.levelling.motors else frozenset[str]()
         return self._replace(levels=PROBING | PROBE_MOVES | of_delta | of_motors)
+
+
+def plain_advice(problem: Problem) -> str:
+    """What to do next, for clients that offer by themselves what would allow the print: without the
+    option of the command line, or the command of a console."""
+    return problem.entry.action if problem.code in ALLOWED_BY else problem.advice
 
 
 NOTHING = Skips()

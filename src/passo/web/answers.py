@@ -12,6 +12,7 @@ from starlette.responses import Response
 
 from passo.catalogue import ExitStatus
 from passo.errors import PassoError, Problem
+from passo.printer.unfit_commands import plain_advice
 
 JSON = "application/json"
 _STATUS = {
@@ -141,8 +142,9 @@ def fault(problem: Problem) -> Fault:
     """A problem in the form for clients."""
     place = f"{problem.place}: " if problem.place else ""
     values = {name: _plain(value) for name, value in problem.values.items()}
-    action = problem.hint or problem.entry.action
-    return Fault(problem.code, problem.entry.part, place + problem.sentence, action, values)
+    return Fault(
+        problem.code, problem.entry.part, place + problem.sentence, plain_advice(problem), values
+    )
 
 
 def _plain(value: object) -> object:

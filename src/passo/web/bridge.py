@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -11,11 +11,12 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.events import Event
     from passo.gcode.registry import Declaration
-    from passo.job.batch.estimate import Estimate
+    from passo.job.batch.verdict import Verdict
     from passo.learn.explanation import Explanation
     from passo.levelling.correction import Correction
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import Queue, QueuedPrint, Status
+    from passo.printer.unfit_commands import Skips
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +109,11 @@ class Bridge(Protocol):
         ...
 
     @property
+    def skips(self) -> Skips:
+        """What prints of this printer may do in place of a failure."""
+        ...
+
+    @property
     def places(self) -> Sequence[str]:
         """The addresses for hosts, browsers and Moonraker, each with its kind: `tcp HOST:PORT`,
         `pty PATH`, `serial DEVICE`, `http://HOST:PORT`, `klippy PATH`."""
@@ -175,8 +181,9 @@ class Bridge(Protocol):
         """Selects a file of the card, to be printed later."""
         ...
 
-    async def start_print(self, path: str) -> None:
-        """Selects a file of the card and prints it."""
+    async def start_print(self, path: str, allow: Collection[str] = ()) -> None:
+        """Selects a file of the card and prints it. The print may also do what the fields `allow`
+        of Skips name."""
         ...
 
     async def pause_print(self) -> None:
@@ -256,18 +263,21 @@ class Bridge(Protocol):
         printed."""
         ...
 
-    async def estimate(
-        self, path: str, take_path: Callable[[bytes], None] | None = None
-    ) -> Estimate:
-        """Plans a file of the card; `take_path` is called in the planning thread with the planned
-        path, see job/batch/toolpath.py. This takes seconds for a long file, in a thread of low
-        priority. Estimates run one after the other; a cancelled one ends. Raises PassoError for a
-        file that cannot be printed as it is."""
+    async def verdict(self, path: str, take_path: Callable[[bytes], None] | None = None) -> Verdict:
+        """Plans a file of the card by the rules of the print; `take_path` is called in the planning
+        thread with the planned path, see job/batch/toolpath.py. This takes seconds for a long file,
+        in a thread of low priority. Plans run one after the other; a cancelled one ends. Raises
+        CardError for a file that cannot be read."""
+        ...
+
+    async def fitting_machines(self, path: str, most: int) -> list[str]:
+        """The names of shipped machines that print a file of the card, at most `most`. Time and
+        priority are those of `verdict`, for each machine. Raises CardError."""
         ...
 
     async def explain(self, path: str, line: int) -> Explanation:
         """Explains a line of a file of the card like `passo explain`. Time, priority and errors are
-        those of `estimate`. Raises InputError if the file does not have the line."""
+        those of `verdict`. Raises InputError if the file does not have the line."""
         ...
 
     async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:

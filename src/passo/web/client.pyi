@@ -201,6 +201,7 @@ class Job:
     def start(
         self,
         path: str,
+        allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
     ) -> None:
         """Prints a file of the card."""
         ...
@@ -505,13 +506,20 @@ class Files:
         by `passo estimate`. Planning takes some seconds for a long file; until then `state`
         is `pending`."""
         ...
+    def fits(
+        self,
+        path: str,
+    ) -> passo.web.endpoints.files.FittingMachines:
+        """Shipped machines that print a file, for one that this printer refuses. Planning
+        takes some seconds for each, of a long file."""
+        ...
     def toolpath(
         self,
         path: str,
     ) -> bytes:
         """The toolpath of a file, move by move, as this printer would print it; its format
         is in docs/reference/toolpath.md. The answer comes when the file is planned. A file
-        that cannot be printed as it is has no toolpath: `files.metadata` says why."""
+        that cannot be printed has no toolpath: `files.metadata` says why."""
         ...
     def thumbnail(
         self,
@@ -898,6 +906,7 @@ class AsyncJob:
     async def start(
         self,
         path: str,
+        allow: builtins.list[typing.Literal['unknown', 'levelling', 'clamp', 'ignore_tools']] = ...,
     ) -> None:
         """Prints a file of the card."""
         ...
@@ -1202,13 +1211,20 @@ class AsyncFiles:
         by `passo estimate`. Planning takes some seconds for a long file; until then `state`
         is `pending`."""
         ...
+    async def fits(
+        self,
+        path: str,
+    ) -> passo.web.endpoints.files.FittingMachines:
+        """Shipped machines that print a file, for one that this printer refuses. Planning
+        takes some seconds for each, of a long file."""
+        ...
     async def toolpath(
         self,
         path: str,
     ) -> bytes:
         """The toolpath of a file, move by move, as this printer would print it; its format
         is in docs/reference/toolpath.md. The answer comes when the file is planned. A file
-        that cannot be printed as it is has no toolpath: `files.metadata` says why."""
+        that cannot be printed has no toolpath: `files.metadata` says why."""
         ...
     async def thumbnail(
         self,

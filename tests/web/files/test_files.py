@@ -7,8 +7,9 @@ from tests.support.web_errors import code_of
 from tests.web.fake_bridge import FakeBridge
 from tests.web.local_site import client, local_client, site
 
-from passo.errors import CardError, InputError
+from passo.errors import CardError, Problem
 from passo.job.batch.estimate import Estimate
+from passo.job.batch.verdict import Verdict
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 2
 API = "/api/v1"
@@ -123,8 +124,9 @@ def test_metadata_are_those_of_slicer_and_plan(web, bridge, tmp_path):
         + 'EXCLUDE_OBJECT_DEFINE NAME="a b"\nM486 S2 A"lid"\nG28\n'
     )
     (tmp_path / "a.gcode").write_text(text)
-    plan = Estimate("a", "i3", 90.0, 60.0, 30.0, 0.0, 7, 3, {"e": 12.5}, limits_s={"speed": 4.0})
-    bridge.estimates["/a.gcode"] = plan
+    bridge.verdicts["/a.gcode"] = Verdict(
+        Estimate("a", "i3", 90.0, 60.0, 30.0, 0.0, 7, 3, {"e": 12.5}, limits_s={"speed": 4.0})
+    )
     found = known(web, "a.gcode")
     assert (found["slicer"], found["objects"]) == ("PrusaSlicer 2.9.3", ["cube", "a b", "lid"])
     assert [(p["number"], p["width"], p["type"]) for p in found["thumbnails"]] == [
@@ -159,12 +161,28 @@ def test_each_slicer_is_known_by_its_line(web, tmp_path, line, slicer):
 def test_a_file_that_cannot_be_printed_reports_why(web, bridge, tmp_path):
     (tmp_path / "a.gcode").write_text("G1 X900\n")
     values = {"axis": "X", "value": 900.0, "limit": 250.0, "decimals": 0}
-    bridge.answers["estimate /a.gcode"] = InputError.of(
-        "input.out-of-range", "a.gcode", 1, **values
-    )
+    problem = Problem("input.out-of-range", "a.gcode", 1, values, "… or --out-of-range clamp")
+    bridge.verdicts["/a.gcode"] = Verdict(None, (problem,))
     found = known(web, "a.gcode")
-    assert (found["state"], found["plan"]) == ("refused", None)
+    assert (found["state"], found["plan"], found["allow"]) == ("refused", None, [])
     assert found["problems"][0]["message"].startswith("a.gcode:1: X 900 mm is beyond the limit")
+    assert "--" not in found["problems"][0]["action"]
+
+
+def test_a_refused_file_names_what_must_be_allowed(web, bridge, tmp_path):
+    (tmp_path / "a.gcode").write_text("G28\nPRINT_START\nT1\n")
+    problem = Problem("input.no-macro", "a.gcode", 2, {"value": "PRINT_START"})
+    plan = Estimate("a", "i3", 90.0)
+    bridge.verdicts["/a.gcode"] = Verdict(plan, (problem,), ("unknown", "ignore_tools"))
+    found = known(web, "a.gcode")
+    assert (found["state"], found["allow"]) == ("refused", ["unknown", "ignore_tools"])
+    assert found["plan"]["total_s"] == 90.0
+    assert found["problems"][0]["values"] == {"value": "PRINT_START"}
+    body = {"path": "/a.gcode", "allow": found["allow"]}
+    assert web.post(f"{API}/job", json=body).status_code == 204
+    assert bridge.asked[-1] == "print /a.gcode unknown ignore_tools"
+    assert web.post(f"{API}/job", json=body | {"allow": ["anything"]}).status_code == 400
+    assert web.get(f"{API}/files/fits?path=a.gcode").json() == {"machines": ["ender3", "corexy"]}
 
 
 def test_an_upload_is_planned_once_and_again_when_it_changes(web, bridge, tmp_path):
@@ -205,7 +223,7 @@ def test_the_path_of_a_file_is_had_once_it_is_planned(web, bridge, tmp_path):
 
 def test_a_refused_file_has_no_path(web, bridge, tmp_path):
     (tmp_path / "a.gcode").write_text("G1 X900\n")
-    bridge.answers["estimate /a.gcode"] = InputError.of("input.empty", "a.gcode")
+    bridge.verdicts["/a.gcode"] = Verdict(None, (Problem("input.empty", "a.gcode"),))
     assert code_of(web.get(f"{API}/files/toolpath?path=a.gcode")) == "web.not-found"
 
 

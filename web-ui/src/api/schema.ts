@@ -202,11 +202,12 @@ export interface Difference {
 }
 
 /** A finished print: its result (done, cancelled or failed), the reason of a failure, and its
- * progress. */
+ * progress. `problems` are the errors of the reason, if they are known. */
 export interface EndedJob {
   outcome: string;
   reason: string;
   job: JobStatus;
+  problems: FaultStatus[];
 }
 
 /** A command of the line: its effect, and its words as read by the lexer. `code` is empty for a
@@ -327,9 +328,11 @@ export interface FilePath {
   path: string;
 }
 
-/** The path of a file on the card. */
+/** The path of a file on the card. `allow` is what the print may do in place of a failure, see
+ * `Metadata`. */
 export interface FileToPrint {
   path: string;
+  allow?: ("clamp" | "ignore_tools" | "levelling" | "unknown")[];
 }
 
 /** The card: whether it is mounted, the path of the file that is selected for printing, and the
@@ -338,6 +341,11 @@ export interface FilesStatus {
   mounted: boolean;
   selected: string;
   folder: string;
+}
+
+/** The names of the first shipped machines that print a file, the smallest first. */
+export interface FittingMachines {
+  machines: string[];
 }
 
 /** The current or the last flashing of a board; its state is `idle` before the first one. The
@@ -609,9 +617,12 @@ export interface Mesh {
   heights: number[][];
 }
 
-/** Facts about a file. `state` is `pending` until the plan is computed. It is `refused` if the
- * file cannot be printed as it is; then `problems` has the reasons, for example moves out of
- * range. */
+/** Facts about a file. `state` is `pending` until the plan is computed. It is `refused` if a print
+ * of the file as it is fails; then `problems` has the reasons, for example moves out of range.
+ * `allow` is what `job.start` must allow so that the file can be printed in spite of them: to
+ * skip `unknown` commands that may move the machine, to skip the `levelling` of the bed, to
+ * `clamp` moves to the limits of the machine, to `ignore_tools` that are missing. `plan` is the
+ * plan of that print. An empty `allow` of a refused file: it cannot be printed. */
 export interface Metadata {
   path: string;
   state: "known" | "pending" | "refused";
@@ -620,6 +631,7 @@ export interface Metadata {
   thumbnails: Picture[];
   plan?: Plan | null;
   problems: Fault[];
+  allow: ("clamp" | "ignore_tools" | "levelling" | "unknown")[];
 }
 
 /** The motion of the machine. `speed_mm_s` is the current speed of the nozzle, `filament_mm_s`

@@ -15,6 +15,7 @@ from passo.job.batch.source import open_source
 from passo.job.batch.toolpath import encoded_toolpath
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.program import Commands
+from passo.printer.unfit_commands import ALL, Skips
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -91,9 +92,8 @@ def estimate(
     """Plans the file on the machine, without steps. Raises InputError."""
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
-        return estimate_open(
-            machine, source, size, str(path), clamp=clamp, ignore_tools=ignore_tools
-        )
+        skips = ALL._replace(clamp=clamp, ignore_tools=ignore_tools)
+        return estimate_open(machine, source, size, str(path), skips=skips)
 
 
 def estimate_open(
@@ -102,18 +102,19 @@ def estimate_open(
     size: int,
     name: str,
     *,
-    clamp: bool = False,
-    ignore_tools: bool = False,
+    skips: Skips = ALL,
     take_path: Callable[[bytes], None] | None = None,
 ) -> Estimate:
-    """Like `estimate`, for an open file of `size` bytes, which is at its beginning. `take_path` is
-    called with the planned path, see toolpath.py. Also raises the errors of reading."""
+    """Like `estimate`, for an open file of `size` bytes, which is at its beginning. `skips` is what
+    it may do in place of a failure. `take_path` is called with the planned path, see toolpath.py.
+    Also raises the errors of reading."""
     spec = machine.core_spec()
-    job = _core.Job(spec, False, clamp, ignore_tools)
+    job = _core.Job(spec, False, skips.clamp, skips.ignore_tools)
     if take_path:
         job.keep_toolpath()
     heating = Heating(machine, job)
     commands = _Commands(machine, job, heating)
+    commands.skips = skips.on(machine)
     for _ in run_open_program(
         job, commands, source, size, name, lambda wait: heating.settle(wait, commands)
     ):

@@ -17,23 +17,23 @@ from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.macros import EmergencyStop
 from passo.printer.skipped_commands import SkippedCommand
-from passo.printer.unfit_commands import ALL, Skips, unfit
+from passo.printer.unfit_commands import ALL, ALLOWED_BY, Skips, unfit
 from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves, WaitForTemperatures
 
 _log = logging.getLogger(__name__)
 
 _MAX_MESSAGES = 1 << 15
-_ALLOWED_BY = {  # options of the command line
-    "input.out-of-range": "--out-of-range clamp",
-    "input.unreachable": "--out-of-range clamp",
-    "input.actuator": "--out-of-range clamp",
-    "input.missing-tool": "--missing-tool ignore",
+_OPTIONS = {  # options of the command line, by the field of Skips
+    "clamp": "--out-of-range clamp",
+    "ignore_tools": "--missing-tool ignore",
+    "unknown": "--unknown skip",
+    "levelling": "--levelling skip",
+}
+_HINTS = {code: _OPTIONS[field] for code, field in ALLOWED_BY.items()} | {
     "input.not-homed": "it for a piece of G-code by --assume-ready",
     "input.cold": "it for a piece of G-code by --assume-ready",
-    "input.unknown-moves": "--unknown skip",
     "input.no-macro": "it to be left out by --unknown skip",
     "input.call": "it to be left out, if the sub-program is missing, by --unknown skip",
-    "input.no-levelling": "--levelling skip",
 }
 
 Settle = Callable[[Wait], None]
@@ -143,7 +143,7 @@ def _expand(job: _core.Job, commands: Commands, name: str, settle: Settle) -> No
 
 def with_option(problem: Problem) -> Problem:
     """The problem, with a hint to the command-line option that allows it."""
-    option = _ALLOWED_BY.get(problem.code)
+    option = _HINTS.get(problem.code)
     advice = f"{problem.entry.action}, or allow {option}"
     return replace(problem, hint=advice) if option else problem
 

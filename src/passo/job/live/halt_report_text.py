@@ -84,7 +84,7 @@ class HaltReport:
             yield f"what:   {problem.sentence}"
             if problem.place:
                 yield f"where:  {problem.place}"
-            yield f"action: {problem.hint or entry.action}"
+            yield f"action: {problem.advice}"
         if self.trace:
             yield ""
             yield self.trace.rstrip("\n")

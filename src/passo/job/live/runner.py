@@ -198,8 +198,9 @@ class Runner:
             self._enter(JobState.READY)
 
     def start(self, *, skips: Skips | None = None) -> None:
-        """Starts the selected file at its offset, or ends a pause. `skips` are commands that the
-        print may skip, by default those of the printer. Raises CommandError."""
+        """Starts the selected file at its offset, or ends a pause. `skips` is what the print may do
+        in place of a failure: by default that of the printer, and after a failed line that of the
+        print. Raises CommandError."""
         if self.state is JobState.PAUSED:
             if self._suspended:
                 self._require_places()
@@ -214,7 +215,9 @@ class Runner:
             raise CommandError.of("job.no-file")
         if 0 < self.size <= self.offset and self.state is not JobState.FAILED:
             raise CommandError.of("job.at-end", value=self.name)
-        self._skips = self._printer.skips if skips is None else skips
+        if skips is not None or not self.stands:
+            self._skips = self._printer.skips if skips is None else skips.on(self._printer.machine)
+        self._printer.dispatch.allow(self._skips)
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # starts when the cancelled print has released the machine
@@ -400,6 +403,9 @@ class Runner:
             return  # cancelled
         printer.laser.off()
         self.ended = "failed" if self._failed else "done"
+        if self._skips.clamp:
+            for warning in printer.commands.clamped(self.name):
+                printer.state.announce(_log, logging.WARNING, warning)
         self._enter(JobState.FAILED if self._failed else JobState.READY)
         if self._failed:
             text = f"Print of {self.name} stopped: {self._failed}"

@@ -26,6 +26,7 @@ from passo.printer.status import (
     Queue,
     Status,
 )
+from passo.printer.unfit_commands import plain_advice
 
 if TYPE_CHECKING:
     from passo.board.connection import Connection
@@ -118,7 +119,12 @@ class StatusReader:
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if was.active and not state.active:
-            self._ended = EndedJob(self._runner.ended, self._runner.failed, self._job_status())
+            self._ended = EndedJob(
+                self._runner.ended,
+                self._runner.failed,
+                self._job_status(),
+                _faults(self._runner.problems),
+            )
 
     def _state(self) -> PrinterState:
         printer = self._printer
@@ -208,7 +214,13 @@ class StatusReader:
 
 def _faults(problems: Sequence[Problem]) -> tuple[FaultStatus, ...]:
     return tuple(
-        FaultStatus(p.code, p.entry.part, p.sentence, p.hint or p.entry.action) for p in problems
+        FaultStatus(
+            p.code,
+            p.entry.part,
+            f"{p.place}: {p.sentence}" if p.place else p.sentence,
+            plain_advice(p),
+        )
+        for p in problems
     )
 
 

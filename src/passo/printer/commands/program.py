@@ -227,6 +227,10 @@ class Commands:
         axis with clamped targets, for skipped moves, and for a truncated file."""
         return self.omitted.warnings(file, self._clamped())
 
+    def clamped(self, file: str) -> list[str]:
+        """One sentence for each axis with clamped targets, and for skipped moves."""
+        return SkippedCommands().warnings(file, self._clamped())
+
     def _clamped(self) -> dict[str, tuple[int, int]]:
         geometry = self._machine.geometry
         problems = [(problem(error, "", geometry), times) for error, times in self._job.clamped]

@@ -33,6 +33,7 @@ _UPLOAD = (
     ),
     *("upload.content", "upload.slow", "upload.too-many", "upload.malformed", "upload.offset"),
 )
+_MOST_MACHINES = 4
 _Path = Annotated[str, Meta(min_length=1, max_length=1024)]
 
 
@@ -81,6 +82,12 @@ class Folder(Struct):
     entries: list[FileEntry]
 
 
+class FittingMachines(Struct):
+    """The names of the first shipped machines that print a file, the smallest first."""
+
+    machines: list[str]
+
+
 class StoredFile(Struct):
     """The number of received bytes of a file, and whether the file is on the card."""
 
@@ -120,6 +127,14 @@ async def metadata(call: Call, query: FilePath) -> Metadata:
     return await call.site.metadata.get(confined(query.path))
 
 
+@operation("files.fits", "GET", "/files/fits", Role.VIEWER, errors=(*_CARD, "card.directory"))
+async def fits(call: Call, query: FilePath) -> FittingMachines:
+    """Shipped machines that print a file, for one that this printer refuses. Planning takes some
+    seconds for each, of a long file."""
+    path = confined(query.path)
+    return FittingMachines(await call.bridge.fitting_machines(path, _MOST_MACHINES))
+
+
 @operation(
     "files.toolpath",
     "GET",
@@ -131,7 +146,7 @@ async def metadata(call: Call, query: FilePath) -> Metadata:
 async def toolpath(call: Call, query: FilePath) -> Response:
     """The toolpath of a file, move by move, as this printer would print it; its format is in
     docs/reference/toolpath.md. The answer comes when the file is planned. A file that cannot be
-    printed as it is has no toolpath: `files.metadata` says why."""
+    printed has no toolpath: `files.metadata` says why."""
     path = confined(query.path)
     place = await call.site.metadata.toolpath(path)
     if place is None:

@@ -8,14 +8,17 @@ from msgspec import Meta, Struct
 
 from passo.web.bridge import PastPrint
 from passo.web.call import Call
+from passo.web.files.metadata import Allowance
 from passo.web.operation import operation
 from passo.web.roles import Role
 
 
 class FileToPrint(Struct, forbid_unknown_fields=True):
-    """The path of a file on the card."""
+    """The path of a file on the card. `allow` is what the print may do in place of a failure, see
+    `Metadata`."""
 
     path: str
+    allow: list[Allowance] = []
 
 
 class ObjectState(Struct, forbid_unknown_fields=True):
@@ -42,7 +45,7 @@ class HowMany(Struct, forbid_unknown_fields=True):
 )
 async def start(call: Call, body: FileToPrint) -> None:
     """Prints a file of the card."""
-    await call.bridge.start_print(body.path)
+    await call.bridge.start_print(body.path, body.allow)
 
 
 @operation("job.pause", "POST", "/job/pause", Role.OPERATOR, errors=("command.halted",))

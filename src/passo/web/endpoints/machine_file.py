@@ -255,7 +255,7 @@ async def _loaded(call: Call, text: str) -> Loaded:
 
 def _problem(problem: Problem) -> MachineProblem:
     key = str(problem.values.get("key", ""))
-    action = problem.hint or problem.entry.action
+    action = problem.advice
     return MachineProblem(problem.code, key, problem.line or 1, problem.sentence, action)
 
 

@@ -58,10 +58,16 @@ class Picture(Struct):
     type: str
 
 
+Allowance = Literal["unknown", "levelling", "clamp", "ignore_tools"]
+
+
 class Metadata(Struct):
-    """Facts about a file. `state` is `pending` until the plan is computed. It is `refused` if the
-    file cannot be printed as it is; then `problems` has the reasons, for example moves out of
-    range."""
+    """Facts about a file. `state` is `pending` until the plan is computed. It is `refused` if a
+    print of the file as it is fails; then `problems` has the reasons, for example moves out of
+    range. `allow` is what `job.start` must allow so that the file can be printed in spite of them:
+    to skip `unknown` commands that may move the machine, to skip the `levelling` of the bed, to
+    `clamp` moves to the limits of the machine, to `ignore_tools` that are missing. `plan` is the
+    plan of that print. An empty `allow` of a refused file: it cannot be printed."""
 
     path: str
     state: Literal["pending", "known", "refused"]
@@ -70,6 +76,7 @@ class Metadata(Struct):
     thumbnails: list[Picture]
     plan: Plan | None = None
     problems: list[Fault] = []
+    allow: list[Allowance] = []
 
 
 class MetadataReader:
@@ -78,7 +85,7 @@ class MetadataReader:
 
     def __init__(self, bridge: Bridge, folder: Path | None) -> None:
         self._bridge = bridge
-        made_for = f"{__version__} {bridge.machine.model_dump_json()}"
+        made_for = f"{__version__} {bridge.skips} {bridge.machine.model_dump_json()}"
         digest = hashlib.blake2b(made_for.encode(), digest_size=16).hexdigest()
         self._cache = MetadataCache(folder, digest)
         self._toolpaths = Toolpaths(folder, digest)
@@ -134,12 +141,13 @@ class MetadataReader:
             return
         found = await _begun(card, path)
         try:
-            found.plan = _plan(
-                await self._bridge.estimate(
-                    path, lambda data: self._toolpaths.put(path, entry, data)
-                )
+            verdict = await self._bridge.verdict(
+                path, lambda data: self._toolpaths.put(path, entry, data)
             )
-            found.state = "known"
+            found.plan = verdict.estimate and _plan(verdict.estimate)
+            found.problems = [fault(problem) for problem in verdict.problems]
+            found.allow = msgspec.convert(verdict.allow, list[Allowance])
+            found.state = "refused" if verdict.problems else "known"
         except CardError:
             raise
         except Exception as error:
@@ -155,7 +163,7 @@ class MetadataReader:
         if (found := self._cache.get(path, entry)) is None:
             return False
         known = msgspec.json.decode(found, type=Metadata)
-        return known.state == "refused" or self._toolpaths.find(path, entry) is not None
+        return known.plan is None or self._toolpaths.find(path, entry) is not None
 
 
 async def comments_of(card: Card, path: str) -> Comments:
