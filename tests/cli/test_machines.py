@@ -161,9 +161,10 @@ def test_check_lists_assumed_heaters(tmp_path: Path, capsys: pytest.CaptureFixtu
     path.write_text(re.sub(r"(?m)^simulated = .*\n", "", config.shipped_text("i3")))
     assert main(["check", str(path)]) == 0
     assert capsys.readouterr().out.splitlines()[1:] == [
-        f"  Note: heaters.{name} is taken to be {what}, and its readings are not compared with a"
-        f" model. M303 H{number} R5 finds the model of this one"
-        for name, what, number in (("hotend", "a hotend of 40 W", 0), ("bed", "a bed of 200 W", -1))
+        f"  Note: heaters.{name} is taken to be a {name} that full power heats to {hottest} °C, and"
+        " its readings are not compared with a model."
+        f" M303 H{number} R5 finds the model of this one"
+        for name, hottest, number in (("hotend", 405, 0), ("bed", 135, -1))
     ]
 
 

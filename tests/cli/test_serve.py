@@ -10,6 +10,7 @@ from functools import partial
 import pytest
 
 from passo.cli.main import endings
+from passo.config import shipped_text
 
 ENDINGS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP]
 
@@ -39,3 +40,20 @@ def test_serve_survives_its_terminal_with_nohup():
         assert endings() == [signal.SIGTERM, signal.SIGHUP]
     finally:
         signal.signal(signal.SIGHUP, before)
+
+
+def test_any_machine_runs_on_simulated_boards(tmp_path):
+    """Two serial ports that do not exist; the state of the real printer stays as it is."""
+    tool = '\n[boards.tool]\nbase = "ramps"\nlink = "serial"\nport = "/dev/no-tool"\n'
+    text = shipped_text("i3").replace("[board]\n", '[board]\nlink = "serial"\nport = "/dev/no"\n')
+    machine, state = tmp_path / "mine.toml", tmp_path / "state"
+    machine.write_text(text.replace('socket = "E0"', 'socket = "tool:E0"') + tool)
+    words = [sys.executable, "-m", "passo", "serve", "--machine", str(machine), "--simulated"]
+    words += ["--clock", "fast", "--stdin", "--http", "none", "--state", str(state)]
+    lines = "G28\nM109 S200\nG1 X50 E2 F3000\nM400\nM114\nM206 X1\nM500\nM408 S0\n"
+    run = subprocess.run(words, input=lines, capture_output=True, text=True)
+    assert run.returncode == 0
+    assert run.stderr.startswith("Serving i3, simulated, on")
+    assert "X:50.000 Y:0.000 Z:0.000 E:2.0000 Count X:4000 Y:0 Z:0" in run.stdout
+    assert [path.name for path in state.iterdir()] == ["simulated"]
+    assert (state / "simulated" / "settings.json").exists()

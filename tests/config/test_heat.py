@@ -13,6 +13,7 @@ from passo.config.sensors import SensorTable, Thermistor
 from passo.config.thermistor import Ntc
 from passo.errors import ConfigError
 from passo.heat.control import limits_of
+from passo.machine import Machine
 
 HEAD = "max_c = 285.0\n"
 
@@ -288,7 +289,7 @@ def test_a_heater_that_is_not_described_is_usual_for_its_kind(i3_text):
     text = undescribed(i3_text) + '\n[heaters.case]\nkind = "chamber"\npin = "D11"\n'
     heaters = config.load_text(text + 'sensor_pin = "T2"\nmax_c = 70.0\n').heaters
     rises = {name: heater.simulated.full_power_rise_c for name, heater in heaters.items()}
-    assert rises == {"hotend": 380.0, "bed": 110.0, "case": 50.0}
+    assert rises == pytest.approx({"hotend": 380.0, "bed": 110.0, "case": 1.15 * 45.0})
     # A real heater of another power must not look broken.
     assert [limits_of(heater).deviation for heater in heaters.values()] == [0.0, 0.0, 0.0]
     assert limits_of(config.load_text(i3_text).heaters["hotend"]).deviation == 0.25
@@ -308,3 +309,19 @@ def test_a_heater_that_has_only_a_model_heats_like_it(i3_text):
         "fan_loss": 0.1,
     }
     assert limits_of(heater).deviation == 0.25
+
+
+@pytest.mark.parametrize(("heater", "max_power"), [("bed", 0.6), ("bed", 1.0), ("hotend", 0.4)])
+def test_a_usual_heater_reaches_its_maximum_temperature(i3_text, tmp_path, heater, max_power):
+    """The bed of a Voron has `max_power: 0.6`; some hotends print at 400 °C."""
+    hottest = {"bed": 135.0, "hotend": 450.0}[heater]
+    lines = f"max_power = {max_power}\nmax_c = {hottest}\n"
+    old = {"bed": "max_c = 120.0\n", "hotend": HEAD}[heater]
+    pt1000 = 'sensor = "PT1000"\n' if heater == "hotend" else ""
+    machine = config.load_text(undescribed(i3_text).replace(old, lines + pt1000), "my.toml")
+    rise_c = machine.heaters[heater].simulated.full_power_rise_c
+    assert rise_c * max_power == pytest.approx(1.15 * (hottest - 25.0))
+    path = tmp_path / "heat.gcode"
+    code = {"bed": "M190", "hotend": "M109"}[heater]
+    path.write_text(f"{code} S{hottest - 5.0}\n")
+    assert 0.0 < Machine(machine).print(path).heat_time_s < 1800.0

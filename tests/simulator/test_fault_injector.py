@@ -68,7 +68,7 @@ def test_real_boards_refuse():
         for line in ("SIMULATE_FAULT", "SIMULATE_FAULT NAME=cable VALUE=cut"):
             assert s.host.ok(line)[0] == (
                 "echo:the boards of this machine are real, and no fault can be simulated on them."
-                ' Start with a machine file whose [board] table has link = "simulated".'
+                " Start passo serve with --simulated."
             )
 
 

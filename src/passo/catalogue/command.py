@@ -18,7 +18,7 @@ COMMAND: Mapping[str, Entry] = {
     "command.real-board": bad_input(
         "command",
         "the boards of this machine are real, and no fault can be simulated on them",
-        'Start with a machine file whose [board] table has link = "simulated"',
+        "Start passo serve with --simulated",
     ),
     "command.no-fault": bad_input(
         "command", "{value} is not a fault of this machine: expected {limit}", "Name one of these"

@@ -70,7 +70,8 @@ MACHINE: Mapping[str, Entry] = {
     "machine.unreachable": Entry(
         "board",
         "the board cannot be reached at {axis}: {value}",
-        "Check its cable and supply, and link and port in the machine file",
+        "Check its cable and supply, and link and port in the machine file. Without a board, start"
+        " passo serve with --simulated",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.port-in-use": Entry(

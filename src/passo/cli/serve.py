@@ -37,6 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_policy(parser)
     add_skips(parser)
     parser.add_argument(
+        "--simulated",
+        action="store_true",
+        help="simulated boards in place of the real ones, to see this printer before it is"
+        " connected. Its state is kept apart, in DIR/simulated of --state DIR",
+    )
+    parser.add_argument(
         "--clock",
         type=_clock,
         default=1.0,
@@ -202,9 +208,11 @@ def run(arguments: argparse.Namespace) -> int:
     machine, questions, _ = config.load_and_question(arguments.machine)
     for question in questions:
         print(question, file=sys.stderr)
+    machine = _with_boards(machine, arguments)
     if machine.board.link != "simulated" and arguments.clock != 1.0:
         where = f"{machine.board.port} keeps its own time"
-        print(f"passo serve: error: the board at {where}: leave --clock out", file=sys.stderr)
+        what = "leave --clock out, or add --simulated"
+        print(f"passo serve: error: the board at {where}: {what}", file=sys.stderr)
         return ExitStatus.USAGE
     links = [Path(path).parent.resolve() / Path(path).name for path in arguments.pty]
     if twice := next((path for path in links if links.count(path) > 1), None):
@@ -243,8 +251,23 @@ def run(arguments: argparse.Namespace) -> int:
     with log or contextlib.nullcontext():
         clock = arguments.clock or "real"
         while run_live(_serve(arguments, machine, orders, log), clock=clock):
-            machine = config.load(arguments.machine)
+            machine = _with_boards(config.load(arguments.machine), arguments)
     return ExitStatus.DONE
+
+
+def _with_boards(machine: MachineConfig, arguments: argparse.Namespace) -> MachineConfig:
+    """The machine with the boards of its file, or with simulated ones for `--simulated`."""
+    from passo import config
+
+    return config.on_simulated_boards(machine) if arguments.simulated else machine
+
+
+def _state_of(arguments: argparse.Namespace) -> str | None:
+    """The folder of the state. That of simulated boards is inside the folder of the real printer,
+    so that neither uses settings, meshes or journals of the other."""
+    if arguments.state is None or not arguments.simulated:
+        return arguments.state
+    return str(Path(arguments.state) / "simulated")
 
 
 async def _list_faults(machine: MachineConfig) -> None:
@@ -274,7 +297,7 @@ async def _serve(
         machine,
         fast=arguments.clock is None,
         card=arguments.sd,
-        state=arguments.state,
+        state=_state_of(arguments),
         halt_reports=arguments.log and f"{arguments.log}-halt",
         skip_unknown=skips.unknown,
         skip_levelling=skips.levelling,
@@ -315,8 +338,9 @@ async def _serve(
                 alone = places == [address] and arguments.http is None
                 over = printer.end if alone or not places else _go_on_serving
                 places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
-            print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
-            _log.info("Serving %s on %s", machine.name, ", ".join(places))
+            served = f"{machine.name}{', simulated,' if arguments.simulated else ''}"
+            print(f"Serving {served} on {', '.join(places)}.", file=sys.stderr, flush=True)
+            _log.info("Serving %s on %s", served, ", ".join(places))
             return await printer.serve()
     return False
 

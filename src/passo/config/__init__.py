@@ -15,6 +15,7 @@ from passo.config.load import (
     shipped_text,
 )
 from passo.config.machine import MachineConfig
+from passo.config.simulated_boards import on_simulated_boards
 
 __all__ = [
     "MachineConfig",
@@ -25,6 +26,7 @@ __all__ = [
     "load_text_and_question",
     "machine_file_text",
     "machine_path",
+    "on_simulated_boards",
     "shipped_boards",
     "shipped_machines",
     "shipped_text",

@@ -118,7 +118,7 @@ class Arrival(Model):
 class SimulatedHeat(Model):
     """A heater of a simulated printer: a first-order body, and a first-order sensor after it.
     Without this table, the heater behaves like its `model`; without a model, like a hotend of 40 W,
-    a bed of 200 W or a chamber of 300 W."""
+    a bed of 200 W or a chamber of 300 W, or like a stronger one if `max_c` needs it."""
 
     full_power_rise_c: Positive
     """The final temperature at full power, above the ambient temperature of 25 °C."""
@@ -143,8 +143,16 @@ _USUAL_HEAT = {
 }
 
 
+# The smallest final temperature above the ambient one, relative to that of `max_c`.
+_HEADROOM = 1.15
+AMBIENT_C = 25.0
+_LEAST_POWER = 0.05
+
+
 def _simulated_heat(heater: dict[str, Any]) -> SimulatedHeat:
-    """The simulated heater for a heater without a table `simulated`, from its other fields."""
+    """The simulated heater for a heater without a table `simulated`, from its other fields. It can
+    reach `max_c` with `max_power`. The size of a bed has no influence: its power and its loss both
+    grow with its area."""
     model = heater.get("model")
     if isinstance(model, HeatModel):
         return SimulatedHeat(
@@ -153,7 +161,11 @@ def _simulated_heat(heater: dict[str, Any]) -> SimulatedHeat:
             sensor_time_constant_s=model.sensor_lag_s,
             fan_loss=model.fan_loss,
         )
-    return _USUAL_HEAT[heater.get("kind", "hotend")]
+    usual = _USUAL_HEAT[heater.get("kind", "hotend")]
+    max_power = max(heater.get("max_power", 1.0), _LEAST_POWER)
+    needed_c = _HEADROOM * (heater.get("max_c", AMBIENT_C) - AMBIENT_C) / max_power
+    rise_c = max(usual.full_power_rise_c, needed_c)
+    return usual.model_copy(update={"full_power_rise_c": rise_c})
 
 
 class Heater(Model):
@@ -192,7 +204,7 @@ class Heater(Model):
     """The parts that also stop when a protection has switched this heater off."""
     simulated: SimulatedHeat = Field(default_factory=_simulated_heat)
     """The behaviour of the heater on the simulated printer. If not given, that of its `model`, or
-    the usual one for its `kind`."""
+    the usual one for its `kind`, with at least the power that `max_c` needs."""
 
     @property
     def known_model(self) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.board_files import known_pins
 from passo.config.findings import key_text
+from passo.config.heat import AMBIENT_C
 from passo.config.heater_numbers import number_of
 from passo.config.jerk import box_s, right_angle_mm
 from passo.config.pin_names import section
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _PINS = {"mcu", "dictionary", "pins"}
-_ASSUMED = {"hotend": "a hotend of 40 W", "bed": "a bed of 200 W", "chamber": "a chamber of 300 W"}
 
 
 def unchecked_boards(machine: MachineConfig) -> list[str]:
@@ -41,9 +41,10 @@ def notes(machine: MachineConfig) -> Iterator[str]:
         if not heater.known_model:
             number = number_of(machine, name)
             tune = "" if number is None else f". M303 H{number} R5 finds the model of this one"
+            hottest_c = AMBIENT_C + heater.simulated.full_power_rise_c
             yield (
-                f"heaters.{name} is taken to be {_ASSUMED[heater.kind]}, and its readings are not"
-                f" compared with a model{tune}"
+                f"heaters.{name} is taken to be a {heater.kind} that full power heats to"
+                f" {hottest_c:.0f} °C, and its readings are not compared with a model{tune}"
             )
     if machine.limits.jerk_mm_s3 is not None:
         yield _jerk_note(machine, machine.limits.jerk_mm_s3)

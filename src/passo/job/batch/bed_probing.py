@@ -9,6 +9,7 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from passo import config
 from passo.clock import VirtualLoop
 from passo.errors import CommandError, MachineError, Problem
 from passo.gcode.registry import Kind, row_of
@@ -64,8 +65,7 @@ class BedProbing:
     """
 
     def __init__(self, machine: MachineConfig, job: _core.Job, commands: Commands) -> None:
-        simulated = machine.board.model_copy(update={"link": "simulated"})
-        self._machine = machine.model_copy(update={"board": simulated})
+        self._machine = config.on_simulated_boards(machine)
         self._job, self._commands = job, commands
         self._printer: Printer | None = None
         self._loop: VirtualLoop | None = None
