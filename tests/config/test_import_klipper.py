@@ -12,6 +12,7 @@ from passo.cli.main import main
 from passo.config.importing.draft import Draft
 from passo.config.importing.klipper import imported
 from passo.errors import ConfigError
+from passo.job.batch.simulated_print import Print
 
 BASE = """\
 # The board has an STM32F103.
@@ -254,12 +255,12 @@ def test_fans_of_each_kind(load) -> None:
     more = "[fan_generic Chamber]\npin: PA10\ncycle_time: 0.001\n"
     more += "[temperature_fan rpi]\npin: PA11\nsensor_type: rpi\n"
     draft, machine = load(more=more)
-    part, hot, board = (machine.fans[name] for name in ("part", "hotend_fan", "board"))
+    part, hot, board = (machine.fans[name] for name in ("part", "Hotend_Fan", "board"))
     assert (part.pin, part.kick_start_s, part.off_below, part.pwm_hz) == ("PA0", 0.3, 0.1, 50)
     assert (hot.follows, hot.above_c) == ("hotend", 45)
     assert (board.follows_motors, board.stays_on_s) == (["x", "z1"], 20)
-    assert machine.fans["chamber"].number == 1
-    assert [machine.fans[name].pwm_hz for name in ("chamber", "hotend_fan")] == [200, 100]
+    assert machine.fans["Chamber"].number == 1
+    assert [machine.fans[name].pwm_hz for name in ("Chamber", "Hotend_Fan")] == [200, 100]
     assert "1000 Hz became 200 Hz" in "".join(remarks(draft, "changed"))
     assert "off until M106 P2 sets it" in "".join(remarks(draft, "decide"))
     assert "heater: the fan runs with the motors alone" in "".join(remarks(draft, "changed"))
@@ -380,11 +381,46 @@ def test_board_has_port_baud_and_the_clock_of_its_chip(load) -> None:
     assert any("clock_hz is 16 MHz" in text for text in remarks(draft, "decide"))
 
 
+def test_names_keep_their_case_and_are_found_in_any(load, tmp_path) -> None:
+    more = """\
+[fan_generic Fan_Side]
+pin: PA10
+[heater_generic Chamber_Heater]
+heater_pin: PB1
+sensor_type: EPCOS 100K B57560G104F
+sensor_pin: PC1
+max_temp: 80
+min_temp: 0
+control: watermark
+[gcode_macro _My_Vars]
+variable_count: 3
+gcode:
+[gcode_macro look]
+gcode:
+  SET_FAN_SPEED FAN=fan_SIDE SPEED=0.5
+  SET_HEATER_TEMPERATURE HEATER=Chamber_heater TARGET=40
+  {% set vars = printer["gcode_macro _My_Vars"] %}
+  SET_GCODE_VARIABLE MACRO=_my_vars VARIABLE=count VALUE={ vars.count + 1 }
+  Say
+[gcode_macro say]
+gcode: M118 { printer["gcode_macro _My_Vars"].count } { printer["fan_generic Fan_Side"].speed
+  } { printer["heater_generic Chamber_Heater"].target }
+"""
+    _, machine = load(more=more)
+    assert [*machine.macros] == ["_My_Vars", "look", "say"]
+    path, told = tmp_path / "look.gcode", []
+    path.write_text("LOOK\n")
+    job = Print(machine)
+    job.macros.watch = lambda command, text: told.append(text)
+    job.run(path)
+    assert told[-1] == "M118 4 0.5 40.0"
+
+
 def test_pins_on_a_second_board(load) -> None:
     more = "[mcu EBBCan]\nserial: /dev/ttyACM1\n"
     _, machine = load(("pin: PA8", "pin: !EBBCan: PB3"), more=more)
-    assert machine.fans["hotend_fan"].pin == "!ebbcan:PB3"
-    assert machine.boards["ebbcan"].port == "/dev/ttyACM1"
+    assert machine.fans["Hotend_Fan"].pin == "!EBBCan:PB3"
+    assert machine.boards["EBBCan"].port == "/dev/ttyACM1"
 
 
 def test_drivers_have_currents_and_wires(load) -> None:
@@ -566,7 +602,7 @@ gcode: M117 later
 gcode: G0 X1
 """
     draft, machine = load(more=more)
-    start = machine.macros["START_PRINT"]
+    start = machine.macros["start_print"]
     assert start.gcode.splitlines()[1:] == [
         "M104 S{t}",
         "{% if t > 250 %}",

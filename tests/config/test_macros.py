@@ -27,8 +27,10 @@ def test_commands_that_no_macro_replaces(name):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        (macro("start", "M400"), "expected a command in capital letters, such as START_PRINT"),
-        (macro("G028", "M400"), "expected a command in capital letters"),
+        (macro("1st", "M400"), "expected a command, such as START_PRINT, M600 or T0"),
+        (macro("G028", "M400"), "expected a command, such as START_PRINT"),
+        (macro("Foo", "M400") + macro("FOO", "M400"), "a name in another case is the same command"),
+        (macro("g28", "M400"), "macros.g28.rename_existing is missing: expected a name for the bu"),
         (macro("G28", "M400"), "macros.G28.rename_existing is missing: expected a name for the bu"),
         (macro("T0", "M400"), "macros.T0.rename_existing is missing"),
         (macro("FOO", "M400", rename_existing='"BAR"'), "no such key: FOO is not built in"),

@@ -98,7 +98,9 @@ def test_a_template_reads_the_printer_where_the_plan_ends():
     ("gcode", "told"),
     [
         ("G1 X1\n{ 'a' * 10**9 }", "macro BAD, line 2 of its template: it makes more than 65,536"),
-        ("\n{ params.SIZE }", "line 2 of its template: 'dict object' has no attribute 'SIZE'"),
+        ("\n{ params.SIZE }", "line 2 of its template: a table has no 'SIZE': it is empty"),
+        ("{ printer['gcode_macro X'].n }", "its template: printer has no 'gcode_macro X'"),
+        ("{ 1 + printer }", "unsupported operand type(s) for +: 'int' and printer"),
         ("{ action_raise_error('no filament') }", "macro BAD: no filament. The macro has stopped"),
         ("BAD", "macro BAD is called by 16 macros that call each other. Remove the circle"),
         (

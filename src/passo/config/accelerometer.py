@@ -22,7 +22,7 @@ _SPI_WIRES = ("clock_pin", "mosi_pin", "miso_pin")
 _I2C_WIRES = ("scl_pin", "sda_pin")
 _SPI_KEYS = ("cs_pin", *_SPI_WIRES, "spi_bus")
 _I2C_KEYS = ("i2c_address", "i2c_hz")
-_BUS = r"^([a-z][a-z0-9_-]*:)?[A-Za-z0-9_.]+$"
+_BUS = r"^([A-Za-z0-9_][A-Za-z0-9_-]*:)?[A-Za-z0-9_.]+$"
 
 
 class Accelerometer(Model):

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from passo.config.types import Fraction, Letter, Model, Name, Pin, Positive
+from passo.config.types import Fraction, Letter, Model, Name, PartName, Pin, Positive
 
 
 class Fan(Model):
@@ -26,7 +26,7 @@ class Fan(Model):
     """The fan starts with `max_power` for this time."""
     kick_start_rise: Fraction = 0.5
     """A rise of power by more than this starts the fan with `max_power`, too."""
-    follows: Name | None = None
+    follows: PartName | None = None
     """The heater that switches this fan on. Commands do not control such a fan."""
     above_c: Annotated[float, Field(ge=0, le=1200)] = 50.0
     """The fan is on while the heater that it follows is warmer than this."""
@@ -77,4 +77,4 @@ class Beeper(Model):
     """The output of a buzzer without a tone of its own. That of a fitted display may be used."""
 
 
-Fans = dict[Name, Fan]
+Fans = dict[PartName, Fan]

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from passo.config.sensors import AnySensor, Thermistor
-from passo.config.types import Fraction, Model, Name, NotNegative, Pin, Positive
+from passo.config.types import Fraction, Model, NotNegative, PartName, Pin, Positive
 
 _Celsius = Annotated[float, Field(ge=-100, le=1200)]
 
@@ -182,7 +182,7 @@ class Heater(Model):
     that the board has."""
     sensor: AnySensor = Field(default_factory=Thermistor)
     """The sensor: a [name](sensors.md) or a table. If not given, a thermistor of 100 kΩ."""
-    fan: Name | None = None
+    fan: PartName | None = None
     """The fan that cools this heater."""
     max_power: Fraction = 1.0
     """The maximum power, as a fraction of full power."""
@@ -213,4 +213,4 @@ class Heater(Model):
         return bool({"model", "simulated"} & self.model_fields_set)
 
 
-Heaters = dict[Name, Heater]
+Heaters = dict[PartName, Heater]

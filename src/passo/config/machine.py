@@ -39,6 +39,7 @@ from passo.config.types import (
     Model,
     Name,
     Pair,
+    PartName,
     ShapedAxis,
     Uuid,
 )
@@ -119,13 +120,19 @@ class MachineConfig(Model):
     beeper: Beeper | None = None
     """The buzzer of M300."""
     macros: dict[CommandName, Macro] = {}
-    """Your own commands, which may replace built-in ones."""
-    delayed_gcode: dict[Name, DelayedGcode] = {}
+    """Your own commands, which may replace built-in ones. A name keeps its case in
+    `printer["gcode_macro NAME"]`; lines call it in any case."""
+    delayed_gcode: dict[PartName, DelayedGcode] = {}
     """G-code that a served printer executes after a delay."""
     board: Board
     """The main board. Print time is its clock."""
-    boards: dict[Name, Board] = {}
+    boards: dict[PartName, Board] = {}
     """Further boards. Their names are the prefix of their pins, as in `tool:PA1`."""
+
+    @property
+    def macro_names(self) -> dict[str, str]:
+        """The name of each macro by its code, which has only capital letters."""
+        return {name.upper(): name for name in self.macros}
 
     @property
     def all_boards(self) -> dict[str, Board]:
@@ -300,9 +307,9 @@ class MachineConfig(Model):
             "boards": 1 + len(self.boards),
             "output_boards": self._output_boards(),
             "macros": {
-                "names": list(self.macros),
+                "names": list(self.macro_names),
                 "built_in": {
-                    macro.rename_existing: name
+                    macro.rename_existing.upper(): name.upper()
                     for name, macro in self.macros.items()
                     if macro.rename_existing
                 },

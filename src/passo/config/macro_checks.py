@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -48,18 +49,22 @@ KEPT = frozenset(
 )
 # fmt: on
 _LONGEST = 65_536  # maximum characters of a template
-LETTERED = re.compile(r"[GMT]\d")
+LETTERED = re.compile(r"[GMT]\d", re.IGNORECASE)
 
 
 def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
     """Checks the macros in the raw tables of a machine file."""
     macros = dict(tables(data, "macros"))
-    taken = dict.fromkeys(macros, "")
-    for name, macro in macros.items():
-        path = ("macros", name)
+    codes = Counter(name.upper() for name in macros)
+    taken = set(codes)
+    for written, macro in macros.items():
+        path, name = ("macros", written), written.upper()
+        if codes[name] > 1:
+            limit = "another name: a name in another case is the same command"
+            yield Finding("config.conflict", path, written, limit)
         if name in KEPT:
             limit = "another name: moves, stops and the control of programs stay as they are"
-            yield Finding("config.conflict", path, name, limit)
+            yield Finding("config.conflict", path, written, limit)
             continue
         yield from _check_template(path, macro)
         other = macro.get("rename_existing")
@@ -72,6 +77,7 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
         path = (*path, "rename_existing")
         if not isinstance(other, str):
             continue
+        other = other.upper()
         if not built_in:
             yield Finding("config.conflict", path, other, f"no such key: {name} is not built in")
         elif other in taken or is_built_in(other):
@@ -79,7 +85,7 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
         elif bool(LETTERED.match(other)) != bool(LETTERED.match(name)):
             shape = "a letter and a number" if LETTERED.match(name) else "a word"
             yield Finding("config.value", path, other, f"{shape}, as {name} is")
-        taken[other] = name
+        taken.add(other)
     for name, delayed in tables(data, "delayed_gcode"):
         yield from _check_template(("delayed_gcode", name), delayed)
 

@@ -19,18 +19,19 @@ class Model(BaseModel):
 # Describes the expected text in words, because most users cannot read a pattern.
 PATTERNS = {
     r"^[a-z][a-z0-9_-]*$": "a name of lower-case letters, digits, - and _",
-    r"^[!^~]*([a-z][a-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_./-]*$": "a pin such as PB4, !PD7, tool:PA1 or"
-    " a name in board.pins",
+    r"^[A-Za-z0-9_][A-Za-z0-9_-]*$": "a name of letters, digits, - and _",
+    r"^[!^~]*([A-Za-z0-9_][A-Za-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_./-]*$": "a pin such as PB4, !PD7,"
+    " tool:PA1 or a name in board.pins",
     r"^[A-Z]$": "one capital letter",
     r"^[xyzabcuvw]$": "an axis: x, y, z, a, b, c, u, v or w",
     r"^[xyz]$": "an axis: x, y or z",
     r"^e[0-9]*$": "an extruder: e, e1, e2, …",
     r"^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$": "a UUID such as `uuidgen` prints",
-    r"^([A-Z_][A-Z_][A-Z0-9_.]*|[GMT](0|[1-9][0-9]{0,4})(\.[1-9])?)$": "a command in capital"
-    " letters, such as START_PRINT, M600 or T0",
+    r"^([A-Za-z_][A-Za-z_][A-Za-z0-9_.]*|[GMTgmt](0|[1-9][0-9]{0,4})(\.[1-9])?)$": "a command, such"
+    " as START_PRINT, M600 or T0",
     r"^[a-z_][a-z0-9_]*$": "a name of lower-case letters, digits and _",
 }
-NAME, PIN, LETTER, AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE = PATTERNS
+NAME, PART_NAME, PIN, LETTER, AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE = PATTERNS
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -44,6 +45,8 @@ Jerk = Annotated[float, Field(ge=0, le=1e6)]
 Position = Annotated[float, Field(ge=-1e6, le=1e6)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Name = Annotated[str, Field(pattern=NAME)]
+PartName = Annotated[str, Field(pattern=PART_NAME)]
+"""The name of a part. It keeps its case; commands find it in any case."""
 Pin = Annotated[str, Field(pattern=PIN)]
 Letter = Annotated[str, Field(pattern=LETTER)]
 AxisName = Annotated[str, Field(pattern=AXIS)]

@@ -13,11 +13,14 @@ from itertools import islice
 from typing import Any, cast
 
 from jinja2 import TemplateSyntaxError, nodes, pass_context
-from jinja2.exceptions import TemplateError
+from jinja2.exceptions import SecurityError, TemplateError, TemplateRuntimeError, UndefinedError
 from jinja2.filters import FILTERS
 from jinja2.runtime import Context, Macro, Undefined
 from jinja2.sandbox import SandboxedEnvironment
+from jinja2.utils import missing
 from jinja2.visitor import NodeTransformer
+
+from passo.gcode.template_words import in_words, kind_of, known_names
 
 # For one call, including all macros that it calls.
 MAX_STEPS = 100_000  # less than a second
@@ -129,7 +132,7 @@ _ORDINARY = (
 def _sentence(error: BaseException) -> str:
     if isinstance(error, RecursionError):
         return "it is nested too deeply"
-    return str(error).rstrip(".") or type(error).__name__
+    return in_words(str(error).rstrip(".")) or "it fails"
 
 
 class _Missing(Undefined):
@@ -138,6 +141,19 @@ class _Missing(Undefined):
 
     __slots__ = ()
     __str__ = Undefined._fail_with_undefined_error  # pyright: ignore[reportPrivateUsage]
+
+    def __init__(
+        self,
+        hint: str | None = None,
+        obj: Any = missing,
+        name: str | None = None,
+        exc: type[TemplateRuntimeError] = UndefinedError,
+    ) -> None:
+        if obj is not missing and exc is SecurityError:
+            hint = f"{name!r} of {kind_of(obj)} is unsafe in a macro"
+        elif obj is not missing:
+            hint = f"{kind_of(obj)} has no {name!r}{known_names(obj)}"
+        super().__init__(hint, obj, name, exc)
 
 
 class _Bounded(NodeTransformer):

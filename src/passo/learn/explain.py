@@ -176,8 +176,8 @@ def _command(
     code: str, words: Sequence[str], text: str, machine: MachineConfig
 ) -> ExplainedCommand:
     row = row_of("T" if re.fullmatch(r"T-?\d+", code) else code)
-    if code in machine.macros:
-        about = machine.macros[code].description
+    if (macro := machine.macro_names.get(code)) is not None:
+        about = machine.macros[macro].description
         told = f"A macro of the machine file{about and ': ' + about}."
     elif not code:
         told = "A move of the same kind as the last one before; G1 if there was none."

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from passo.config.part_names import found_name
 from passo.errors import CommandError, PassoError, Problem
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
@@ -78,10 +79,11 @@ class DelayedGcode:
         for key in ("ID", "DURATION"):
             if key not in words:
                 raise CommandError.of("input.missing-word", axis=command.code, value=key)
-        name, known = words["ID"].lower(), self._printer.machine.delayed_gcode
-        if name not in known:
+        known = self._printer.machine.delayed_gcode
+        name = found_name(known, words["ID"])
+        if name is None:
             listed = ", ".join(known) or "none"
-            raise CommandError.of("macro.no-delay", axis=name, value=listed)
+            raise CommandError.of("macro.no-delay", axis=words["ID"], value=listed)
         try:
             seconds = float(words["DURATION"])
         except ValueError:

@@ -74,7 +74,7 @@ class Dispatch:
 
     def act(self, command: Command, reply: Reply) -> bool:
         """Executes a command from the source `reply` if it acts at once; else returns False."""
-        if command.code in self._rig.machine.macros:
+        if self._rig.macros.calls(command.code):
             return False
         handler, row = self.immediate.get(command.code), row_of(command.code)
         in_order = (

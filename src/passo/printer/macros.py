@@ -10,6 +10,7 @@ from copy import deepcopy
 from typing import TYPE_CHECKING, Any, cast
 
 from passo import _core
+from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Subject, When, command
@@ -37,19 +38,30 @@ class _Raised(Exception):
     """A template has called action_raise_error."""
 
 
-class _Tree(Mapping[str, Object]):
-    """The read-only value `printer` of a template. Its objects are made on demand."""
+class PrinterTree(Mapping[str, Object]):
+    """The value `printer` of a template. An object is found by its name in any case. It is made on
+    demand, once for each rendering, and belongs to the rendering alone."""
 
     def __init__(self, found: Objects) -> None:
         self._found = found
+        self._made: dict[str, Object] = {}
 
-    def __getitem__(self, name: str) -> Object:
-        return self._found[name]()
+    def __getitem__(self, name: object) -> Object:
+        """The object of this name. Raises KeyError."""
+        written = str(name).strip()
+        if written not in self._made:
+            known = found_name(self._found, written)
+            if known is None:
+                raise KeyError(written)
+            self._made[written] = deepcopy(self._found[known]())
+        return self._made[written]
 
     def __iter__(self) -> Iterator[str]:
+        """The names of all objects."""
         return iter(self._found)
 
     def __len__(self) -> int:
+        """The number of objects."""
         return len(self._found)
 
 
@@ -59,6 +71,7 @@ class Macros:
 
     def __init__(self, machine: MachineConfig) -> None:
         self._machine = machine
+        self._names = machine.macro_names
         self.status: Callable[[], Status] | None = None
         self.variables: dict[str, dict[str, Any]] = {
             name: deepcopy(macro.variables) for name, macro in machine.macros.items()
@@ -86,7 +99,7 @@ class Macros:
         """Expands a call, and makes the job read the lines next. Call it after the job's event
         MACRO. `respond` receives lines of action_respond_info. `console`: the call comes from a
         console, not from a file. Raises CommandError, and EmergencyStop."""
-        code = command.code
+        code, name = command.code, self._names[command.code]
         depth = job.macro_depth
         if depth >= MAX_DEPTH:
             raise CommandError.of("macro.nested", axis=code, limit=MAX_DEPTH)
@@ -96,13 +109,13 @@ class Macros:
 
             budget = self._budgets[console] = Budget()
         values = {
-            **deepcopy(self.variables[code]),
+            **deepcopy(self.variables[name]),
             "params": _params(command),
             "rawparams": command.text,
-            "variables": deepcopy(self.variables[code]),
+            "variables": deepcopy(self.variables[name]),
         }
-        gcode = self._machine.macros[code].gcode
-        text = self._render(code, gcode, values, self._tree(status), budget, respond)
+        gcode = self._machine.macros[name].gcode
+        text = self._render(name, gcode, values, self._tree(status), budget, respond)
         if self.watch is not None:
             self.watch(command, text)
         job.insert(text.encode("utf-8", "surrogateescape"))
@@ -127,12 +140,14 @@ class Macros:
     def set_variable(self, command: Command, _: Reply) -> None:
         """Raises CommandError."""
         words = _needed(command, "MACRO", "VARIABLE", "VALUE")
-        name, variable = words["MACRO"].upper(), words["VARIABLE"]
-        if name not in self.variables:
-            raise CommandError.of("macro.unknown", axis=name, value=_names(self.variables))
-        if variable not in self.variables[name]:
-            known = _names(self.variables[name])
-            raise CommandError.of("macro.no-variable", axis=name, value=variable, limit=known)
+        name = found_name(self.variables, words["MACRO"])
+        if name is None:
+            known = _names(self.variables)
+            raise CommandError.of("macro.unknown", axis=words["MACRO"], value=known)
+        variable = found_name(self.variables[name], words["VARIABLE"])
+        if variable is None:
+            wanted, known = words["VARIABLE"], _names(self.variables[name])
+            raise CommandError.of("macro.no-variable", axis=name, value=wanted, limit=known)
         self.variables[name][variable] = _value(variable, words["VALUE"])
 
     @command(
@@ -158,6 +173,10 @@ class Macros:
         self.keep(saved)
         self.saved = saved
 
+    def calls(self, code: str) -> bool:
+        """Whether a command with this code calls a macro."""
+        return code in self._names
+
     def take_variables(self, other: Macros) -> None:
         """Copies the values of variables from another program."""
         self.variables = deepcopy(other.variables)
@@ -167,7 +186,7 @@ class Macros:
         name: str,
         text: str,
         values: Mapping[str, Any],
-        tree: _Tree,
+        tree: PrinterTree,
         budget: Budget,
         respond: Respond,
     ) -> str:
@@ -203,10 +222,10 @@ class Macros:
         self.call_remote(str(method), arguments)
         return ""
 
-    def _tree(self, status: Status) -> _Tree:
+    def _tree(self, status: Status) -> PrinterTree:
         found = objects(self._machine, status, deepcopy(self.variables))
         saved = deepcopy(self.saved)
-        return _Tree(found | {"save_variables": lambda: {"variables": saved}})
+        return PrinterTree(found | {"save_variables": lambda: {"variables": saved}})
 
 
 def _raise_error(message: object = "") -> str:

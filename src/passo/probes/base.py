@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Protocol
 
 from pydantic import Field
 
-from passo.config.types import Model, Name, Pair, Pin, Positive, Speed
+from passo.config.types import Model, Pair, PartName, Pin, Positive, Speed
 from passo.errors import CommandError
 
 HeightOffset = Annotated[float, Field(ge=-30, le=30)]
@@ -131,7 +131,7 @@ class SensingProbe(Probe):
     """The pause before each descent."""
     open_within_mm: Annotated[float, Field(gt=0, le=20)] = 3.0
     """The maximum further lift at which a triggered probe must open."""
-    heaters_off: list[Name] = []
+    heaters_off: list[PartName] = []
     """Heaters that are off during each descent, since they disturb the probe; they stay on in a
     descent that may take longer than 20 s."""
 

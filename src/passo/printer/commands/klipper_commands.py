@@ -9,6 +9,7 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from passo.config.heater_numbers import number_of
+from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
 from passo.gcode.registry import Subject, When, command, in_program
@@ -279,11 +280,12 @@ def number(words: _Words, key: str, default: float | None = None) -> float:
 
 
 def _one_of(words: _Words, key: str, named: Mapping[str, str]) -> str:
-    """The value of a name. Raises CommandError."""
-    name = words.get(key, "")
-    if name not in named:
+    """The value of a name, in any case. Raises CommandError."""
+    written = words.get(key, "")
+    name = found_name(named, written)
+    if name is None:
         limit = ", ".join(named) or "none on this machine"
-        raise CommandError.of("command.value", axis=key, value=name or "missing", limit=limit)
+        raise CommandError.of("command.value", axis=key, value=written or "missing", limit=limit)
     return named[name]
 
 

@@ -6,6 +6,7 @@ import asyncio
 import logging
 
 from passo.board.fault_injection import NO_FAULT, FaultInjector, FaultOrder
+from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
@@ -103,7 +104,8 @@ class SimulatedFaultCommands:
                     "command.fault-order", value=word, limit="NAME= VALUE= AFTER= DURATION="
                 )
         after_s, for_s = (_number(pairs, word) for word in ("AFTER", "DURATION"))
-        part, value = pairs.get("NAME", "").lower(), pairs.get("VALUE", "").lower()
+        name, value = pairs.get("NAME", ""), pairs.get("VALUE", "").lower()
+        part = found_name(injector.values, name) or name
         self.order(FaultOrder(part, value, after_s or 0.0, for_s))
         return None
 

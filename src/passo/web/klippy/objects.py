@@ -61,7 +61,7 @@ class PrinterObjects:
             for row in rows
             if row.kind is not Kind.NOT_BUILT and (ready or row.when in _HALTED)
         }
-        own = {name: {"help": macro.description} for name, macro in macros.items()}
+        own = {name.upper(): {"help": macro.description} for name, macro in macros.items()}
         return {"commands": commands | (own if ready else {})}
 
 

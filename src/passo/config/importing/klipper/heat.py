@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import MOTORS_ALONE, bad, plain_name
+from passo.config.importing.draft import MOTORS_ALONE, bad, part_name
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.pins import JOINED
 from passo.config.sensor_names import values_of
@@ -45,7 +45,7 @@ def put_heat(job: Import) -> None:
         elif section.name == "heater_bed":
             job.heaters[section.name] = "bed"
         elif kind == "heater_generic":
-            job.heaters[section.name] = job.heaters[section.rest] = plain_name(section.rest)
+            job.heaters[section.name] = job.heaters[section.rest] = part_name(section.rest)
     for name, heater in job.heaters.items():
         section = job.config.get(name)
         if section is not None:
@@ -209,7 +209,7 @@ def _with_beta(celsius: float, ohm: float, beta: float) -> Ntc:
 def _put_fans(job: Import) -> None:
     used = set[str]()
     for section in job.config.sections.values():
-        kind, name = section.kind, plain_name(section.rest or section.kind)
+        kind, name = section.kind, part_name(section.rest or section.kind)
         if kind not in ("fan", "heater_fan", "controller_fan", "fan_generic", "temperature_fan"):
             continue
         job.used.add(section.name)

@@ -6,7 +6,7 @@ import ast
 import re
 from typing import TYPE_CHECKING, cast
 
-from passo.config.importing.draft import plain_name
+from passo.config.importing.draft import part_name
 from passo.config.importing.klipper.safe_home import put_homing_macro
 from passo.config.macro_checks import KEPT, LETTERED, is_built_in
 from passo.config.types import COMMAND, VARIABLE
@@ -27,7 +27,7 @@ def put_macros(job: Import) -> None:
     put_homing_macro(job)
     for section in job.config.of("delayed_gcode"):
         job.used.add(section.name)
-        path, put = ("delayed_gcode", plain_name(section.rest)), job.draft.put
+        path, put = ("delayed_gcode", part_name(section.rest)), job.draft.put
         put((*path, "gcode"), section.text("gcode"), section.at("gcode"))
         after = section.number("initial_duration", 0.0)
         put((*path, "initial_duration_s"), after, section.at("initial_duration"))
@@ -35,13 +35,14 @@ def put_macros(job: Import) -> None:
 
 def _put_macro(job: Import, section: Section) -> None:
     job.used.add(section.name)
-    name, put = section.rest.upper(), job.draft.put
-    if not re.fullmatch(COMMAND, name) or name in KEPT:
-        text = f"a macro of Passo cannot have the name {name}"
+    written, put = section.rest, job.draft.put
+    name = written.upper()
+    if not re.fullmatch(COMMAND, written) or name in KEPT:
+        text = f"a macro of Passo cannot have the name {written}"
         job.draft.dropped(section.place, f"[{section.name}]", text)
         section.used.update(section.options)
         return
-    path = ("macros", name)
+    path = ("macros", written)
     put((*path, "gcode"), section.text("gcode"), section.at("gcode"))
     put((*path, "description"), section.text("description") or None, section.at("description"))
     put((*path, "rename_existing"), _renamed(job, section, name), section.at("rename_existing"))
@@ -77,7 +78,7 @@ def _renamed(job: Import, section: Section, name: str) -> str | None:
     if written:
         text = f"Passo cannot name a command so: it is {other}, also in the text of the macro"
         job.draft.changed(place, what, text)
-        key = ("macros", name, "gcode")
+        key = ("macros", section.rest, "gcode")
         gcode, origin = job.draft.keys[key]
         pattern = rf"\b{re.escape(written)}\b"
         gcode = re.sub(pattern, other, str(gcode), flags=re.IGNORECASE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import bad, plain_name
+from passo.config.importing.draft import bad, part_name
 from passo.config.importing.klipper.cfg import Config, Option, Section
 from passo.config.pin_names import bare, named_on
 
@@ -106,7 +106,7 @@ class Pins:
 
 def board_name(name: str) -> str:
     """The name of a further board in the machine file."""
-    return plain_name(name) if name[:1].isalpha() else f"board-{plain_name(name)}"
+    return part_name(name)
 
 
 def clock_hz(comments: list[str]) -> int | None:
