@@ -329,6 +329,19 @@ void bind_job_motion(JobClass& job) {
           "Shifts all motion after the moves read so far. False if an end would be out of range, "
           "see error.")
       .def(
+          "absorb_shift",
+          [](JobView& self, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            self.job.motion.flush();
+            self.job.absorb_shift(axis, mm);
+          },
+          "axis"_a, "mm"_a,
+          "Earlier shifts of `mm` are part of the height map or of the axis' zero from now on. "
+          "Call "
+          "it at standstill, after stand_at or set_height_map: no coordinate of the program "
+          "changes, "
+          "and suspended moves end where they did.")
+      .def(
           "passed", [](JobView& self, double ticks) { self.job.motion.pass(ticks); }, "ticks"_a,
           "Nothing before this clock will be planned again, for example because it has passed.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })

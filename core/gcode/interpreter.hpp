@@ -143,6 +143,9 @@ class Interpreter {
   void shift_zero(int j, double mm) { origin_[j] += mm; }
   // Moves the program by `mm` along slot j: its zero, and the moves that are read but not taken.
   void shift(int j, double mm);
+  // A shift of `mm` is part of the axis' own zero from now on: what the program means by each of
+  // its coordinates is lower by `mm` along slot j. `position` stays.
+  void absorb_shift(int j, double mm);
   // There is no room for a hop of `mm`: removes it from the last move taken and from the rest of
   // its line.
   void drop_hop(double mm);

@@ -166,6 +166,13 @@ void Interpreter::shift(int j, double mm) {
   for (Item& item : pending_) item.move.target[j] += mm;
 }
 
+void Interpreter::absorb_shift(int j, double mm) {
+  const double at = position_[j];
+  shift(j, -mm);
+  position_[j] = at;
+  for (Saved& saved : saved_) saved.at[j] -= mm;
+}
+
 void Interpreter::drop_hop(double mm) {
   position_[kZ] -= mm;
   arc_.shift(kZ, -mm);

@@ -152,6 +152,13 @@ bool Job::shift(int j, double mm) {
   return true;
 }
 
+void Job::absorb_shift(int j, double mm) {
+  interpreter.absorb_shift(j, mm);
+  if (!suspended_) return;
+  suspended_->shift(j, -mm);
+  motion.shift_suspended(j, -mm);
+}
+
 double Job::scale_flow_from(double ticks, size_t extruder, double flow) {
   if (suspended_) {
     FlowChange change(flow);

@@ -79,6 +79,10 @@ class Job {
   std::optional<double> shift_from(double ticks, int j, double mm);
   // The same, from the end of the moves that are read.
   bool shift(int j, double mm);
+  // Babysteps of `mm` along slot j are part of the height map or of the axis' zero from now on, and
+  // the end of the plan has changed with that. Coordinates of the program stay, and its suspended
+  // moves end where they did. Only at standstill.
+  void absorb_shift(int j, double mm);
 
   // Changes the flow of an extruder (M221, a factor) from `ticks` on, in planned, held and
   // suspended moves and in those still to be read; the program's E stays. Returns the clock of the

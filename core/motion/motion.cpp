@@ -149,9 +149,7 @@ double Motion::replan_from(double ticks) {
 
 double Motion::shift_from(double ticks, int j, double mm, size_t extruder, size_t tool) {
   if (suspended_) {
-    suspended_->held.shift(j, mm);
-    suspended_->stop[j] += mm;
-    suspended_->end[j] += mm;
+    shift_suspended(j, mm);
     return planner_.clock();
   }
   if (held() > 0) {
@@ -163,6 +161,12 @@ double Motion::shift_from(double ticks, int j, double mm, size_t extruder, size_
   change_from(ticks, [&](std::vector<Move>& rest) { left = planner_.shift(rest, j, mm); });
   if (left != 0) push_shift(j, left, extruder, tool);
   return ticks_of_cut_;
+}
+
+void Motion::shift_suspended(int j, double mm) {
+  suspended_->held.shift(j, mm);
+  suspended_->stop[j] += mm;
+  suspended_->end[j] += mm;
 }
 
 void Motion::push_shift(int j, double mm, size_t extruder, size_t tool) {

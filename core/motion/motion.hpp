@@ -151,6 +151,8 @@ class Motion {
   // spread over the moves that have room for it; the rest is a move of its own at the end. A
   // suspended plan continues from the shifted position; a held plan begins with a move to there.
   double shift_from(double ticks, int j, double mm, size_t extruder, size_t tool);
+  // Shifts the suspended plan; the machine must return to the shifted position.
+  void shift_suspended(int j, double mm);
   // Shifts everything after the moves so far, by a move of its own.
   void push_shift(int j, double mm, size_t extruder, size_t tool);
   // As replan_from, with another flow of an extruder from the end of the braking distance on, so

@@ -2078,6 +2078,11 @@ class Job:
         Shifts all motion after the moves read so far. False if an end would be out of range, see error.
         """
 
+    def absorb_shift(self, axis: int, mm: float) -> None:
+        """
+        Earlier shifts of `mm` are part of the height map or of the axis' zero from now on. Call it at standstill, after stand_at or set_height_map: no coordinate of the program changes, and suspended moves end where they did.
+        """
+
     def passed(self, ticks: float) -> None:
         """
         Nothing before this clock will be planned again, for example because it has passed.

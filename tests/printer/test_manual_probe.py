@@ -107,35 +107,6 @@ def test_halt_ends_the_paper_test():
         assert "no paper test is under way" in answers(s, "ACCEPT")[0]
 
 
-def test_babystep_becomes_part_of_the_trigger_height_once():
-    with homed() as s:
-        answers(s, "G32")
-        height = s.printer.correction.expected(100, 100)
-        answers(s, "G1 X100 Y100 Z1 F6000")
-        answers(s, "SET_GCODE_OFFSET Z_ADJUST=-0.05 MOVE=1")
-        answers(s, "M400")
-        low = s.positions()["z"]
-        assert low == pytest.approx(1 - 0.05 + height, abs=STEP)
-        assert answers(s, "Z_OFFSET_APPLY_PROBE")[0] == "// z_offset: 1.200 -> 1.250"
-        assert s.printer.correction.expected(100, 100) == pytest.approx(height - 0.05)
-        answers(s, "G1 X99 Z1")
-        answers(s, "G1 X100 Z1")
-        answers(s, "M400")
-        assert s.positions()["z"] == low
-        assert answers(s, "Z_OFFSET_APPLY_PROBE") == ["// Nothing to do: Z Offset is 0"]
-        # A run with the new height finds the same bed, and leaves the same first layer.
-        answers(s, "G32")
-        assert s.printer.correction.expected(100, 100) == pytest.approx(height - 0.05, abs=STEP)
-
-
-def test_babystep_without_a_correction_stays():
-    with homed() as s:
-        answers(s, "M290 Z0.1")
-        said = answers(s, "Z_OFFSET_APPLY_PROBE")[0]
-        assert "the 0.100 mm of babysteps cannot be stored" in said
-        assert s.printer.offsets.babysteps_mm["z"] == 0.1
-
-
 @pytest.mark.parametrize(
     "line", ["G30", "M48", "QUERY_PROBE", "M401", "PROBE_CALIBRATE", "G38.2 Z0"]
 )

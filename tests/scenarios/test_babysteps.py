@@ -74,20 +74,3 @@ def test_in_a_program_it_keeps_its_place(tmp_path):
         s.host.ok("M32 a.g")
         s.host.expect("Done printing", 120)
         assert s.positions()["z"] == 6.2
-
-
-def test_babysteps_of_z_become_its_home_offset():
-    with Scenario("i3") as s:
-        for line in ("G28", "G1 Z5 F600", "M290 Z-0.1", "M400"):
-            s.host.ok(line, 60)
-        before = s.positions()["z"]
-        said = s.host.ok("Z_OFFSET_APPLY_ENDSTOP")
-        assert said[0] == "// M206 Z: 0.000 -> 0.100. M500 or SAVE_CONFIG stores it"
-        assert s.positions()["z"] == before == pytest.approx(4.9)
-        for line in ("G1 Z8", "G1 Z5", "M400"):
-            s.host.ok(line, 60)
-        assert s.positions()["z"] == before  # counted once
-        for line in ("G28", "G1 Z5", "M400"):
-            s.host.ok(line, 60)
-        assert s.positions()["z"] == before
-        assert s.host.ok("Z_OFFSET_APPLY_ENDSTOP")[0] == "// Nothing to do: Z Offset is 0"

@@ -24,9 +24,9 @@ PROBE: Mapping[str, Entry] = {
         "no paper test is under way", "Start one with MANUAL_PROBE, PROBE_CALIBRATE or G29"
     ),
     "probe.no-correction": _probe(
-        "the {value} mm of babysteps cannot be stored: no bed correction measured by the probe is"
-        " on",
-        "Measure the bed first (G29, G32), or set the offset of home (M206 Z)",
+        "the {value} mm of babysteps are not an offset of the probe: an endstop homes Z, and no bed"
+        " correction with the heights of the probe is on",
+        "Send Z_OFFSET_APPLY_ENDSTOP, or measure the bed first (G29, G32)",
     ),
     "probe.wrong-state": _probe(
         "the probe is {value} already before the move",

@@ -275,7 +275,9 @@ class BedStatus:
     are None without points. `surface` is the correction itself, None without one; `fade_mm` is the
     height at which it has faded out. `probe_offset_mm` and `trigger_height_mm` are the values of
     M851. During a run, `measured` of `to_measure` points are done; otherwise both are 0. `manual`
-    is the paper test in progress. `triggered` is the state of the probe at its last query."""
+    is the paper test in progress. `triggered` is the state of the probe at its last query.
+    `holds_babysteps`: Z_OFFSET_APPLY_PROBE stores the babysteps of Z; else Z_OFFSET_APPLY_ENDSTOP
+    does."""
 
     method: str
     on: bool
@@ -294,6 +296,7 @@ class BedStatus:
     mesh: Mesh | None
     meshes: dict[str, StoredMesh]
     triggered: bool
+    holds_babysteps: bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,7 +95,8 @@ export interface BedPoint {
  * `fade_mm` is the height at which it has faded out. `probe_offset_mm` and `trigger_height_mm`
  * are the values of M851. During a run, `measured` of `to_measure` points are done; otherwise
  * both are 0. `manual` is the paper test in progress. `triggered` is the state of the probe at
- * its last query. */
+ * its last query. `holds_babysteps`: Z_OFFSET_APPLY_PROBE stores the babysteps of Z; else
+ * Z_OFFSET_APPLY_ENDSTOP does. */
 export interface BedStatus {
   method: string;
   on: boolean;
@@ -114,6 +115,7 @@ export interface BedStatus {
   mesh?: Mesh | null;
   meshes: Record<string, StoredMesh>;
   triggered: boolean;
+  holds_babysteps: boolean;
 }
 
 /** The heights that the correction adds to Z, in mm, on an even grid from one corner of the bed to

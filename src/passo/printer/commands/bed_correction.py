@@ -70,6 +70,19 @@ class BedCorrectionCommands:
         if correction is None or before is None or correction.mesh != before.mesh:
             self._raised_mm = 0.0
 
+    def raise_by(self, mm: float, *, faded: bool = False) -> None:
+        """Raises the correction, if there is one, by `mm`; with `faded` until a restart also where
+        it has faded out. Raises CommandError without any change if it is on and would exceed the
+        limits of the machine file."""
+        now = self._correction
+        if now.correction is None:
+            return
+        fade = now.correction.fade
+        self.put(now.correction.raised(mm), on=now.on)
+        if faded and fade is not None:
+            fade = replace(fade, target_mm=fade.target_mm + mm)
+            now.use(replace(now.correction, fade=fade), on=now.on)
+
     def _check_limits(self, correction: Correction) -> None:
         x0, y0, x1, y1 = self._rig.machine.bed_area_mm
         _, spacing, heights = correction.even_map((x0, y0, x1, y1))

@@ -62,7 +62,7 @@ class LevellingCommands:
             x0, y0, x1, y1 = config.area
             self.mesh_grid = Grid((x0, y0, x1, y1), (config.count[0], config.count[1]))
         self.job_area: Callable[[], Area | None] = lambda: None
-        self._measured: list[tuple[Place, float]] = []  # with the trigger height
+        self._measured: list[tuple[Place, float]] = []  # with the height of the trigger
         self._progress = (0, 0)  # places done, and places in total, in a run
         self._shown: tuple[tuple[object, object, object], _ShownPoints] = (
             (None, None, None),
@@ -181,7 +181,8 @@ class LevellingCommands:
 
         def ended(found: Sequence[Measured], reply: Reply) -> None:
             self._progress = 0, 0
-            self._measured = [(m.place, m.trigger_z_mm) for m in found]
+            below = self._offsets.zero_below_trigger_mm
+            self._measured = [(m.place, m.trigger_z_mm - below) for m in found]
             done(found, reply)
 
         if not isinstance(self._prober.carried, SensingProbe):
@@ -508,14 +509,16 @@ class LevellingCommands:
             mesh=correction.mesh if correction else None,
             meshes=dict(self._corrections.meshes.all),
             triggered=self._prober.last_triggered,
+            holds_babysteps=self._offsets.holds_babysteps,
         )
 
     def _shown_points(self, correction: Correction | None) -> _ShownPoints:
         """The last measured points, and their RMS deviations from their mean and from the
         correction, mm. Recomputed only after a change."""
-        below = self._prober.trigger_height_mm
+        below = self._prober.trigger_height_mm - self._offsets.zero_below_trigger_mm
         key = self._measured, correction, below
-        if all(now is then for now, then in zip(key, self._shown[0], strict=True)):
+        measured, then, height = self._shown[0]
+        if measured is self._measured and then is correction and height == below:
             return self._shown[1]
         points = tuple(
             BedPoint(place.x, place.y, round(z - below + place.offset_mm, 6))

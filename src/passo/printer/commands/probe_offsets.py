@@ -29,8 +29,9 @@ _KEYS = {
 
 
 class ProbeOffsetCommands:
-    """The only owner of the probe offsets of one printer. A change of the trigger height also
-    changes the active correction, and so the first layer, exactly once."""
+    """The only owner of the probe offsets of one printer. A change of the trigger height changes
+    the first layer exactly once: with the zero of Z if the probe homes Z, else with the active
+    correction."""
 
     def __init__(
         self,
@@ -42,7 +43,9 @@ class ProbeOffsetCommands:
     ) -> None:
         self._rig, self._prober, self._correction = rig, prober, correction
         self._corrections, self._offsets = corrections, offsets
-        self._reference = rig.machine.levelling.reference
+        homing = rig.machine.homing.get("z")
+        self._homes_z = homing is not None and homing.probe
+        self._measures_bed = rig.machine.levelling.reference is None and not self._homes_z
 
     @command(
         "M851",
@@ -61,24 +64,25 @@ class ProbeOffsetCommands:
             return None
         return WaitForMoves(lambda: self.set_offsets(words))
 
-    def set_offsets(self, words: dict[str, float]) -> None:
+    def set_offsets(self, words: dict[str, float], *, faded: bool = False) -> None:
         """Sets the offsets of M851, mm: X and Y from the nozzle to the probe, and Z, the negative
-        trigger height. The active correction, which was measured with the earlier height, is
-        adjusted. Raises CommandError."""
+        trigger height. What was measured with the earlier height is adjusted: the active
+        correction (see BedCorrectionCommands.raise_by for `faded`), or the zero of Z if the probe
+        has homed it. No motor moves. Raises CommandError without any change."""
         prober = self._prober
         for letter, value in words.items():
             most = 20.0 if letter == "Z" else 300.0
             if abs(value) > most:
                 raise CommandError.bad_value(letter, value, f"-{most:g} to {most:g} mm")
         dx, dy = prober.offset_mm
-        before = prober.trigger_height_mm
-        prober.offset_mm = words.get("X", dx), words.get("Y", dy)
-        prober.trigger_height_mm = after = -words.get("Z", -before)
-        now = self._correction
-        if now.correction is None or after == before or self._reference is not None:
-            return
         # A lower trigger height means that the bed is higher.
-        self._corrections.put(now.correction.raised(before - after), on=now.on)
+        higher = prober.trigger_height_mm + words.get("Z", -prober.trigger_height_mm)
+        if higher and self._measures_bed:
+            self._corrections.raise_by(higher, faded=faded)
+        elif higher and self._homes_z and Z not in self._rig.job.locked_axes:
+            self._rig.job.stand_at([(Z, self._rig.job.machine_position[Z] - higher)])
+        prober.offset_mm = words.get("X", dx), words.get("Y", dy)
+        prober.trigger_height_mm = -words.get("Z", -prober.trigger_height_mm)
 
     @command(
         "G31",
@@ -145,7 +149,8 @@ class ProbeOffsetCommands:
         When.EXCLUSIVE,
         "",
         "Makes the babysteps of Z (M290, SET_GCODE_OFFSET) part of the trigger height of the probe,"
-        " and of the correction in force. M500 stores both.",
+        " and of the correction in force or, if the probe homes Z, of its zero. No motor moves."
+        " M500 stores it.",
         kind=Kind.SERVED,
         bare=None,
         lacks=NO_PROBE,
@@ -158,18 +163,32 @@ class ProbeOffsetCommands:
         if by == 0:
             reply.say("// Nothing to do: Z Offset is 0")
             return
-        if not self._correction.on or self._reference is not None:
+        if not self.holds_babysteps:
             raise CommandError.of("probe.no-correction", value=f"{by:.3f}")
-        before = self._prober.trigger_height_mm
-        self.set_offsets({"Z": -round(before - by, 6)})
-        # The correction includes the babysteps now, so remove them from the plan.
-        if not self._rig.queue.shift(Z, -by):
-            raise CommandError.of("probe.no-correction", value=f"{by:.3f}")
+        before, job = self._prober.trigger_height_mm, self._rig.job
+        z = job.machine_position[Z]
+        # Where the correction has faded out, later layers need the babysteps too.
+        self.set_offsets({"Z": -round(before - by, 6)}, faded=True)
+        # Z of the machine has changed with the zero or the correction; that of the program stays.
+        job.absorb_shift(Z, z - job.machine_position[Z])
         self._offsets.babysteps_mm["z"] = 0.0
         after = self._prober.trigger_height_mm
         reply.say(f"// z_offset: {before:.3f} -> {after:.3f}")
+        held = "the zero of Z" if self._homes_z else "the correction of the bed"
         lower = "lower" if by < 0 else "higher"
-        reply.say(f"// The nozzle stays {abs(by):.3f} mm {lower}, now by the correction of the bed")
+        reply.say(f"// The nozzle stays {abs(by):.3f} mm {lower}, now by {held}")
+
+    @property
+    def holds_babysteps(self) -> bool:
+        """Whether the trigger height of the probe decides where the nozzle prints, so that
+        Z_OFFSET_APPLY_PROBE can store babysteps: it homes Z, or its correction is on."""
+        return self._homes_z or (self._measures_bed and self._correction.on)
+
+    @property
+    def zero_below_trigger_mm(self) -> float:
+        """How far below a trigger of the probe Z counts as 0, mm: the trigger height if the probe
+        homes Z. 0 if an endstop does: the trigger height does not change what Z counts."""
+        return self._prober.trigger_height_mm if self._homes_z else 0.0
 
     def line(self) -> str:
         """M851 with the current values."""

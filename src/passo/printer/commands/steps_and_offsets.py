@@ -341,11 +341,12 @@ class MotionCommands:
         if by == 0:
             reply.say("// Nothing to do: Z Offset is 0")
             return
-        self.require_scales("Z_OFFSET_APPLY_ENDSTOP")
         after = round(before - by, 6)
         self.offsets.home_mm |= self.home_offsets({"Z": after})
         # Z of the program stays: what the babysteps have added is now counted from the endstop.
-        self._rig.job.set_axes([(Z, self._rig.job.machine_position[Z] - by)])
+        job = self._rig.job
+        job.stand_at([(Z, job.machine_position[Z] - by)])
+        job.absorb_shift(Z, by)
         self._homer.offset_mm["z"] = after
         self.offsets.babysteps_mm["z"] = 0.0
         reply.say(f"// M206 Z: {before:.3f} -> {after:.3f}. M500 or SAVE_CONFIG stores it")
