@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 import passo
+from passo.config.exporting.settings import Sections
 from passo.live_bridge import LiveBridge
 from passo.printer.klipper.objects import objects
 
@@ -24,7 +25,7 @@ HEAT_AND_PRINT = "\n".join(
 def shown(bridge: LiveBridge, *names: str):
     """The objects of these names, as clients see them now."""
     status = bridge.latest().status
-    found = objects(bridge.machine, status, status.macros)
+    found = objects(bridge.machine, Sections(bridge.machine), status, status.macros)
     return [found[name]() for name in names]
 
 

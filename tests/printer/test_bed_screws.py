@@ -6,6 +6,7 @@ import pytest
 from tests.support.edited_machine import STILL, answers, edited
 from tests.support.scenario import Scenario
 
+from passo.config.exporting.settings import Sections
 from passo.errors import ConfigError
 from passo.printer.klipper.objects import objects
 from passo.printer.setup.boards import simulated_bed
@@ -71,7 +72,9 @@ def test_g35_reports_turns_as_marlin_does(s):
 def test_bed_that_is_too_uneven_is_an_error_after_the_report(s):
     said = answers(s, "SCREWS_TILT_CALCULATE MAX_DEVIATION=0.1")
     assert len(said) == 6
-    shown = objects(s.machine, s.assembly.status.read(), {})["screws_tilt_adjust"]()
+    shown = objects(s.machine, Sections(s.machine), s.assembly.status.read(), {})[
+        "screws_tilt_adjust"
+    ]()
     assert (shown["error"], shown["max_deviation"]) == (True, 0.1)
     first, second, *_ = shown["results"].values()
     assert (first["is_base"], first["adjust"]) == (True, "00:00")

@@ -6,6 +6,7 @@ import pytest
 from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
 
+from passo.config.exporting.settings import Sections
 from passo.printer.klipper.objects import objects
 from passo.printer.setup.boards import simulated_bed
 
@@ -169,7 +170,7 @@ def test_klippers_objects_show_the_bed():
         answers(s, "BED_MESH_CALIBRATE PROFILE=pei")
         answers(s, "QUERY_PROBE")
         status = s.assembly.status.read()
-        found = objects(s.machine, status, {})
+        found = objects(s.machine, Sections(s.machine), status, {})
         mesh = found["bed_mesh"]()
         heights = s.printer.correction.correction.mesh.heights
         assert mesh["profile_name"] == "pei"
@@ -182,7 +183,7 @@ def test_klippers_objects_show_the_bed():
         assert probe["last_z_result"] == pytest.approx(heights[-1][-1])
         assert found["manual_probe"]()["is_active"] is False
         settings = found["configfile"]()["settings"]
-        assert settings["bed_mesh"]["probe_count"] == [4, 3]
+        assert settings["bed_mesh"]["probe_count"] == (4, 3)
         assert settings["probe"]["z_offset"] == 1.2
         # What Klipper has no word for is shown as a mesh of its method.
         assert status.bed.left_rms_mm == pytest.approx(0, abs=1e-6)

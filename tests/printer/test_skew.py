@@ -5,6 +5,7 @@ from tests.support.edited_machine import answers, at_home, edited
 from tests.support.scenario import Scenario
 
 from passo._core import Geometry
+from passo.config.exporting.settings import Sections
 from passo.errors import ConfigError
 from passo.printer.klipper.objects import objects
 
@@ -179,7 +180,12 @@ def test_profiles_of_skew_are_saved_loaded_and_removed(tmp_path):
         answers(s, "M500")
     with homed(state=str(tmp_path)) as s:
         shown = {"current_profile_name": "pla"}
-        assert objects(s.machine, s.assembly.status.read(), {})["skew_correction"]() == shown
+        assert (
+            objects(s.machine, Sections(s.machine), s.assembly.status.read(), {})[
+                "skew_correction"
+            ]()
+            == shown
+        )
         answers(s, "SET_SKEW CLEAR=1")
         assert s.assembly.status.read().skew_profile == ""
         assert answers(s, "SKEW_PROFILE") == ["// pla: XY=-0.016951 XZ=0.000000 YZ=0.000000"]

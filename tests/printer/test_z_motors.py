@@ -6,6 +6,7 @@ import pytest
 from tests.support.edited_machine import answers, at_home, edited
 from tests.support.scenario import Scenario
 
+from passo.config.exporting.settings import Sections
 from passo.errors import ConfigError
 from passo.printer.klipper.objects import objects
 
@@ -113,7 +114,9 @@ def test_klippers_object_shows_the_gantry_level_until_motors_go_off():
     with homed((NOISE, "")) as s:
 
         def applied():
-            return objects(s.machine, s.assembly.status.read(), {})["z_tilt"]()["applied"]
+            return objects(s.machine, Sections(s.machine), s.assembly.status.read(), {})[
+                "z_tilt"
+            ]()["applied"]
 
         assert not applied()
         answers(s, "G34")

@@ -104,6 +104,10 @@ class Protection(Model):
     """The time of `deviation`."""
 
 
+_HOTEND_WATCH_S = 20.0
+_SLOW_WATCH_S = 90.0  # a bed near its maximum temperature gains 2 °C in a minute
+
+
 class Arrival(Model):
     """The condition under which a command stops waiting for a heater."""
 
@@ -211,6 +215,12 @@ class Heater(Model):
         """Whether the file describes how this heater heats, so that its readings can be compared
         with the model."""
         return bool({"model", "simulated"} & self.model_fields_set)
+
+    @property
+    def watch_s(self) -> float:
+        """The time of `protection.watch_rise_c`: that of the file, or that of its kind."""
+        usual_s = _HOTEND_WATCH_S if self.kind == "hotend" else _SLOW_WATCH_S
+        return usual_s if self.protection.watch_s is None else self.protection.watch_s
 
 
 Heaters = dict[PartName, Heater]

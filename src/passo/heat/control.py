@@ -7,8 +7,6 @@ from passo.config.heat import BangBangControl, Heater, ModelControl
 from passo.heat.rules import FULL_POWER
 
 _SETTLES_S = 10.0
-_HOTEND_WATCH_S = 20.0
-_SLOW_WATCH_S = 90.0  # a bed near its maximum temperature gains 2 °C in a minute
 
 
 def model_of(heater: Heater) -> _core.HeatModel:
@@ -62,13 +60,12 @@ def limits_of(heater: Heater) -> _core.ProtectionLimits:
     another power."""
     p = heater.protection
     judged = heater.known_model or "deviation" in p.model_fields_set
-    usual_s = _HOTEND_WATCH_S if heater.kind == "hotend" else _SLOW_WATCH_S
     return _core.ProtectionLimits(
         min_c=heater.min_c,
         max_c=heater.max_c,
         jump_c=p.jump_c,
         watch_rise_c=p.watch_rise_c,
-        watch_s=usual_s if p.watch_s is None else p.watch_s,
+        watch_s=heater.watch_s,
         runaway_c=p.runaway_c,
         runaway_s=p.runaway_s,
         stuck_on_c=p.stuck_on_c,

@@ -10,6 +10,7 @@ from copy import deepcopy
 from typing import TYPE_CHECKING, Any, cast
 
 from passo import _core
+from passo.config.exporting.settings import Sections
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
@@ -70,7 +71,7 @@ class Macros:
     gives the status of a printer; None for a program that is only planned."""
 
     def __init__(self, machine: MachineConfig) -> None:
-        self._machine = machine
+        self._machine, self._sections = machine, Sections(machine)
         self._names = machine.macro_names
         self.status: Callable[[], Status] | None = None
         self.variables: dict[str, dict[str, Any]] = {
@@ -223,7 +224,7 @@ class Macros:
         return ""
 
     def _tree(self, status: Status) -> PrinterTree:
-        found = objects(self._machine, status, deepcopy(self.variables))
+        found = objects(self._machine, self._sections, status, deepcopy(self.variables))
         saved = deepcopy(self.saved)
         return PrinterTree(found | {"save_variables": lambda: {"variables": saved}})
 

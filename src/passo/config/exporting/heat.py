@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
+from passo.config.klipper_names import fan_object, heater_object
 from passo.config.sensors import (
     Converter,
     Platinum,
@@ -26,13 +27,12 @@ def put_heat(cfg: Cfg) -> None:
     """Converts all heaters, then all fans. A hotend without an extruder of its own is a
     [heater_generic], because Klipper's extruder has a motor and a heater."""
     names: dict[str, str] = {}
-    hotends = [name for name, heater in cfg.machine.heaters.items() if heater.kind == "hotend"]
     for name, heater in cfg.machine.heaters.items():
-        if name in hotends[: max(len(cfg.machine.extruders), 1)]:
-            names[name] = f"extruder{hotends.index(name) or ''}"
-        else:
-            names[name] = "heater_bed" if heater.kind == "bed" else f"heater_generic {name}"
-        _put_heater(cfg, name, heater, names[name])
+        named = heater_object(cfg.machine, name)
+        if heater.kind == "hotend" and cfg.machine.extruders and named not in cfg.sections:
+            named = f"heater_generic {name}"
+        names[name] = named
+        _put_heater(cfg, name, heater, named)
     _put_fans(cfg, names)
 
 
@@ -56,7 +56,7 @@ def _put_heater(cfg: Cfg, name: str, heater: Heater, section: str) -> None:
     if protection.watch_rise_c > 0 and protection.runaway_c > 0:
         cfg.put(
             f"verify_heater {section.removeprefix('heater_generic ')}",
-            check_gain_time=protection.watch_s,
+            check_gain_time=heater.watch_s,
             heating_gain=protection.watch_rise_c,
             hysteresis=protection.runaway_c,
         )
@@ -111,18 +111,13 @@ def _ohm(sensor: Thermistor, celsius: float) -> float:
 
 def _put_fans(cfg: Cfg, heaters: dict[str, str]) -> None:
     for name, fan in cfg.machine.fans.items():
+        section = fan_object(cfg.machine, name)
         moved = fan.follows_motors
         if fan.follows:
-            section = f"heater_fan {name}"
             cfg.put(section, heater=heaters[fan.follows], heater_temp=fan.above_c)
         elif moved:
-            section = f"controller_fan {name}"
             own = ", ".join(cfg.motors[motor] for motor in moved if motor in cfg.motors)
             cfg.put(section, stepper=own, idle_timeout=int(fan.stays_on_s))
-        elif fan.number == 0 and "fan" not in cfg.sections:
-            section = "fan"
-        else:
-            section = f"fan_generic {name}"
         cfg.put(
             section,
             pin=cfg.pin(fan.pin),

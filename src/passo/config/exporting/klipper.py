@@ -35,6 +35,30 @@ def exported(machine: MachineConfig) -> Cfg:
     kind = machine.geometry.kind
     if kind not in _STEPPERS:
         raise ConfigError.of("export.kinematics", value=kind, limit=", ".join(_STEPPERS))
+    cfg = _converted(machine, kind)
+    _remark_on_the_rest(cfg)
+    return cfg
+
+
+def sections_of(machine: MachineConfig) -> dict[str, dict[str, str]]:
+    """The sections of a printer.cfg for any machine, for programs that read the settings of a
+    machine. The geometries that are not exported are shown as cartesian machines with the limits of
+    the axes, and each probe as one that can measure a mesh."""
+    kind = machine.geometry.kind
+    if kind in _STEPPERS:
+        cfg = _converted(machine, kind)
+    else:
+        cfg = _converted(machine, "cartesian")
+        for letter in "xyz":
+            cfg.put(f"stepper_{letter}", position_endstop=machine.home_mm[letter])
+        if kind == "rotary_delta":  # macros park in the middle of a round bed
+            cfg.put("printer", kinematics=kind)
+    if machine.probe is not None:
+        _put_mesh(cfg)
+    return cfg.sections
+
+
+def _converted(machine: MachineConfig, kind: str) -> Cfg:
     cfg = Cfg(machine)
     for name, board in machine.all_boards.items():
         port = board.port or "/dev/serial/by-id/..."
@@ -60,7 +84,6 @@ def exported(machine: MachineConfig) -> Cfg:
     _put_accelerometer(cfg)
     _put_commands(cfg)
     _put_macros(cfg)
-    _remark_on_the_rest(cfg)
     return cfg
 
 
@@ -146,8 +169,8 @@ def _put_printer(cfg: Cfg, kind: str) -> None:
 
 def _put_axis(cfg: Cfg, kind: str, motor: str, letter: str) -> None:
     machine, section = cfg.machine, f"stepper_{letter}"
-    driven = machine.drivable.by_name[motor]
-    motors = [name for name in machine.steppers if machine.driven_by(name) == driven]
+    driven = machine.drivable.by_name.get(motor)  # None for the X of an arm
+    motors = [name for name in machine.steppers if driven and machine.driven_by(name) == driven]
     for number, name in enumerate(motors):
         put_stepper(cfg, name, f"{section}{number or ''}")
     delta = kind == "delta"
@@ -214,9 +237,11 @@ def _put_probe(cfg: Cfg) -> None:
     probe = cfg.machine.probe
     if probe is None:
         return
-    if not isinstance(probe, SensingProbe) or probe.kind not in ("fixed", "nozzle", "bltouch"):
+    if not isinstance(probe, SensingProbe):
         cfg.left_out.append(f"probe: the kind {probe.kind} has no section of its own")
         return
+    if probe.kind not in ("fixed", "nozzle", "bltouch"):
+        cfg.left_out.append(f"probe: [probe] does not know how to deploy the kind {probe.kind}")
     touch = probe.kind == "bltouch"
     section = "bltouch" if touch else "probe"
     cfg.put(
@@ -250,17 +275,8 @@ def _put_levelling(cfg: Cfg) -> None:
     machine, levelling = cfg.machine, cfg.machine.levelling
     dx, dy = machine.probe.offset_mm if machine.probe else (0.0, 0.0)
     sensing = isinstance(machine.probe, SensingProbe)
-    if levelling.method == "mesh" and levelling.area and sensing:
-        x0, y0, x1, y1 = levelling.area
-        bicubic = levelling.interpolation == "bicubic"
-        cfg.put(
-            "bed_mesh",
-            mesh_min=f"{x0:g}, {y0:g}",
-            mesh_max=f"{x1:g}, {y1:g}",
-            probe_count=f"{levelling.count[0]}, {levelling.count[1]}",
-            algorithm="bicubic" if bicubic and min(levelling.count) > 3 else "lagrange",
-            horizontal_move_z=machine.probe.start_mm if machine.probe else None,
-        )
+    if levelling.method == "mesh" and sensing:
+        _put_mesh(cfg)
     elif levelling.method != "none":
         cfg.left_out.append(f"levelling.method {levelling.method}: Klipper has a mesh")
     if levelling.screws is not None:
@@ -277,6 +293,27 @@ def _put_levelling(cfg: Cfg) -> None:
         cfg.put("quad_gantry_level", **common)
     else:
         cfg.put("z_tilt", z_positions="".join(f"\n{x:g}, {y:g}" for x, y in pivots), **common)
+
+
+def _put_mesh(cfg: Cfg) -> None:
+    levelling, probe = cfg.machine.levelling, cfg.machine.probe
+    x0, y0, x1, y1 = levelling.area or cfg.machine.bed_area_mm
+    bicubic = levelling.interpolation == "bicubic"
+    cfg.put(
+        "bed_mesh",
+        mesh_min=f"{x0:g}, {y0:g}",
+        mesh_max=f"{x1:g}, {y1:g}",
+        probe_count=f"{levelling.count[0]}, {levelling.count[1]}",
+        algorithm="bicubic" if bicubic and min(levelling.count) > 3 else "lagrange",
+        speed=probe.travel_mm_s if probe else None,
+        horizontal_move_z=probe.start_mm if probe else None,
+        adaptive_margin=levelling.margin_mm,
+        zero_reference_position=", ".join(f"{mm:g}" for mm in levelling.reference or []) or None,
+    )
+    for number, (x0, y0, x1, y1) in enumerate(levelling.avoid, 1):
+        region = f"faulty_region_{number}"
+        cfg.put("bed_mesh", **{f"{region}_min": f"{x0:g}, {y0:g}"})
+        cfg.put("bed_mesh", **{f"{region}_max": f"{x1:g}, {y1:g}"})
 
 
 def _put_screws(cfg: Cfg, screws: Screws, offset: tuple[float, float] | None) -> None:
@@ -296,6 +333,9 @@ def _put_screws(cfg: Cfg, screws: Screws, offset: tuple[float, float] | None) ->
 def _put_commands(cfg: Cfg) -> None:
     """Writes the sections with the commands that Passo always has, which web pages use."""
     cfg.put("virtual_sdcard", path="~/printer_data/gcodes")
+    cfg.put("force_move", enable_force_move=True)
+    if cfg.machine.idle.motors_off_s:
+        cfg.put("idle_timeout", timeout=cfg.machine.idle.motors_off_s)
     for section in ("pause_resume", "display_status", "exclude_object", "respond", "gcode_arcs"):
         cfg.put(section)
 

@@ -9,11 +9,11 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 from passo.config.heater_numbers import number_of
+from passo.config.klipper_names import extruder_object, fan_object, heater_object
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
 from passo.gcode.registry import Subject, When, command, in_program
-from passo.printer.klipper.names import extruder_object, fan_object, heater_object
 
 if TYPE_CHECKING:
     from passo import _core

@@ -9,6 +9,7 @@ from math import hypot, isclose
 from typing import TYPE_CHECKING
 
 from passo._core import Within
+from passo.config.klipper_names import stepper_object
 from passo.config.motor_roles import Driven, axis_order
 from passo.errors import CommandError
 from passo.gcode.command import Command
@@ -20,7 +21,6 @@ from passo.motion.rig import Rig
 from passo.motion.set_position import place_of_axes
 from passo.motion.triggered_moves import TriggeredMoves
 from passo.printer.commands.klipper_commands import number
-from passo.printer.klipper.names import stepper_object
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 

@@ -7,6 +7,7 @@ from functools import partial
 from statistics import fmean
 from typing import TYPE_CHECKING
 
+from passo.config.klipper_names import stepper_object
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
@@ -15,7 +16,6 @@ from passo.motion.axis_slots import Z
 from passo.motion.lone_motors import LoneMotors
 from passo.motion.probing import Place, Prober
 from passo.printer.commands.klipper_commands import number
-from passo.printer.klipper.names import stepper_object
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:

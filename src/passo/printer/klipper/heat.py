@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from passo.printer.klipper.names import heater_object
+from passo.config.klipper_names import heater_object
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig

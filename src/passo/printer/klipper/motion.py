@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from passo.config.heater_numbers import heater_of
+from passo.config.klipper_names import heater_object, stepper_object
 from passo.config.square_corner import corner_mm_s
-from passo.printer.klipper.names import heater_object, stepper_object
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig

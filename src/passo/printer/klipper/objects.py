@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from passo.config.klipper_names import board_object, fan_object, heater_object, number_of
 from passo.printer.klipper.bed import bed_mesh, levelled, manual_probe, probe, screws_tilt_adjust
 from passo.printer.klipper.configfile import configfile
 from passo.printer.klipper.heat import extruder, fan, heater, heaters
@@ -24,9 +25,9 @@ from passo.printer.klipper.motion import (
     stepper_enable,
     toolhead,
 )
-from passo.printer.klipper.names import board_object, fan_object, heater_object, number_of
 
 if TYPE_CHECKING:
+    from passo.config.exporting.settings import Sections
     from passo.config.machine import MachineConfig
     from passo.printer.status import Status
 
@@ -35,12 +36,14 @@ Objects = dict[str, Callable[[], Object]]
 Variables = Mapping[str, Mapping[str, object]]
 
 
-def objects(machine: MachineConfig, status: Status, variables: Variables) -> Objects:
-    """For each object of a printer, by name, a function that computes it. `variables` maps the name
-    of a macro to the variables of the macro."""
+def objects(
+    machine: MachineConfig, sections: Sections, status: Status, variables: Variables
+) -> Objects:
+    """For each object of a printer, by name, a function that computes it. `sections` are those of
+    the machine; `variables` maps the name of a macro to the variables of the macro."""
     found: Objects = {
         "webhooks": lambda: webhooks(status),
-        "configfile": lambda: configfile(machine, status.files.folder, status.unsaved),
+        "configfile": lambda: configfile(sections, status.files.folder, status.unsaved),
         "toolhead": lambda: toolhead(machine, status),
         "gcode_move": lambda: gcode_move(status),
         "motion_report": lambda: motion_report(machine, status),

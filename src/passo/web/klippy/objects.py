@@ -6,11 +6,13 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from passo.config.exporting.settings import Sections
 from passo.gcode.registry import Kind, When
 from passo.printer.klipper.machine import webhooks
-from passo.printer.klipper.objects import Object, objects
+from passo.printer.klipper.objects import Object, Objects, objects
 
 if TYPE_CHECKING:
+    from passo.printer.status import Status
     from passo.web.bridge import Bridge, Snapshot
     from passo.web.klippy.subscriptions import Lookup
 
@@ -22,20 +24,19 @@ class PrinterObjects:
     """The objects of one printer. `endstops` has the states of the last query."""
 
     def __init__(self, bridge: Bridge) -> None:
-        self._bridge = bridge
+        self._bridge, self._sections = bridge, Sections(bridge.machine)
         self.endstops: dict[str, str] = {}
 
     @property
     def names(self) -> list[str]:
         """The names of all objects that have values."""
-        status = self._bridge.latest().status
-        return [*objects(self._bridge.machine, status, status.macros), *self._of_socket()]
+        return [*self._of_printer(self._bridge.latest().status), *self._of_socket()]
 
     def lookup(self, snapshot: Snapshot | None = None) -> Lookup:
         """A function that returns the object of a name, from this snapshot or as it is now; empty
         for an unknown name."""
         status = (snapshot or self._bridge.latest()).status
-        found = objects(self._bridge.machine, status, status.macros) | self._of_socket()
+        found = self._of_printer(status) | self._of_socket()
         made: dict[str, Object] = {}
 
         def find(name: str) -> Object:
@@ -44,6 +45,9 @@ class PrinterObjects:
             return made[name]
 
         return find
+
+    def _of_printer(self, status: Status) -> Objects:
+        return objects(self._bridge.machine, self._sections, status, status.macros)
 
     def _of_socket(self) -> dict[str, Any]:
         return {

@@ -1,0 +1,29 @@
+"""The options that Klipper has for each kind of section, with their types and defaults: facts of
+Klipper's reference, for the settings that macros and clients read."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from passo.config.exporting.options.bed import BED
+from passo.config.exporting.options.commands import COMMANDS
+from passo.config.exporting.options.drivers import DRIVERS
+from passo.config.exporting.options.heat import HEAT
+from passo.config.exporting.options.motion import MOTION
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from passo.config.exporting.options.option import Options
+
+OPTIONS: Mapping[str, Options] = {**MOTION, **DRIVERS, **HEAT, **BED, **COMMANDS}
+"""The options by the kind of section."""
+
+
+def kind_of(section: str) -> str:
+    """The kind of a section: `stepper` for stepper_z1, `extruder` for extruder1, else the first
+    word of its name."""
+    first = section.split()[0]
+    numbered = re.fullmatch(r"(stepper(?=_)|extruder).*", first) if first == section else None
+    return numbered[1] if numbered else first

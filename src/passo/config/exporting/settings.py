@@ -1,0 +1,68 @@
+"""The sections of a printer.cfg as Klipper shows them: texts as written, and typed settings with
+the defaults of all options that are not written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from passo.config.exporting.klipper import sections_of
+from passo.config.exporting.options import OPTIONS, kind_of
+
+if TYPE_CHECKING:
+    from passo.config.exporting.options.option import Option, Value
+    from passo.config.machine import MachineConfig
+
+Texts = Mapping[str, str]
+Settings = Mapping[str, "Value"]
+
+
+class Sections:
+    """The sections of one machine. They are made at the first use. Do not change the values."""
+
+    def __init__(self, machine: MachineConfig) -> None:
+        self._machine = machine
+
+    @cached_property
+    def texts(self) -> dict[str, dict[str, str]]:
+        """The options as written, by section: the machine's own values."""
+        written = sections_of(self._machine)
+        return {
+            section: {name.lower(): _stripped(value) for name, value in options.items()}
+            for section, options in written.items()
+        }
+
+    @cached_property
+    def settings(self) -> dict[str, dict[str, Value]]:
+        """All options with typed values, by section in lower case."""
+        return {name.lower(): typed(name, options) for name, options in self.texts.items()}
+
+
+def typed(section: str, written: Texts) -> dict[str, Value]:
+    """The options of a section with their types, and the defaults of those that are not written.
+    An option that the table does not know is a text."""
+    rows = OPTIONS.get(kind_of(section), ())
+    found: dict[str, Value] = {}
+    for row in rows:
+        if row.name in written:
+            found[row.name] = row.read(written[row.name])
+        elif (default := row.default_in(found)) is not None:
+            found[row.name] = default
+    for name, value in written.items():
+        if name not in found:
+            row = option_of(rows, name)
+            found[name] = value if row is None else row.read(value)
+    return found
+
+
+def option_of(rows: tuple[Option, ...], name: str) -> Option | None:
+    """The row of an option; `screw1` is `screw#`."""
+    pattern = re.sub(r"\d+", "#", name)
+    return next((row for row in rows if row.name in (name, pattern)), None)
+
+
+def _stripped(value: str) -> str:
+    """A value of several lines without their indentation."""
+    return "\n".join(line.strip() for line in value.split("\n"))

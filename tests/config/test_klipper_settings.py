@@ -1,0 +1,90 @@
+"""The settings of Klipper that macros and clients read: all options, with their types."""
+
+import pytest
+
+from passo import config
+from passo.config.exporting.options import OPTIONS, kind_of
+from passo.config.exporting.settings import Sections, option_of, typed
+from passo.config.load import shipped_machines
+
+MACHINES = shipped_machines()
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_table_knows_each_option_of_a_machine(name):
+    sections = Sections(config.load(name))
+    unknown = [
+        f"[{section}] {option}"
+        for section, options in sections.texts.items()
+        for option in options
+        if not option_of(OPTIONS[kind_of(section)], option)
+    ]
+    assert unknown == []
+    assert sections.settings.keys() == {section.lower() for section in sections.texts}
+    assert all(isinstance(text, str) for own in sections.texts.values() for text in own.values())
+
+
+def test_settings_have_values_of_the_machine_and_klippers_defaults():
+    settings = Sections(config.load("voron-2-4")).settings
+    assert settings["pause_resume"] == {"recover_velocity": 50.0}
+    assert settings["idle_timeout"]["timeout"] == 600.0
+    extruder = settings["extruder"]
+    assert extruder["max_extrude_cross_section"] == pytest.approx(4 * 0.4**2)
+    assert (extruder["min_temp"], extruder["max_temp"]) == (5.0, 270.0)
+    assert (extruder["gear_ratio"], extruder["full_steps_per_rotation"]) == ((), 200)
+    z = settings["stepper_z"]
+    assert z["homing_speed"] == z["homing_retract_speed"] == 8
+    assert z["homing_positive_dir"] is False
+    # the further motors of Z have no endstop, so they do not home by themselves
+    assert {"homing_speed", "second_homing_speed", "position_max"}.isdisjoint(
+        settings["stepper_z1"]
+    )
+    mesh = settings["bed_mesh"]
+    assert (mesh["mesh_min"], mesh["mesh_max"]) == ((40.0, 40.0), (210.0, 210.0))
+    assert (mesh["probe_count"], mesh["mesh_pps"], mesh["fade_end"]) == ((5, 5), (2, 2), 0.0)
+    gantry = settings["quad_gantry_level"]
+    assert gantry["gantry_corners"] == ((-60.0, -10.0), (310.0, 320.0))
+    assert (gantry["horizontal_move_z"], gantry["retries"]) == (5.0, 5)
+    driver = settings["tmc2209 stepper_x"]
+    assert (driver["driver_toff"], driver["driver_pwm_autoscale"]) == (3, True)
+    fan = settings["controller_fan board"]
+    assert (fan["stepper"], fan["heater"]) == (("stepper_x", "stepper_y"), ("extruder",))
+
+
+@pytest.mark.parametrize(
+    ("section", "written", "expected"),
+    [
+        ("stepper_x", {"position_endstop": "0", "position_max": "200"}, {"position_min": 0.0}),
+        (
+            "stepper_y",
+            {"position_endstop": "200", "position_max": "200", "homing_speed": "50"},
+            {"homing_positive_dir": True, "second_homing_speed": 25.0, "homing_speed": 50.0},
+        ),
+        (
+            "stepper_z2",
+            {"step_pin": "PA1", "gear_ratio": "80:16, 2:1"},
+            {"gear_ratio": ((80.0, 16.0), (2.0, 1.0))},
+        ),
+        ("probe", {"speed": "3"}, {"lift_speed": 3.0, "samples_result": "average"}),
+        ("heater_bed", {"sensor_type": "PT1000"}, {"pullup_resistor": 4700.0}),
+        ("heater_bed", {"sensor_type": "MAX31865"}, {"rtd_reference_r": 430.0}),
+        ("extruder", {"nozzle_diameter": "0.6"}, {"max_extrude_cross_section": 1.44}),
+        ("screws_tilt_adjust", {"screw2": "5, 10"}, {"screw2": (5.0, 10.0), "speed": 50.0}),
+        ("input_shaper", {"shaper_freq_x": "40"}, {"shaper_type_y": "mzv", "shaper_freq_x": 40.0}),
+        ("gcode_macro A", {"gcode": "G28", "variable_t": "3"}, {"variable_t": "3"}),
+        ("bed_mesh", {"mesh_radius": "50"}, {"round_probe_count": 5, "mesh_origin": (0.0, 0.0)}),
+    ],
+)
+def test_options_depend_on_others_of_their_section(section, written, expected):
+    found = typed(section, written)
+    assert {name: found[name] for name in expected} == {
+        name: pytest.approx(value) if isinstance(value, float) else value
+        for name, value in expected.items()
+    }
+    assert [type(found[name]) for name in expected] == [type(v) for v in expected.values()]
+
+
+def test_options_of_other_sensors_have_no_value():
+    assert "pullup_resistor" not in typed("heater_bed", {"sensor_type": "MAX31855"})
+    assert "tc_type" not in typed("heater_bed", {"sensor_type": "MAX31855"})
+    assert "position_max" not in typed("stepper_z1", {"step_pin": "PA1"})
