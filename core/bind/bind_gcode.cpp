@@ -34,6 +34,7 @@ void bind_gcode(nb::module_& m) {
       .value("CENTRE", Fault::centre)
       .value("RADII", Fault::radii)
       .value("REPEATED", Fault::repeated)
+      .value("LETTER", Fault::letter)
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)
       .value("NOT_HOMED", Fault::not_homed)

@@ -318,6 +318,7 @@ class Interpreter {
   std::vector<std::string> features_;
   uint64_t arcs_ = 0;
   Clamped clamped_[kAxes];
+  uint32_t idle_noted_ = 0;  // letters of the program that idles() has reported
   uint8_t cut_ = 0;  // a bit for each slot that is at a limit instead of the commanded position
   Arc arc_;
   MoveRequest arc_move_{};  // its chord
@@ -439,6 +440,7 @@ class Interpreter {
   bool within(char letter, double value, double least, double most);
   bool sound(const Word& word);
   bool repeated(const Word& word, uint32_t& seen);
+  void fail_letter(const Word& word, int code);
   void note_clamp(int j, double value, double limit);
   bool moves(const Word* w, const Word* end) const;
 
@@ -458,6 +460,7 @@ class Interpreter {
   void run_motion(int code, const Word* first, const Word* last);
   void emit_special(int kind, const double* value, uint32_t have, uint32_t relative,
                     std::string words);
+  bool idles(const Word& word, int code);
   void queue_straight(double feed, double duration, bool rapid, double energy_ws = 0);
   void queue_step(int j, double by, double feed);
   void queue_return(const double* to);

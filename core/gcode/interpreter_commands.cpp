@@ -242,10 +242,15 @@ void Interpreter::run_set_position(const Arguments& a) {
       origin_[j] = meant(j) - value;
     }
   };
+  for (const Word* x = a.first; x < a.last; ++x)
+    if (!names_axis(*x) && x->letter != 'F' &&
+        machine_->motor_letters.find(x->letter) == std::string::npos && !idles(*x, 92))
+      return;
   for (const Word* x = a.first; x < a.last; ++x) {
-    int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
+    const int j = letter_slot_[x->letter - 'A'];
     any = true;
     if (j < 0) {
+      if (machine_->motor_letters.find(x->letter) == std::string::npos) continue;
       actuators += x->letter + std::to_string(x->value) + " ";
       continue;
     }

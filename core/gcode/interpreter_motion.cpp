@@ -5,25 +5,28 @@
 #include <utility>
 
 #include "gcode/interpreter.hpp"
+#include "gcode/word_grammar.hpp"
 
 namespace passo {
 
 void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   if (w == end) return;
+  const auto is_g43 = [](const Word& x) { return x.letter == 'G' && x.number && x.value == 43; };
   double value[26] = {}, feed = feed_, duration = 0, laser = 0, energy = 0;
   uint32_t have = 0, seen = 0;
   uint32_t relative = this->relative();
-  bool keeps_feed = true, has_laser = false, timed = false;
+  bool keeps_feed = true, has_laser = false, timed = false, no_feed = false;
   // After G43 an H is the number of a tool, also in a line with G0.
   const Word* first = words_.data() + (words_.front().letter == 'N');
   const bool leads = code < 2 && w == first + 1 && first->letter == 'G' && first->value == code;
+  const Word* motor = nullptr;  // one of `motors`, not at 0 if there is such a one
   int turns = 0, special = 0;
   std::string motors;
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
     if (x->letter == 'R' && code < 2) {  // all words are absolute except those directly after it
-      if (x->number) continue;
+      if (x->number) return fail_letter(*x, code);
       relative = 0;
       keeps_feed = false;
       for (; x + 1 < end && !x[1].number && x[1].begin == x->end; ++x) {
@@ -41,8 +44,9 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
     } else if (x->letter == 'F') {
-      if (!(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
-      feed = x->value * unit_ / 60;
+      if (!(x->value >= 0)) return fail(Fault::feedrate, "F", x->value, 0);
+      no_feed = x->value == 0;
+      if (!no_feed) feed = x->value * unit_ / 60;
     } else if (x->letter == 'T') {
       if (!within('T', x->value, 0, kLargestWord)) return;
       duration = x->value;
@@ -62,10 +66,15 @@ void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       special = int(x->value);
     } else if (leads && machine_->motor_letters.find(x->letter) != std::string::npos) {
       motors += x->letter + std::to_string(x->value) + " ";
+      if (motor == nullptr || motor->value == 0) motor = x;
+    } else if (!(x->letter == 'H' && std::any_of(first, end, is_g43)) && !idles(*x, code)) {
+      return;
     }
   }
+  if (no_feed && (have != 0 || !motors.empty())) return fail(Fault::feedrate, "F", 0, 0);
   if (keeps_feed) feed_ = feed;
   const bool only_motors = !motors.empty() && (have & ~filament_letters_) == 0;
+  if (motor != nullptr && special == 0 && !only_motors && !idles(*motor, code)) return;
   if (special != 0 || only_motors) return emit_special(special, value, have, relative, motors);
   if (has_laser) {
     emit_power(laser);
@@ -95,6 +104,26 @@ void Interpreter::emit_special(int kind, const double* value, uint32_t have, uin
   if (feed_ < kInfinity) words += "F" + std::to_string(feed_ * 60) + " ";
   if ((relative & ~filament_letters_) != 0) words += "R1 ";
   emit(0, 0, 0, kind == 0 ? "G1 A" : "G1 H" + std::to_string(kind), words);
+}
+
+// Whether a word that names no axis may be left out of the command; if not, that fails.
+bool Interpreter::idles(const Word& word, int code) {
+  if (word.number && word.value == 0 && idle_letter(word.letter, code)) {
+    const uint32_t bit = 1u << (word.letter - 'A');
+    if (source_ || (idle_noted_ & bit) == 0) emit(0, 0, 0, "G1 A0", "");
+    if (!source_) idle_noted_ |= bit;
+    return true;
+  }
+  fail_letter(word, code);
+  return false;
+}
+
+// The word of the error is the command, the letter, and the letters of the axes.
+void Interpreter::fail_letter(const Word& word, int code) {
+  std::string axes;
+  for (const char* letter = "XYZABCDEHIJKUVWFGLMNOPQRST"; *letter != 0; ++letter)
+    if (letter_slot_[*letter - 'A'] >= 0) (axes += ' ') += *letter;
+  fail(Fault::letter, code_name('G', code) + " " + word.letter + axes, 0, 0);
 }
 
 // The target that move_ has now.
@@ -158,7 +187,11 @@ void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
     int k = x->letter - 'A';
     if (x->letter == 'S' && x->number) slot = x->value;
     if (x->letter == 'F' && x->number && x->value > 0) feed = x->value * unit_ / 60;
-    if (k < 0 || k >= 26 || letter_slot_[k] < 0) continue;
+    if (x->letter == 'S' || x->letter == 'F') continue;
+    if (letter_slot_[k] < 0) {
+      if (!idles(*x, save ? 60 : 61)) return;
+      continue;
+    }
     have |= 1u << k;
     value[k] = x->number ? x->value * unit_ : 0;
   }

@@ -60,6 +60,7 @@ void Interpreter::restart(uint32_t first) {
   if (first == 1 && !source_) {
     forget_objects();
     std::fill(std::begin(clamped_), std::end(clamped_), Clamped());
+    idle_noted_ = 0;
   }
   dark();
 }

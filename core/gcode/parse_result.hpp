@@ -23,6 +23,7 @@ enum class Fault : uint8_t {
   range,  // beyond point[0] or the limit
   word,
   repeated,  // a letter
+  letter,    // `word`: the command, a letter that it does not have, and those of the axes
   checksum,
   line_too_long,
   feedrate,

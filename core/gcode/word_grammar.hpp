@@ -112,6 +112,12 @@ inline bool moves_otherwise(char letter, int code) {
                            (code >= 81 && code <= 89));
 }
 
+// Letters that programs write with 0 for an axis which the machine lacks. The row "G1 A0" of
+// passo.gcode.ignored_commands names these programs.
+inline bool idle_letter(char letter, int code) {
+  return (letter >= 'A' && letter <= 'C') || (letter == 'E' && code == 92);
+}
+
 // Words of these that need no number; passo.gcode.registry has the same list.
 inline bool may_stand_alone(char letter, int code, char word) {
   if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);

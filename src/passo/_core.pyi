@@ -1613,51 +1613,53 @@ class Fault(enum.Enum):
 
     WORD = 2
 
-    CHECKSUM = 4
+    CHECKSUM = 5
 
-    LINE_TOO_LONG = 5
+    LINE_TOO_LONG = 6
 
-    FEEDRATE = 6
+    FEEDRATE = 7
 
-    ARC = 7
+    ARC = 8
 
-    CENTRE = 8
+    CENTRE = 9
 
-    RADII = 9
+    RADII = 10
 
     REPEATED = 3
 
-    OUT_OF_RANGE = 10
+    LETTER = 4
 
-    MISSING_TOOL = 11
+    OUT_OF_RANGE = 11
 
-    NOT_HOMED = 12
+    MISSING_TOOL = 12
 
-    COLD = 13
+    NOT_HOMED = 13
 
-    GARBAGE = 14
+    COLD = 14
 
-    UNSAVED = 15
+    GARBAGE = 15
 
-    UNREACHABLE = 16
+    UNSAVED = 16
 
-    ACTUATOR = 17
+    UNREACHABLE = 17
 
-    TOO_LONG = 18
+    ACTUATOR = 18
 
-    TOO_SLOW = 19
+    TOO_LONG = 19
 
-    STRAY = 20
+    TOO_SLOW = 20
 
-    UTF_16 = 21
+    STRAY = 21
 
-    HOLE = 22
+    UTF_16 = 22
 
-    AFTER_END = 23
+    HOLE = 23
 
-    MISSING_WORD = 24
+    AFTER_END = 24
 
-    CALL = 25
+    MISSING_WORD = 25
+
+    CALL = 26
 
 class CallFault(enum.IntEnum):
     """Why M98 or M99 cannot be carried out."""

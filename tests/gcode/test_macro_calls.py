@@ -69,7 +69,7 @@ def test_m99_leaves_a_macro():
 
 
 def test_an_error_in_a_macro_has_the_line_of_the_call():
-    _, _, moves, errors, _ = read("\nFOO\nG1 X5 F600\n", {"FOO": "G1 F0\nG1 X2 F600"})
+    _, _, moves, errors, _ = read("\nFOO\nG1 X5 F600\n", {"FOO": "G1 X1 F0\nG1 X2 F600"})
     assert errors == [(2, _core.Fault.FEEDRATE, "F")]
     assert moves == [(2, 2), (3, 5)]
 

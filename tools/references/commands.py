@@ -43,6 +43,17 @@ A letter without a number, or with a number beyond 1e9, is an error that names i
 command is carried out then, unless the letter is listed below as one that may stand *alone*. A text
 in quotes may follow such a letter, too. Temperatures may be `S nan`: the heater goes off.
 
+A letter that names no axis of the machine is an error in G0 to G3, G60, G61 and G92 (`G1 Q5`, and
+`G1 U5` without an axis U), so that no part of a move is lost. H is the number of a tool in a line
+with G43. These letters have no effect, and are noted once:
+
+| written | by | why |
+|---|---|---|
+| A0, B0, C0 | CAM programs, Fusion 360 for one | the angle of a rotary axis that never turns |
+| G92 E0 | slicers, for a machine without an extruder | the start of each file |
+
+F0 in a line without a move changes nothing; Fusion 360 writes it.
+
 ## Which words belong to which command
 
 A line is read from left to right.

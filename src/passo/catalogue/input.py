@@ -81,6 +81,11 @@ INPUT: Mapping[str, Entry] = {
         "the word {value!r} has no valid number",
         "Write a decimal number of at most 1e9 without exponent",
     ),
+    "input.letter": bad_input(
+        "gcode",
+        "{axis} has no parameter {value}: the axes of this machine are {limit}",
+        "Correct the letter, or write the file for this machine",
+    ),
     "input.repeated": bad_input(
         "gcode",
         "the command has more than one {value}",

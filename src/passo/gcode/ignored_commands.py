@@ -58,3 +58,15 @@ _declare(
     ("M800", "M1000 resumes a print that was interrupted."),
     ("M908", "M906 and the machine file set motor currents."),
 )
+declare(
+    Declaration(
+        "G1 A0",
+        Subject.NO_EFFECT,
+        When.PLANNED,
+        "",
+        "A0, B0 or C0 in a move of a machine without this axis: post-processors of CAM programs,"
+        " Fusion 360 for one, write the angle of a rotary axis that never turns. Slicers write"
+        " G92 E0 for a machine without an extruder, too.",
+        Kind.NOT_BUILT,
+    )
+)

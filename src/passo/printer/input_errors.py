@@ -64,6 +64,10 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.centre", path, line, {"value": word})
     if fault == faults.RADII:
         return Problem("input.radii", path, line, {"value": value, "limit": limit})
+    if fault == faults.LETTER:
+        command, letter, *axes = word.split()
+        values = {"axis": command, "value": letter, "limit": ", ".join(axes)}
+        return Problem("input.letter", path, line, values)
     if fault == faults.REPEATED:
         return Problem("input.repeated", path, line, {"value": word})
     if fault == faults.CHECKSUM:
