@@ -36,7 +36,7 @@ def problems(table: str, *changes: tuple[str, str]) -> list[str]:
         (SPI.replace("D42", "D54"), "accelerometer.clock_pin", "belongs to"),
         (SPI.replace("D42", "!D42"), "accelerometer.clock_pin", "it does nothing here"),
         (f'{SPI}spi_bus = "spi1"', "accelerometer.clock_pin", "spi_bus has the pins"),
-        ('spi_bus = "spi1"', "accelerometer.spi_bus", "a simulated board has no buses"),
+        ('spi_bus = "spi1"', "accelerometer.spi_bus", "Passo's firmware has no buses"),
         (f'{SPI}axes_map = ["x", "-x", "z"]', "accelerometer.axes_map", "x, y and z once each"),
         (f'{SPI}chip = "lis2dw"\nrate_hz = 3200', "accelerometer.rate_hz", "800 or 1600"),
         (f'{SPI}chip = "bmi160"', "accelerometer.chip", "adxl345"),

@@ -137,6 +137,21 @@ def test_the_firmware_measures_as_the_model_of_the_board(chip: str, pins: str, f
     assert max(abs(float(row[2])) for row in rows[1:]) < 300
 
 
+@pytest.mark.parametrize(
+    ("chip", "bus"),
+    [
+        ("adxl345", 'spi_bus = "spi2_PB2_PB11_PB10"\ncs_pin = "PB1"'),
+        ("adxl345", 'spi_bus = "spidev0.0"'),
+        ("lis2dw", 'i2c_bus = "i2c1"'),
+    ],
+)
+def test_a_simulated_chip_answers_on_a_bus_of_the_chip(chip: str, bus: str) -> None:
+    with at_home(machine(50, 35, chip=chip, pins=bus, firmware="klipper")) as s:
+        said = answers(s, "ACCELEROMETER_QUERY")
+        x, y, z = (float(v) for v in said[0].partition(": ")[2].split(","))
+        assert (x, y, z) == pytest.approx((0, 0, 9806), abs=250)
+
+
 def test_errors_are_reported(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Scenario(machine(50, 35)) as s:
         chip = s.printer.board.boards[""].accelerometers[0]

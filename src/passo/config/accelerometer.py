@@ -136,9 +136,8 @@ def _check_bus(data: Mapping[str, Any], part: Mapping[str, Any], key: str) -> It
     owner = table(data, *section(placed(str(written))[0]))
     simulated = owner.get("link", "simulated") == "simulated"
     klippers = runs_klippers(owner)
-    if bus is not None and (simulated or not klippers):
-        who = "a simulated board" if simulated else "Passo's firmware"
-        limit = f"no such key: {who} has no buses; give {', '.join(wires)}"
+    if bus is not None and not klippers:
+        limit = f"no such key: Passo's firmware has no buses; give {', '.join(wires)}"
         yield Finding("config.conflict", (*path, key), bus, limit)
     mcu = owner.get("mcu")
     real = first in part and not (simulated or klippers)

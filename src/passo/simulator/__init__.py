@@ -4,6 +4,7 @@ from passo.simulator.board import SimulatedBoard
 from passo.simulator.fault_injector import SimulatedFaults
 from passo.simulator.machine import Cable, SimulatedMachine
 from passo.simulator.plant import Actuator, Bed, BedProbe, Body, Lift, PlantDescription, Switch
+from passo.simulator.wires import without_buses
 
 __all__ = [
     "Actuator",
@@ -17,4 +18,5 @@ __all__ = [
     "SimulatedFaults",
     "SimulatedMachine",
     "Switch",
+    "without_buses",
 ]

@@ -481,7 +481,9 @@ def connect_simulated(
     """Connections to simulated boards for the machine, identified and configured, and the boards
     themselves, for tests. Only boards with a `cable`, even a perfect one, can have faults of the
     link. Raises MachineError."""
-    boards = board_descriptions(machine)
+    from passo.simulator import without_buses
+
+    boards = {name: without_buses(b) for name, b in board_descriptions(machine).items()}
     simulated = simulated_machine(machine, boards, cable)
     ports = in_process([simulated.devices[name] for name in boards])
     connected = _connected(boards, ports)
