@@ -39,7 +39,8 @@ def notes(machine: MachineConfig) -> Iterator[str]:
             f"the pins on {board} are not checked: its firmware's dictionary is not known. Give"
             f' {board} the key dictionary = "klipper.dict", the file of the firmware\'s build'
         )
-    for name, board in machine.all_boards.items():
+    for name in {machine.board_of_stepper(stepper): None for stepper in machine.steppers}:
+        board = machine.all_boards[name]
         if board.base == NAME and board.move_count <= _FEW_MOVES:
             yield _queue_note(key_text(section(name)), board.move_count)
     for name, heater in machine.heaters.items():
