@@ -548,3 +548,24 @@ def test_live_only_settings_of_file_survive_interruption(places, tmp_path):
     whole = state_after(places, "own.gcode", killed=False)
     assert {"M85 S3600", "M84 S300", "M540 S1"} <= set(whole[0])
     assert state_after(places, "own.gcode", killed=True) == whole
+
+
+def test_what_was_allowed_for_a_print_survives_interruption(places):
+    text = "M302 P1\nG28\nPRINT_START\nT3\n" + "".join(
+        f"G1 X{300 - i % 2 * 200} Y50 Z5 E{i} F1800\n" for i in range(20)
+    )
+    (Path(places["card"]) / "a.g").write_text(text)
+    with Scenario("i3", **places) as s:
+
+        async def start():
+            skips = s.printer.skips.allowing(["clamp", "ignore_tools", "unknown"])
+            s.assembly.library.open("/a.g")
+            s.assembly.runner.start(skips=skips)
+
+        s.run(start())
+        assert s.until(lambda: s.positions()["e"] > 6, 200)
+        left = s.positions()
+    assert recorded(places)[0].allow == ["clamp", "ignore_tools", "unknown"]
+    with Scenario("i3", **places) as s:
+        goes_on(s, left)
+        assert s.positions()["x"] == 100

@@ -39,7 +39,7 @@ def test_each_choice_lets_its_line_be_printed(line, code, allow):
 
 def test_all_choices_of_a_file_are_found_together():
     found = judged("G28\nT1\nG1 X999 F3000\nG29\nSTART_PRINT\nG1 X998\n")
-    assert [p.line for p in found.problems] == [4, 5, 2, 3]
+    assert [p.line for p in found.problems] == [2, 3, 4, 5]
     assert found.allow == ("levelling", "unknown", "ignore_tools", "clamp")
     assert found.estimate is not None
     assert any("moved to the limit (2 times)" in text for text in found.estimate.warnings)

@@ -5,9 +5,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from tests.web.fake_bridge import FakeBridge
-from tests.web.local_site import local_client
+from tests.web.local_site import client, local_client, site
 
 from passo import config
+from passo.config.own_machines import own_or_shipped
 from passo.live import Printer, run
 from passo.web.bridge import SettingValue
 
@@ -122,6 +123,26 @@ def test_shipped_machine_has_no_file_to_write():
     web = local_client(FakeBridge())
     assert web.get(f"{API}/file").json()["path"] is None
     assert written(web, TEXT).json()["error"]["code"] == "machine.no-file"
+    refused = web.post(f"{API}/own", json={"text": TEXT})
+    assert (refused.status_code, refused.json()["error"]["code"]) == (409, "machine.no-folder")
+
+
+def test_a_shipped_machine_is_saved_as_the_users_own(tmp_path):
+    web = client(site(FakeBridge(), state=tmp_path))
+    own = tmp_path / "machines" / "i3.toml"
+    assert web.get(f"{API}/file").json()["own_path"] == str(own)
+    assert own_or_shipped("i3", tmp_path) == "i3"
+    wrong = web.post(f"{API}/own", json={"text": TEXT.replace("[axes.x]", "[axes.q]")})
+    assert (wrong.status_code, own.exists()) == (400, False)
+    saved = web.post(f"{API}/own", json={"text": TEXT})
+    assert (saved.status_code, saved.json()) == (200, {"path": str(own)})
+    assert own.read_text() == TEXT
+    assert own_or_shipped("i3", tmp_path) == str(own)
+    assert own_or_shipped("ender3", tmp_path) == "ender3"
+    assert own_or_shipped("some/i3.toml", tmp_path) == "some/i3.toml"
+    web.post(f"{API}/own", json={"text": TEXT + "\n"})
+    assert own.read_text() == TEXT + "\n"
+    assert own.with_name("i3.toml.bak").read_text() == TEXT
 
 
 def test_library_of_machines_is_listed_and_read(web):

@@ -110,6 +110,7 @@ test("values turn grey with their age while Passo is away, and live again after"
   await served.stop();
   await page.getByRole("alert").getByText("Passo does not answer.").waitFor();
   await page.getByText(/All values are [1-9]\d* s old/).waitFor();
+  expect(await page.getByRole("region", { name: "Messages" }).getByText("Passo does not answer").count()).toBe(0);
   await picture(page, "away-1280-light");
   await served.start();
   await state(page, "Ready");

@@ -39,11 +39,66 @@ test("an upload arrives, asks when its name is taken, and is deleted", async ({ 
   await row(page, "line-2.gcode").waitFor({ state: "detached" });
 });
 
-test("a file that leaves the machine cannot be printed, with the reason", async ({ page }) => {
-  await upload(page, "far.gcode", "G28\nG1 X999 F3000\n");
-  await row(page, "far.gcode").getByText("Cannot be printed").waitFor();
-  await page.getByText(/999/).waitFor();
-  expect(await page.getByRole("button", { name: "Print", exact: true }).isDisabled()).toBe(true);
+test("a refused file has its reasons, and ways on", async ({ page }) => {
+  await upload(page, "wrong.gcode", "G28\nG1 X999 F3000\nG1 X1..2\n");
+  await row(page, "wrong.gcode").getByText("Cannot be printed").waitFor();
+  await page.getByText("Line 2: X 999.000 mm is beyond the limit").waitFor();
+  expect(await page.getByRole("button", { name: /[Pp]rint/ }).count()).toBe(0);
+
+  await upload(page, "far.gcode", "G28\nG1 Y225 F3000\n");
+  await row(page, "far.gcode").getByText("Needs a choice").waitFor();
+  await page.getByRole("link", { name: "ender3", exact: true }).waitFor();
+  await expectAccessible(page);
+  await picture(page, "refused-1280-light");
+  await page.getByRole("button", { name: "Clamp and print" }).click();
+  const card = page.getByRole("region", { name: "Print" });
+  await card.locator(".chip", { hasText: "Finished" }).waitFor();
+  const y = page.locator(".axis", { has: page.locator('strong:text-is("Y")') }).locator(".live");
+  await y.getByText("220.00").waitFor();
+
+  await page.getByRole("link", { name: "Files" }).click();
+  await upload(page, "macro.gcode", "PRINT_START BED=60\nG28\nG1 X20 F3000\n");
+  await page.getByText("Line 1: PRINT_START is unknown here").waitFor();
+  await page.getByRole("link", { name: "Write this macro" }).click();
+  const text = page.getByRole("textbox", { name: "Machine file, TOML" });
+  await expect.poll(() => text.inputValue()).toContain("[macros.PRINT_START]");
+  expect(await text.inputValue()).toContain("M190 S{params.BED|default(60)|float}");
+  await page.getByRole("button", { name: "Discard" }).click();
+
+  // Another client starts it: the dashboard has the same ways on.
+  await page.evaluate(() => (location.hash = "#/dashboard"));
+  const input = page.getByRole("combobox", { name: "Command" });
+  await input.fill("M32 macro.gcode");
+  await input.press("Enter");
+  await card.locator(".chip", { hasText: "Failed" }).waitFor();
+  await card.getByText("Write this macro, or print without it.").waitFor();
+  expect(await card.getByText("M24").count()).toBe(0);
+  await expectAccessible(page);
+  await card.getByRole("button", { name: "Print without it" }).click();
+  await card.locator(".chip", { hasText: "Finished" }).waitFor();
+});
+
+test("the details of a file are in view, however long the list is", async ({ page }) => {
+  const names = Array.from({ length: 14 }, (_, i) => `part-${String(i).padStart(2, "0")}.gcode`);
+  const buffer = Buffer.from("G28\nG1 X10 F3000\n");
+  await page.locator("input[type=file]").setInputFiles(names.map((name) => ({ name, mimeType: "text/x.gcode", buffer })));
+  for (const name of names) await row(page, name).waitFor();
+  for (const [width, height] of [[1440, 900], [1024, 768], [390, 844]] as const) {
+    const close = page.getByRole("button", { name: "Close the details" });
+    if (await close.isVisible()) await close.click();
+    await page.setViewportSize({ width, height });
+    await page.getByRole("button", { name: "demo.gcode" }).scrollIntoViewIfNeeded();
+    await page.getByRole("button", { name: "demo.gcode" }).click();
+    await page.getByText("What limits the speed").waitFor();
+    const box = await page.getByRole("button", { name: "Print", exact: true }).boundingBox();
+    expect(box?.y).toBeGreaterThan(0);
+    expect((box?.y ?? 0) + (box?.height ?? 0)).toBeLessThanOrEqual(height);
+    await expectFits(page);
+    await expectAccessible(page);
+  }
+  await page.screenshot({ path: "../build/pictures/file-sheet-390-light.png" });
+  await page.keyboard.press("Escape");
+  await page.getByText("What limits the speed").waitFor({ state: "detached" });
 });
 
 test("prints wait in the queue, change places, and start when the bed is clear", async ({ page }) => {
@@ -53,6 +108,7 @@ test("prints wait in the queue, change places, and start when the bed is clear",
     await page.getByRole("button", { name, exact: true }).click();
     await page.getByRole("button", { name: "Add to the queue" }).click();
     await page.getByText("In the queue: 1").waitFor();
+    await page.getByRole("button", { name: "Close the details" }).click();
   }
   const queue = page.getByRole("region", { name: "Queue" });
   const names = () => queue.locator("li .name").allTextContents();

@@ -1,6 +1,6 @@
 import { expect } from "vitest";
 import { expectAccessible, expectFits, picture } from "./browser";
-import { test } from "./fixtures";
+import { test, testOf } from "./fixtures";
 
 test("a key is changed, checked beside its field, reviewed, and acts at once", async ({ page }) => {
   await page.getByRole("link", { name: "Machine" }).click();
@@ -45,9 +45,15 @@ test("the text is edited, undone, and a machine of the library copied", async ({
   await page.getByText("Text", { exact: true }).click();
   const text = page.getByLabel("Machine file, TOML");
   const before = await text.inputValue();
-  await text.fill(`${before}\n[nonsense]\n`);
-  await page.getByText(/nonsense/).last().waitFor();
+  await text.fill(before.replace("[axes.y]", "[axes.y"));
+  await page.getByText("Errors: 1").waitFor();
+  await page.getByText("is not valid TOML").waitFor();
+  const line = before.slice(0, before.indexOf("[axes.y]")).split("\n").length;
+  await page.getByRole("button", { name: `Line ${line}` }).click();
+  const selected = (area: HTMLTextAreaElement) => area.value.slice(area.selectionStart, area.selectionEnd);
+  expect(await text.evaluate(selected)).toBe("[axes.y");
   await expectAccessible(page);
+  await picture(page, "machine-text-1280-light");
   await page.getByRole("button", { name: "Undo" }).click();
   expect(await text.inputValue()).toBe(before);
   await page.getByText("Library", { exact: true }).click();
@@ -55,6 +61,30 @@ test("the text is edited, undone, and a machine of the library copied", async ({
   await page.getByRole("button", { name: "Copy delta into the editor" }).click();
   expect(await text.inputValue()).toMatch(/kind = "delta"/);
   await page.getByRole("button", { name: "Discard" }).click();
+});
+
+testOf({ shipped: true, state: true })("a shipped machine is saved as one's own, and goes on with it", async ({ served, visit }) => {
+  const { page } = visit;
+  await page.getByRole("link", { name: "Machine" }).click();
+  await page.getByRole("button", { name: "axes.x" }).click();
+  const end = page.getByRole("textbox", { name: "max_mm" });
+  await end.fill("251");
+  await end.press("Enter");
+  await page.getByText("This machine comes with Passo.").waitFor();
+  await page.setViewportSize({ width: 1280, height: 1400 }); // nothing is under the bar
+  await expectAccessible(page);
+  await picture(page, "machine-own-1280-light");
+  await page.getByRole("button", { name: "Save as my machine" }).click();
+  await page.getByText(/^Saved as .*machines.i3.toml/).waitFor();
+  await served.stop(); // it has restarted at another port; a later start has the file too
+  await served.start();
+  await page.getByText(/^Saved as/).waitFor({ state: "detached" });
+  expect(await end.inputValue()).toBe("251");
+  await end.fill("252");
+  await end.press("Enter");
+  await page.getByText("Changed keys: 1").waitFor(); // of a file that can be written
+  expect(await page.getByRole("button", { name: "Save as my machine" }).count()).toBe(0);
+  visit.faults.length = 0; // the browser logs each attempt to connect
 });
 
 test("the firmware of a RAMPS is built, with its sizes, and downloaded", async ({ page }) => {
@@ -105,7 +135,9 @@ test("without a probe, babysteps set Z to the paper", async ({ page }) => {
   await page.getByRole("link", { name: "Calibrate" }).click();
   await page.getByRole("link", { name: "Paper test" }).click();
   await page.getByRole("button", { name: "Home and approach" }).click();
-  await page.getByRole("button", { name: "−0.05" }).click({ timeout: 30_000 });
+  await page.getByText("Now the test").waitFor({ timeout: 30_000 });
+  expect(await page.getByText("Finished").count()).toBe(0);
+  await page.getByRole("button", { name: "−0.05" }).click();
   await page.getByText("-0.050 mm").waitFor();
   await page.getByRole("button", { name: "Keep it" }).click();
   const result = page.getByRole("region", { name: "Changed settings", exact: true });

@@ -13,6 +13,8 @@ const MACHINES = "../src/passo/config/machines";
 export interface ServedOptions {
   /** A machine of the library. */
   machine?: string;
+  /** Whether it is served by its name, so that it has no file of its own. */
+  shipped?: boolean;
   /** How many times as fast as real. */
   clock?: number;
   /** Whether settings, history and journal are kept. */
@@ -25,13 +27,13 @@ export class Served {
   url = "";
   #process: ChildProcess | undefined;
   #folder = mkdtempSync(join(tmpdir(), "passo-page-"));
-  #machine = join(this.#folder, "my.toml");
+  #machine: string;
   #card = join(this.#folder, "card");
   #programs = join(this.#folder, "bin");
   #clock: number;
   #state: string[];
 
-  constructor({ machine = "i3", clock = 20, state = false, files = {} }: ServedOptions = {}) {
+  constructor({ machine = "i3", shipped = false, clock = 20, state = false, files = {} }: ServedOptions = {}) {
     this.#clock = clock;
     this.#state = state ? ["--state", join(this.#folder, "state")] : [];
     cpSync(EXAMPLE, join(this.#card, "demo.gcode"));
@@ -39,6 +41,8 @@ export class Served {
     mkdirSync(this.#programs);
     // In place of the program that flashes a Teensy.
     writeFileSync(join(this.#programs, "teensy_loader_cli"), "#!/bin/sh\necho Programming\n", { mode: 0o755 });
+    this.#machine = shipped ? machine : join(this.#folder, "my.toml");
+    if (shipped) return;
     cpSync(join(MACHINES, `${machine}.toml`), this.#machine);
     chmodSync(this.#machine, 0o644);
   }

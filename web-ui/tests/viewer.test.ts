@@ -1,7 +1,10 @@
 import type { Page } from "playwright-core";
 import { expect } from "vitest";
 import { expectAccessible, picture } from "./browser";
-import { test } from "./fixtures";
+import { testOf } from "./fixtures";
+
+const HOT = "M190 S105\nG28\nG1 Z0.2 F600\nM302 P1\nG1 X50 Y50 E5 F3000\nG1 X90 E10\n"; // about half a minute
+const test = testOf({ files: { "hot.gcode": HOT } });
 
 const slider = (page: Page, name: string) => page.getByRole("slider", { name });
 /** What the renderer has drawn in its last frame; two triangles are a move. */
@@ -25,6 +28,25 @@ test("a path is shown by layer and time, coloured, and its moves are told", asyn
   await page.emulateMedia({ colorScheme: "dark" });
   await expectAccessible(page);
   await picture(page, "viewer-1280-dark");
+});
+
+test("a print that heats shows its whole path", async ({ page }) => {
+  await page.getByRole("link", { name: "Files" }).click();
+  await page.getByRole("row", { name: "hot.gcode" }).getByText("Fits").waitFor();
+  await page.getByRole("button", { name: "hot.gcode" }).click();
+  await page.getByText("of it heating").waitFor();
+  await page.getByRole("button", { name: "Print", exact: true }).click();
+  const card = page.getByRole("region", { name: "Print" });
+  await card.getByText("The time left is without heating.").waitFor();
+  expect(await page.locator("header .ends").count()).toBe(0);
+  await page.getByRole("link", { name: "Viewer" }).click();
+  await page.getByText("Nothing is printed yet.").waitFor();
+  await page.getByText("Time without heating").waitFor();
+  await picture(page, "viewer-heating-1280-light");
+  await page.getByRole("link", { name: "Dashboard", exact: true }).last().click();
+  await card.getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("button", { name: "Cancel the print" }).click();
+  await card.locator(".chip", { hasText: "Cancelled" }).waitFor();
 });
 
 test("a print is followed", async ({ page }) => {

@@ -16,6 +16,10 @@ MACHINE: Mapping[str, Entry] = {
         "{value} cannot be changed: it comes with Passo, or a program made it",
         "Save the text as a file of your own, and start with --machine FILE.toml",
     ),
+    "machine.no-folder": _config(
+        "there is no folder for a machine file of your own in place of {value}",
+        "Start with --state DIRECTORY and a shipped machine, then save it again",
+    ),
     "machine.file-changed": _config(
         "the machine file has changed since it was read",
         "Read it again, and compare it with your text",

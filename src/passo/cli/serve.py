@@ -204,8 +204,14 @@ def _serial(text: str) -> tuple[str, int]:
 def run(arguments: argparse.Namespace) -> int:
     """Serves until interrupted by Ctrl-C or SIGTERM, and then switches heaters and laser off."""
     from passo import config
+    from passo.config.own_machines import own_or_shipped
 
-    machine, questions, _ = config.load_and_question(arguments.machine)
+    folder = _state_of(arguments)
+    state = None if folder is None else Path(folder)
+    source = own_or_shipped(arguments.machine, state)
+    if source != arguments.machine:
+        print(f"The machine file is {source}, in place of the shipped one.", file=sys.stderr)
+    machine, questions, _ = config.load_and_question(source)
     for question in questions:
         print(question, file=sys.stderr)
     machine = _with_boards(machine, arguments)
@@ -250,8 +256,9 @@ def run(arguments: argparse.Namespace) -> int:
             return ExitStatus.USAGE
     with log or contextlib.nullcontext():
         clock = arguments.clock or "real"
-        while run_live(_serve(arguments, machine, orders, log), clock=clock):
-            machine = _with_boards(config.load(arguments.machine), arguments)
+        while run_live(_serve(arguments, machine, source, orders, log), clock=clock):
+            source = own_or_shipped(arguments.machine, state)
+            machine = _with_boards(config.load(source), arguments)
     return ExitStatus.DONE
 
 
@@ -282,6 +289,7 @@ async def _list_faults(machine: MachineConfig) -> None:
 async def _serve(
     arguments: argparse.Namespace,
     machine: MachineConfig,
+    source: str,
     orders: list[FaultOrder],
     log: LogFile | None,
 ) -> bool:
@@ -303,7 +311,7 @@ async def _serve(
         skip_levelling=skips.levelling,
         clamp=skips.clamp,
         ignore_tools=skips.ignore_tools,
-        machine_source=arguments.machine,
+        machine_source=source,
         restarts=not arguments.stdin,  # with --stdin, the program ends with its console
     )
     advanced_ok: bool = arguments.advanced_ok

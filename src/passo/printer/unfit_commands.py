@@ -67,6 +67,11 @@ class Skips(NamedTuple):
     ignore_tools: bool = False
     levels: frozenset[str] = frozenset()
 
+    @property
+    def allowed(self) -> list[str]:
+        """The names of the fields that are True."""
+        return [name for name in dict.fromkeys(ALLOWED_BY.values()) if getattr(self, name)]
+
     def allowing(self, names: Iterable[str]) -> Skips:
         """The same with these fields True as well."""
         return self._replace(**dict.fromkeys(names, True))
@@ -103,7 +108,8 @@ def unfit(command: Command, skips: Skips) -> Problem | None:
     if skips.unknown or known or not _may_move(command):
         return None
     unknown = "input.no-macro" if _MACRO.match(command.name) else "input.unknown-moves"
-    return Problem(unknown, line=command.line, values={"value": code})
+    values = {"value": code, "text": command.text.strip()}
+    return Problem(unknown, line=command.line, values=values)
 
 
 def _lack(code: str, skips: Skips) -> str:

@@ -49,6 +49,7 @@ _STATUS = {
     "firmware.busy": 409,
     "firmware.board": 404,
     "machine.no-file": 409,
+    "machine.no-folder": 409,
     "machine.file-changed": 409,
     "machine.no-restart": 409,
     "output.unwritable": 507,

@@ -51,7 +51,7 @@ def web_app(
     access, metadata = Access(accounts, binding), MetadataReader(bridge, state)
     uploads = Uploads(bridge, metadata.want)
     firmware = Builds(), Flashes()
-    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, *firmware)
+    site = Site(bridge, accounts, access, uploads, metadata, temperatures, logs, *firmware, state)
     feeds, messages = Feeds(bridge), Messages()
     described = openapi.encoded(OPERATIONS)
 

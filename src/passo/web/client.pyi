@@ -100,6 +100,14 @@ class Machine:
         copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
         take effect at once; the answer names those that need a restart."""
         ...
+    def save(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.SavedMachine:
+        """Saves a text as the user's file in place of the shipped machine that is served,
+        if the text has no errors. From the next `machine.restart` on, and at each later
+        start with the same `--machine` and `--state`, the printer is that of this file."""
+        ...
     def restart(
         self,
     ) -> None:
@@ -804,6 +812,14 @@ class AsyncMachine:
         """Writes the machine file, completely or not at all, if the text has no errors. A
         copy of the earlier file is kept as FILE.toml.bak. Changes that commands can make
         take effect at once; the answer names those that need a restart."""
+        ...
+    async def save(
+        self,
+        text: str,
+    ) -> passo.web.endpoints.machine_file.SavedMachine:
+        """Saves a text as the user's file in place of the shipped machine that is served,
+        if the text has no errors. From the next `machine.restart` on, and at each later
+        start with the same `--machine` and `--state`, the printer is that of this file."""
         ...
     async def restart(
         self,

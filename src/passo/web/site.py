@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from passo.web.access import Access
     from passo.web.accounts.accounts import Accounts
     from passo.web.bridge import Bridge
@@ -23,8 +25,8 @@ _MAX_REPLIES = 100
 @dataclass(frozen=True, slots=True)
 class Site:
     """One printer with its accounts, the uploads to its card, the facts about its files, the
-    history of its temperatures, its logs, its builds of firmware, and the boards that it
-    flashes."""
+    history of its temperatures, its logs, its builds of firmware, the boards that it flashes, and
+    its state folder, None without one."""
 
     bridge: Bridge
     accounts: Accounts
@@ -35,5 +37,6 @@ class Site:
     logs: Logs
     builds: Builds
     flashes: Flashes
+    state: Path | None = None
     rrf_replies: deque[str] = field(default_factory=lambda: deque(maxlen=_MAX_REPLIES))
     """Answers to lines of `rr_gcode`, until `rr_reply` takes them."""

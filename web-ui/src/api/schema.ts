@@ -572,11 +572,13 @@ export interface Machine {
 
 /** The text of the machine file. `path` is null if there is no file to change: for a shipped
  * machine, or for a machine that a program has made. `machine.apply` needs `sha256`, the SHA-256
- * of the text. */
+ * of the text. `own_path` is where `machine.save` writes the user's file of a shipped machine;
+ * null for other machines, and without a folder for it (`--state`). */
 export interface MachineFile {
   path?: string | null;
   text: string;
   sha256: string;
+  own_path?: string | null;
 }
 
 /** A problem of a machine file: `line` is 1 if the line is not known; `key` is empty if the text
@@ -818,6 +820,11 @@ export interface Refusal {
 /** An axis to measure with the accelerometer. */
 export interface Resonance {
   axis: "x" | "y" | "z";
+}
+
+/** The path of the new machine file. */
+export interface SavedMachine {
+  path: string;
 }
 
 /** The last measurement of a bed screw. `height_mm` is the height of the bed at the screw.

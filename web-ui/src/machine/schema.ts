@@ -52,6 +52,11 @@ function within(root: Schema, schema: Schema, name: string): Schema | undefined 
   return undefined;
 }
 
+/** A help text without its Markdown: quotes of code, and links, of which the words stay. */
+export function plain(help: string): string {
+  return help.replaceAll("`", "").replace(/\[([^\]]*)\]\([^)]*\)/g, "$1");
+}
+
 /** What is known of a key, such as `axes.x.max_mm`. */
 export function described(root: Schema, key: string): Described {
   let found: Schema | undefined = root;
@@ -66,7 +71,7 @@ export function described(root: Schema, key: string): Described {
   else if (number && [...types].every((type) => type === "number" || type === "integer")) kind = "number";
   else if (types.has("string")) kind = "text";
   return {
-    help: found?.description ?? inner.find((one) => one.description)?.description ?? "",
+    help: plain(found?.description ?? inner.find((one) => one.description)?.description ?? ""),
     unit: found?.["x-unit"] ?? "",
     acts: found?.["x-acts"] ?? "restart",
     kind,

@@ -1,15 +1,31 @@
 /** What the user asks the printer to do, and what went wrong with it. */
 
 import { call, Refusal, segment } from "../api/client";
-import type { FaultStatus } from "../api/schema";
+import type { FaultStatus, FileToPrint } from "../api/schema";
+import { printer } from "./printer.svelte";
+
+const MAX_NOTICES = 3;
+
+/** A refusal that the user has not closed yet; it has come `times` times. */
+interface Notice extends FaultStatus {
+  id: number;
+  times: number;
+}
 
 class Notices {
-  /** Refusals that the user has not closed yet, newest last. */
-  list = $state<(FaultStatus & { id: number })[]>([]);
+  /** Newest last. */
+  list = $state<Notice[]>([]);
   #next = 0;
 
   add(fault: FaultStatus): void {
-    this.list = [...this.list.slice(-2), { ...fault, id: this.#next++ }];
+    const same = this.list.find(({ code, text }) => code === fault.code && text === fault.text);
+    const others = this.list.filter((notice) => notice !== same);
+    const notice = { ...fault, id: same?.id ?? this.#next++, times: (same?.times ?? 0) + 1 };
+    this.list = [...others.slice(1 - MAX_NOTICES), notice];
+  }
+
+  clear(): void {
+    this.list = [];
   }
 
   close(id: number): void {
@@ -26,7 +42,8 @@ export async function attempt(action: Promise<unknown>): Promise<boolean> {
     return true;
   } catch (error) {
     if (!(error instanceof Refusal)) throw error;
-    notices.add(error.fault);
+    // A lost connection has its banner.
+    if (error.status !== 0 || printer.connected || !printer.status) notices.add(error.fault);
     return false;
   }
 }
@@ -60,7 +77,9 @@ export const setSpeedFactor = (factor: number) => attempt(call("PUT", "tuning/sp
 export const setFlow = (tool: number, factor: number) =>
   attempt(call("PUT", `tuning/flow/${tool}`, { factor }));
 
-export const startPrint = (path: string) => attempt(call("POST", "job", { path }));
+/** `allow` is what the print may do in place of a failure, see the metadata of the file. */
+export const startPrint = (path: string, allow: FileToPrint["allow"] = []) =>
+  attempt(call("POST", "job", { path, allow }));
 export const queuePrint = (path: string) => attempt(call("POST", "queue", { path }));
 export const unqueuePrint = (number: number) => attempt(call("DELETE", `queue/prints/${number}`));
 export const moveQueuedPrint = (number: number, place: number) =>

@@ -47,8 +47,8 @@ class Calibration {
     ]);
   }
 
-  /** Runs a task: afterwards `changes` has what it has set. */
-  async run(task: TaskName, action: () => Promise<unknown>): Promise<void> {
+  /** Runs a task: afterwards `changes` has what it has set. `step`: the user goes on with it. */
+  async run(task: TaskName, action: () => Promise<unknown>, { step = false } = {}): Promise<void> {
     if (this.running) return;
     this.task = task;
     this.running = true;
@@ -64,7 +64,7 @@ class Calibration {
       await action();
       await this.load();
       this.changes = changesOf(before, this.settings);
-      this.done = !this.cancelled;
+      this.done = !this.cancelled && !step;
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       if (!this.cancelled) notices.add(error.fault); // the user knows why it ended

@@ -1,10 +1,11 @@
 /** The machine file while it is edited: its text is the truth, the form changes the text. */
 
 import { call, Refusal } from "../api/client";
-import type { Applied, Difference, KeyValue, MachineFile, MachineProblem, ShippedFile, ShippedMachine, Validation } from "../api/schema";
+import type { Applied, Difference, KeyValue, MachineFile, MachineProblem, SavedMachine, ShippedFile, ShippedMachine, Validation } from "../api/schema";
 import { literals, valueOf, withKey } from "../machine/toml";
 import type { Schema } from "../machine/schema";
 import { attempt } from "./actions.svelte";
+import { printer } from "./printer.svelte";
 import { session } from "./session.svelte";
 
 const PAUSE_MS = 400; // after a change, before the server checks it
@@ -20,6 +21,8 @@ class MachineEditor {
   checking = $state(false);
   difference = $state.raw<Difference>();
   applied = $state.raw<Applied>();
+  /** The path of the user's file that was saved, until Passo has restarted with it. */
+  saved = $state("");
   library = $state.raw<ShippedMachine[]>([]);
   #undo = $state.raw<string[]>([]);
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -46,6 +49,7 @@ class MachineEditor {
     [this.schema, this.keys, this.library] = [schema, keys, library];
     if (kept) return;
     this.file = file;
+    if (file?.path != null) this.saved = "";
     this.text = file?.text ?? "";
     this.#undo = [];
     this.validation = undefined;
@@ -53,6 +57,24 @@ class MachineEditor {
 
   isChanged(key: string): boolean {
     return this.literals.get(key) !== this.#original.get(key);
+  }
+
+  /** Restarts Passo with the machine file. */
+  async restart(): Promise<void> {
+    this.applied = undefined;
+    await attempt(call("POST", "machine/restart"));
+  }
+
+  /** Saves the text as the user's file of a shipped machine, and goes on with it. */
+  async saveOwn(): Promise<void> {
+    const done = await attempt(
+      call<SavedMachine>("POST", "machine/own", { text: this.text }).then(({ path }) => {
+        this.saved = path;
+      }),
+    );
+    if (!done) return;
+    if (this.file) this.file = { ...this.file, text: this.text }; // nothing is left to save
+    if (!printer.printing) await this.restart();
   }
 
   /** The problems of a key and of the parts of its value. */

@@ -3,7 +3,7 @@
 import { openFeed } from "../api/feed";
 import { merge } from "../api/merge";
 import type { FeedLine, FeedMessage, PrinterEvent } from "../api/messages";
-import type { Status } from "../api/schema";
+import type { HeaterStatus, Status } from "../api/schema";
 import { session } from "./session.svelte";
 
 type EventListener = (event: PrinterEvent) => void;
@@ -60,6 +60,16 @@ class Printer {
   /** A file is printed, or its print is paused. */
   get printing(): boolean {
     return this.status?.job != null;
+  }
+
+  /** The heater that a print waits for: nothing moves then, and the coldest one is it. */
+  get awaited(): (HeaterStatus & { name: string }) | undefined {
+    const { job, state, heaters, motion } = this.status ?? {};
+    if (!job || state === "A" || !heaters || !motion || motion.queued_s !== 0 || motion.speed_mm_s !== 0) return undefined;
+    return Object.entries(heaters)
+      .map(([name, heater]) => ({ ...heater, name }))
+      .filter(({ celsius, target_c }) => target_c > 0 && (celsius ?? 0) < target_c - 2)
+      .sort((a, b) => (a.celsius ?? 0) / a.target_c - (b.celsius ?? 0) / b.target_c)[0];
   }
 
   /** The board is software. */

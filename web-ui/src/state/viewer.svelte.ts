@@ -13,8 +13,8 @@ const USUAL_MM = 1.75;
 /** The path of a file. Throws a Refusal, which says why a file has none. */
 async function read(file: string, signal: AbortSignal): Promise<Toolpath> {
   const why = async () => {
-    const { problems } = await call<Metadata>("GET", `files/metadata?${query({ path: file })}`);
-    const [problem] = problems;
+    const { plan, problems } = await call<Metadata>("GET", `files/metadata?${query({ path: file })}`);
+    const [problem] = plan ? [] : problems; // a file that needs a choice has a path
     return problem && new Refusal(404, { ...problem, text: problem.message });
   };
   const known = await why();

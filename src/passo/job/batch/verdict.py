@@ -50,15 +50,19 @@ def verdict(
             found = estimate_open(
                 machine, source, size, name, skips=skips.allowing(allow), take_path=take_path
             )
-            return Verdict(found, tuple(problems), tuple(allow))
+            return Verdict(found, _by_line(problems), tuple(allow))
         except CardError:
             raise
         except PassoError as error:
             problems += error.problems
             fields = {ALLOWED_BY.get(problem.code, "") for problem in error.problems}
             if "" in fields or fields <= {*allow}:
-                return Verdict(None, tuple(problems))
+                return Verdict(None, _by_line(problems))
             allow += sorted(fields - {*allow})
+
+
+def _by_line(problems: list[Problem]) -> tuple[Problem, ...]:
+    return tuple(sorted(problems, key=lambda problem: problem.line or 0))
 
 
 @cache

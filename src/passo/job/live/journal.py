@@ -51,7 +51,8 @@ class Program:
     the machine positions of all axes, the offset of the active tool and whether it is applied, and
     the program positions including E. `changes` are the later changes of settings and modes by
     consoles, each with the number of bytes of the file that were read before it. `macros` is the
-    `crc_of_macros` of the machine."""
+    `crc_of_macros` of the machine. `allow` are the fields of Skips that were allowed for this
+    print."""
 
     machine: str
     path: str
@@ -63,6 +64,7 @@ class Program:
     program_mm: list[float] = field(default_factory=list[float], compare=False)
     changes: list[Change] = field(default_factory=list[Change], compare=False)
     macros: int = field(default=0, compare=False)
+    allow: list[str] = field(default_factory=list[str], compare=False)
 
     @classmethod
     def of(cls, machine: str, path: str, reader: Reader) -> Self:

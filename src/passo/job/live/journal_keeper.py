@@ -136,7 +136,7 @@ class JournalKeeper:
             printer, runner = self._printer, self._runner
             program = Program.of(printer.machine.uuid, runner.path, reader)
             if self._program is None or self._program != program or runner.offset == 0:
-                self._program = program.begun(printer)
+                self._program = replace(program.begun(printer), allow=runner.skips.allowed)
             elif not followed:  # a line has failed before the first move
                 self._program.changes.append(self._settings.held())
             program = self._program  # a resumed print keeps its start state

@@ -66,7 +66,8 @@ class PreambleScan:
     ) -> None:
         self._printer, self._reader, self._end = printer, reader, end
         machine = printer.machine
-        self.job = job = _core.Job(machine.core_spec(), False, False, False)
+        skips = printer.skips.allowing(program.allow)
+        self.job = job = _core.Job(machine.core_spec(), False, skips.clamp, skips.ignore_tools)
         reader.seek(0)
         prepare(job, survey(machine, iter(partial(reader.read, _CHUNK), b"")), "", ALL)
         self._rest = at_rest(job)

@@ -96,6 +96,11 @@ class Runner:
         return self._reader
 
     @property
+    def skips(self) -> Skips:
+        """What the print may do in place of a failure."""
+        return self._skips
+
+    @property
     def failed(self) -> str:
         """The reason why the last print failed; empty if it did not."""
         return self._failed

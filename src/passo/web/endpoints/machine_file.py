@@ -7,6 +7,7 @@ import asyncio
 import logging
 from contextlib import suppress
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any
 
 from msgspec import Meta, Struct
@@ -16,6 +17,7 @@ from passo.catalogue import codes_of
 from passo.config.load import Loaded
 from passo.config.machine_schema import schema
 from passo.config.notes import notes
+from passo.config.own_machines import own_path
 from passo.errors import ConfigError, PassoError, Problem
 from passo.gcode.command import numeral
 from passo.job.settings_store import same
@@ -33,11 +35,13 @@ _CONFIG_ERRORS = codes_of("config")
 class MachineFile(Struct):
     """The text of the machine file. `path` is null if there is no file to change: for a shipped
     machine, or for a machine that a program has made. `machine.apply` needs `sha256`, the SHA-256
-    of the text."""
+    of the text. `own_path` is where `machine.save` writes the user's file of a shipped machine;
+    null for other machines, and without a folder for it (`--state`)."""
 
     path: str | None
     text: str
     sha256: str
+    own_path: str | None = None
 
 
 class MachineText(Struct, forbid_unknown_fields=True):
@@ -95,6 +99,12 @@ class Applied(Struct):
     backup: str
 
 
+class SavedMachine(Struct):
+    """The path of the new machine file."""
+
+    path: str
+
+
 class ShippedMachine(Struct):
     """A machine that comes with Passo."""
 
@@ -119,7 +129,8 @@ async def read(call: Call) -> MachineFile:
     source, machine = call.bridge.machine_source, call.bridge.machine
     text = await asyncio.to_thread(file.read, source, machine)
     path = file.path_of(source)
-    return MachineFile(None if path is None else str(path), text, file.digest(text))
+    own = own_path(source, call.site.state)
+    return MachineFile(_text(path), text, file.digest(text), _text(own))
 
 
 @operation("machine.keys", "GET", "/machine/keys", Role.VIEWER, errors=_CONFIG_ERRORS)
@@ -199,6 +210,27 @@ async def apply(call: Call, body: NewMachineFile) -> Applied:
 
 
 @operation(
+    "machine.save",
+    "POST",
+    "/machine/own",
+    Role.ADMIN,
+    errors=("machine.no-folder", "output.unwritable", *_CONFIG_ERRORS),
+)
+async def save(call: Call, body: MachineText) -> SavedMachine:
+    """Saves a text as the user's file in place of the shipped machine that is served, if the text
+    has no errors. From the next `machine.restart` on, and at each later start with the same
+    `--machine` and `--state`, the printer is that of this file."""
+    source = call.bridge.machine_source
+    path = own_path(source, call.site.state)
+    if path is None:
+        raise ConfigError.of("machine.no-folder", value=source or call.bridge.machine.name)
+    await asyncio.to_thread(config.load_text_and_question, body.text, str(path))
+    await asyncio.to_thread(file.save, path, body.text)
+    _log.info("%s was written by %s", path, call.caller.name)
+    return SavedMachine(str(path))
+
+
+@operation(
     "machine.restart",
     "POST",
     "/machine/restart",
@@ -251,6 +283,10 @@ def _shipped() -> list[ShippedMachine]:
 async def _loaded(call: Call, text: str) -> Loaded:
     """The machine that the text describes. Raises ConfigError."""
     return await asyncio.to_thread(file.loaded, call.bridge.machine_source, text)
+
+
+def _text(path: Path | None) -> str | None:
+    return None if path is None else str(path)
 
 
 def _problem(problem: Problem) -> MachineProblem:

@@ -56,6 +56,21 @@ def difference(before: str, after: str) -> str:
     return "\n".join(unified_diff(*lines, f"{_NAME} (file)", f"{_NAME} (new)", lineterm=""))
 
 
+def save(path: Path, text: str) -> None:
+    """Writes a machine file completely and durably; makes its folder, and keeps a copy of an
+    earlier file as FILE.toml.bak. Raises InputError."""
+    with _replacing:
+        try:
+            if path.exists():
+                shutil.copy(path, path.with_name(f"{path.name}.bak"))
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with replaced(path) as temporary:
+                temporary.write_text(text, encoding="utf-8", newline="")
+        except OSError as error:
+            value = error.strerror or str(error)
+            raise InputError.of("output.unwritable", str(path), value=value) from None
+
+
 def replace(path: Path, text: str, replaces: str) -> tuple[str, Path]:
     """Replaces the machine file, completely and durably, if `replaces` is the digest of its present
     text. Returns the earlier text, and the path of its backup, FILE.toml.bak. Raises ConfigError
