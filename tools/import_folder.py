@@ -1,5 +1,5 @@
-"""Imports every configuration of a folder, and prints a table: what became a machine file, what
-passes its checks, what was left out, and why the others were refused."""
+"""Imports every configuration of a folder, and prints a table: what became a valid machine file,
+what was left out or is to decide, and why the others were refused."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     folder = parser.parse_args().folder
-    rows = [("FILE", "IMPORTED", "CHECKED", "LEFT OUT", "REASON")]
+    rows = [("FILE", "IMPORTED", "LEFT OUT", "TO DECIDE", "BOARD", "REASON")]
     dropped = Counter[str]()
     good = total = 0
     files = sorted({*folder.glob("printer-*.cfg"), *folder.glob("example-*.cfg")})
@@ -27,21 +27,19 @@ def main() -> int:
     for path in [*(files or sorted(folder.glob("*.cfg"))), *sorted(others)]:
         total += 1
         try:
-            draft = imported(path)
+            draft = imported(path, skip_missing=True)
+            machine = config.load_text(draft.text(path.name), path.name)
         except ConfigError as error:
-            rows.append((path.name, "no", "", "", error.problems[0].sentence))
+            rows.append((path.name, "no", "", "", "", error.problems[0].sentence))
             continue
         lost = [r.what for r in draft.remarks if r.fate == "dropped"]
+        open_ones = [r for r in draft.remarks if r.fate == "decide"]
         dropped.update(what.split()[0].strip("[]") for what in lost)
-        try:
-            config.load_text(draft.text(path.name), path.name)
-        except ConfigError as error:
-            rows.append((path.name, "yes", "no", str(len(lost)), error.problems[0].sentence))
-            continue
         good += 1
-        rows.append((path.name, "yes", "yes", str(len(lost)), ""))
+        counts = str(len(lost)), str(len(open_ones))
+        rows.append((path.name, "yes", *counts, str(machine.board.base), ""))
     print(columns(rows))
-    print(f"{good} of {total} import and pass their checks.")
+    print(f"{good} of {total} become valid machine files.")
     print("Left out:", ", ".join(f"{name} {count}" for name, count in dropped.most_common(20)))
     return 0
 

@@ -125,12 +125,14 @@ void bind_job_program(JobClass& job) {
           "stopped at.")
       .def(
           "insert",
-          [](JobView& self, const nb::bytes& text) {
-            self.job.interpreter.insert(std::string_view(text.c_str(), text.size()));
+          [](JobView& self, const nb::bytes& text, const std::string& code) {
+            self.job.interpreter.insert(std::string_view(text.c_str(), text.size()), code);
           },
-          "text"_a,
-          "After MACRO: the lines that the call becomes. They are read next, with the line number "
-          "of the call, and then the rest of its line.")
+          "text"_a, "code"_a = "",
+          "After MACRO: the lines that the call of the macro `code` becomes. They are read next, "
+          "with the line number of the call, and then the rest of its line. While they run, also "
+          "in macros that they call, the name of a macro that replaces a built-in command is that "
+          "of the command.")
       .def_prop_ro(
           "macro_depth", [](const JobView& self) { return self.job.interpreter.macro_depth(); },
           "The nesting depth of the running macros of the selected source.")

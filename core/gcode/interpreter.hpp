@@ -66,8 +66,9 @@ class Interpreter {
   uint32_t line() const { return sources_[source_].number(); }
   // All text is read, and the last line is a move without an end of line.
   bool ends_in_move() const { return lines().unended() && moved_line_ == number(); }
-  // After Found::macro: the lines that the call becomes. They come before the rest of its line.
-  void insert(std::string_view text);
+  // After Found::macro: the lines that the call of macro `code` becomes. They come before the rest
+  // of its line. While they run, the name of a macro that replaces a command is the command.
+  void insert(std::string_view text, std::string_view code = {});
   // How many macros of the selected source run within each other.
   size_t macro_depth() const { return frames_of(FrameKind::macro); }
   // Moves the unread rest of the program's macro to `mine`, as a macro of a console.
@@ -251,6 +252,7 @@ class Interpreter {
   enum class FrameKind : uint8_t { subprogram, macro, rest };
   struct Frame {  // lines of a sub-program, of a macro, or the rest of a line that called one
     FrameKind kind = FrameKind::subprogram;
+    std::string code = {};  // of a macro
     Subprograms::Label label{};
     Lines lines;
     size_t fed = 0;   // bytes of the sub-programs' text, up to here
@@ -432,7 +434,16 @@ class Interpreter {
   void pass_on(std::string_view name, std::string_view text);
   void hear(std::string_view code, const Word* first, const Word* last, std::string_view text = "");
   void emit(char letter, int number, int minor, std::string_view name, std::string_view text);
-  bool is_macro(const std::string& code) const { return !plain && machine_->macros.has(code); }
+  bool is_macro(const std::string& code) const {
+    return !plain && machine_->macros.has(code) &&
+           !(machine_->macros.replaces(code) && runs_within(code));
+  }
+  bool runs_within(const std::string& code) const {
+    const auto& frames = frames_[source_];
+    return std::any_of(frames.begin(), frames.end(), [&](const Frame& frame) {
+      return frame.kind == FrameKind::macro && frame.code == code;
+    });
+  }
   void emit_macro(char letter, int number, int minor, std::string_view name, std::string_view text);
   void find_built_in();
   void fail(Fault fault, const std::string& word, double value, double limit);

@@ -69,7 +69,7 @@ void Interpreter::feed_frame() {
   frames_[0].pop_back();
 }
 
-void Interpreter::insert(std::string_view text) {
+void Interpreter::insert(std::string_view text, std::string_view code) {
   auto& frames = frames_[source_];
   auto push = [&](FrameKind kind, std::string_view lines) {
     Frame frame;
@@ -82,6 +82,7 @@ void Interpreter::insert(std::string_view text) {
     push(FrameKind::rest, std::string_view(text_).substr(words_[next_word_].begin));
   next_word_ = 0;
   push(FrameKind::macro, text);
+  frames.back().code = code;
 }
 
 void Interpreter::hand_over_macro(Interpreter& mine) {

@@ -81,6 +81,11 @@ struct Macros {
 
   bool any() const { return !names.empty(); }
   bool has(const std::string& code) const { return any() && names.count(code) > 0; }
+  // Whether the macro has the name of a built-in command.
+  bool replaces(const std::string& code) const {
+    return std::any_of(built_in.begin(), built_in.end(),
+                       [&](const auto& pair) { return pair.second == code; });
+  }
   // The built-in command with another code; null if that code is not one.
   const std::string* original(const std::string& code) const {
     if (built_in.empty()) return nullptr;

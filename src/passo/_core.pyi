@@ -1841,9 +1841,9 @@ class Job:
         (line, letter, number, minor, name, text) of the event or the macro that advance stopped at.
         """
 
-    def insert(self, text: bytes) -> None:
+    def insert(self, text: bytes, code: str = '') -> None:
         """
-        After MACRO: the lines that the call becomes. They are read next, with the line number of the call, and then the rest of its line.
+        After MACRO: the lines that the call of the macro `code` becomes. They are read next, with the line number of the call, and then the rest of its line. While they run, also in macros that they call, the name of a macro that replaces a built-in command is that of the command.
         """
 
     @property

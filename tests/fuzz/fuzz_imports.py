@@ -1,5 +1,5 @@
-"""Hostile configurations of other firmwares: each becomes a machine file, or a sentence that names
-what is wrong. Usage, in the
+"""Hostile configurations of other firmwares: each becomes a valid machine file, or a sentence that
+names what is wrong. Usage, in the
 root folder: python -m tests.fuzz.fuzz_imports SECONDS SEED FOLDER
 
 Inputs are those of the tests of the readers, changed at random. One that raises anything else, or
@@ -118,10 +118,13 @@ def fails(path: Path) -> str:
             draft = imported(base, path)
         else:
             draft = imported(path)
-        config.load_text(draft.text("From a fuzzer."), "machine.toml")
     except ConfigError as error:
         blank = not all(problem.sentence.strip() for problem in error.problems)
         return "an error without a sentence" if blank or not error.problems else ""
+    except Exception:
+        return traceback.format_exc()
+    try:
+        config.load_text(draft.text("From a fuzzer."), "machine.toml")
     except Exception:
         return traceback.format_exc()
     return ""

@@ -29,7 +29,7 @@ def read(text, macros, *, console=False, listen=0):
         code = name or f"{letter}{number}" + (f".{minor}" if minor else "")
         if found == JobStatus.MACRO:
             calls.append((line, code, rest))
-            job.insert(macros.get(code, "").encode())
+            job.insert(macros.get(code, "").encode(), code)
         elif found == JobStatus.EVENT:
             commands.append(code)
         elif found == JobStatus.ERROR:
@@ -53,6 +53,18 @@ def test_the_rest_of_a_line_comes_after_its_macro(console):
     _, calls, moves, _, _ = read("G28 Y G1 X5 T0 P3 M84\nG1 X7\n", macros, console=console)
     assert [call[1:] for call in calls] == [("G28", "Y"), ("T0", "P3")]
     assert [x for _, x in moves] == [1, 5, 2, 7]
+
+
+def test_within_a_macro_its_name_is_the_built_in_command():
+    """At any depth, until the macro ends. A macro without a command of its name calls itself."""
+    macros = {"G28": "FOO\nG28 Z", "FOO": "_bar\nG28 Y M600", "_BAR": "G28 X\nM400", "M600": ""}
+    within = ["G28", "M400", "G28", "G28"]
+    commands, calls, _, _, _ = read("G28\n", macros)
+    assert commands == within
+    assert [call[1:] for call in calls] == [("G28", ""), ("FOO", ""), ("_BAR", ""), ("M600", "")]
+    commands, calls, _, _, _ = read("_BAR\nG28.1\n", macros)
+    assert commands == [*within, "M400", "G28"]
+    assert [code for _, code, _ in calls] == ["_BAR", "G28", "FOO", "_BAR", "M600"]
 
 
 def test_macros_call_macros_and_built_in_commands():

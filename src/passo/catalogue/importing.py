@@ -19,7 +19,8 @@ IMPORT: Mapping[str, Entry] = {
         "the included files include each other: {value}", "Remove one of these includes"
     ),
     "import.missing": _import(
-        "the included file {value!r} is not in {limit}", "Copy it there, or remove the include"
+        "the included file {value!r} is not in {limit}",
+        "Copy it there, or import without it: --missing-includes skip",
     ),
     "import.size": _import(
         "the files together have more than {limit} bytes", "Give the configuration of one printer"
@@ -36,8 +37,11 @@ IMPORT: Mapping[str, Entry] = {
         "Give Configuration.h of one printer; Configuration_adv.h is read from the same folder",
     ),
     "import.board": _import(
-        "the board is {value!r}: Passo has no file of this board; it has {limit}",
-        "Name a board with the same wiring, or write a board file",
+        "the board is {value!r}: Passo has no file of this board; similar names are {limit}",
+        "Name a board with the same wiring: --board NAME; `passo firmware list` lists the boards",
+    ),
+    "import.no-board": _import(
+        "there is no board {value!r}", "`passo firmware list` lists the boards"
     ),
     "import.endif": _import("{value} has no #if or #endif of its own", "Correct the line"),
     "import.nest": _import(

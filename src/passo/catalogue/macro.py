@@ -20,7 +20,7 @@ MACRO: Mapping[str, Entry] = {
     "macro.nested": bad_input(
         "macro",
         "macro {axis} is called by {limit} macros that call each other",
-        "Remove the circle. A macro calls the command that it replaces by its rename_existing name",
+        "Remove the circle",
     ),
     "macro.raised": bad_input(
         "macro", "macro {axis}: {value}", "The macro has stopped by itself; do what it asks for"

@@ -17,8 +17,9 @@ _PART = re.compile(r"(?:^|\.)([^.\[\]]+)|\[(\d+)\]")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One problem. `path` is the path of the key; `limit` is the expected value. `owner` is the
-    path of the key that already has the value; messages name its position too."""
+    """One problem. `path` is the path of the key; `limit` is the expected value, and `nearest` the
+    allowed value that is nearest, if the value is a number beyond a bound. `owner` is the path of
+    the key that already has the value; messages name its position too."""
 
     code: str
     path: Path
@@ -26,6 +27,7 @@ class Finding:
     limit: str = ""
     hint: str = ""
     owner: Path | None = None
+    nearest: float | None = None
 
     @property
     def key(self) -> str:

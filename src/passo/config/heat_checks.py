@@ -87,8 +87,10 @@ def check_pulses(data: Raw) -> Iterator[Finding]:
                 continue
             clock_hz = number(table(data, *section(placed(pin)[0])), "clock_hz")
             if clock_hz is not None and wanted * _MIN_CYCLE_TICKS > clock_hz:
-                limit = f"at most {clock_hz / _MIN_CYCLE_TICKS:g} Hz at this board's clock"
-                yield Finding("config.value", (part, name, "pwm_hz"), wanted, limit)
+                most = clock_hz / _MIN_CYCLE_TICKS
+                limit = f"at most {most:g} Hz at this board's clock"
+                path = (part, name, "pwm_hz")
+                yield Finding("config.value", path, wanted, limit, nearest=most)
 
 
 def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
@@ -100,8 +102,10 @@ def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
             limit = f"values with distinct readings from {heater.min_c:g} to {heater.max_c:g} °C"
             yield Finding("config.value", ("heaters", name, "sensor"), heater.sensor.kind, limit)
         elif heater.max_c > rows[-1][0]:
-            limit = f"at most {rows[-1][0]:g} °C, where what the sensor can measure ends"
-            yield Finding("config.value", ("heaters", name, "max_c"), heater.max_c, limit)
+            most = rows[-1][0]
+            limit = f"at most {most:g} °C, where what the sensor can measure ends"
+            path = ("heaters", name, "max_c")
+            yield Finding("config.value", path, heater.max_c, limit, nearest=most)
 
 
 def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:

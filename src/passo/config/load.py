@@ -130,7 +130,22 @@ def load_text_and_question(text: str, file: str = "<text>") -> Loaded:
         raise ConfigError.of("config.syntax", file, value="it is nested too deeply") from None
 
 
+def findings_of_text(text: str, file: str = "<text>") -> list[Finding]:
+    """The problems of a machine file, without the lines; empty if it is valid. Raises ConfigError
+    for a text that is not TOML."""
+    return _checked(text, file)[1]
+
+
 def _machine(text: str, file: str) -> Loaded:
+    machine, findings, origins = _checked(text, file)
+    if findings or machine is None:
+        raise ConfigError(_problems(findings, origins))
+    return Loaded(machine, tuple(_problems(question_gains(machine), origins)), origins)
+
+
+def _checked(text: str, file: str) -> tuple[MachineConfig | None, list[Finding], Origins]:
+    """The machine, None if its model is wrong, with all findings. Raises ConfigError for a text
+    that is not TOML, and for integers that TOML does not allow."""
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -181,10 +196,7 @@ def _machine(text: str, file: str) -> Loaded:
             *check_backlash(machine),
         ]
         findings += check_sensors(machine)
-    origins = Origins(file, text, tuple(sources))
-    if findings or machine is None:
-        raise ConfigError(_problems(findings, origins))
-    return Loaded(machine, tuple(_problems(question_gains(machine), origins)), origins)
+    return machine, findings, Origins(file, text, tuple(sources))
 
 
 def _odd_character(lines: list[str]) -> str:

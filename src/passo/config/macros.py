@@ -19,7 +19,8 @@ class Macro(Model):
     """One line about the macro, for lists of commands."""
     rename_existing: CommandName | None = None
     """The name by which the macro can call the built-in command that it replaces. Required if the
-    macro has the name of a built-in command."""
+    macro has the name of a built-in command. While the macro runs, also in macros that it calls,
+    its own name is the command too."""
     variables: dict[VariableName, Any] = {}
     """Variables of the template, available by their names and in `variables`. SET_GCODE_VARIABLE
     changes them until the program ends."""

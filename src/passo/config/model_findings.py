@@ -151,9 +151,9 @@ def _finding(error: ErrorDetails) -> Finding:
     hint = (
         did_you_mean(value, _QUOTED.findall(context["expected"])) if kind == "literal_error" else ""
     )
-    return Finding(
-        "config.value", path[:-1] if key == "[key]" else path, value, expected(error), hint
-    )
+    path = path[:-1] if key == "[key]" else path
+    nearest = context.get("ge", context.get("le"))
+    return Finding("config.value", path, value, expected(error), hint, nearest=nearest)
 
 
 def model_findings(error: ValidationError) -> Iterator[Finding]:

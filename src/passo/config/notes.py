@@ -11,6 +11,7 @@ from passo.config.findings import key_text
 from passo.config.heat import AMBIENT_C
 from passo.config.heater_numbers import number_of
 from passo.config.jerk import box_s, right_angle_mm
+from passo.config.klippers_firmware import NAME
 from passo.config.pin_names import section
 from passo.config.shapers import impulses
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _PINS = {"mcu", "dictionary", "pins"}
+_FEW_MOVES = 256  # of a board for which no file says more
 
 
 def unchecked_boards(machine: MachineConfig) -> list[str]:
@@ -37,6 +39,10 @@ def notes(machine: MachineConfig) -> Iterator[str]:
             f"the pins on {board} are not checked: its firmware's dictionary is not known. Give"
             f' {board} the key dictionary = "klipper.dict", the file of the firmware\'s build'
         )
+    for name in {machine.board_of_stepper(stepper): None for stepper in machine.steppers}:
+        board = machine.all_boards[name]
+        if board.base == NAME and board.move_count <= _FEW_MOVES:
+            yield _queue_note(key_text(section(name)), board.move_count)
     for name, heater in machine.heaters.items():
         if not heater.known_model:
             number = number_of(machine, name)
@@ -50,6 +56,16 @@ def notes(machine: MachineConfig) -> Iterator[str]:
         yield _jerk_note(machine, machine.limits.jerk_mm_s3)
     for board in machine.all_boards.values():
         yield from board.notes
+
+
+def _queue_note(board: str, moves: int) -> str:
+    """A note on what a short move queue costs, for a board without a file."""
+    return (
+        f"{board}.base does not name the board, so its queue is taken to hold {moves} moves. Where"
+        " a print has dense moves, steps are up to 25 µs beside their times instead of 2 µs. Name"
+        f" the board in base (passo firmware list), or give {board}.move_count: 1024 for a chip"
+        " with 32 KB of memory or more, such as STM32F4, STM32G0, RP2040, LPC1768"
+    )
 
 
 def _jerk_note(machine: MachineConfig, jerk_mm_s3: float) -> str:

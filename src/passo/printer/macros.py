@@ -119,7 +119,7 @@ class Macros:
         text = self._render(name, gcode, values, self._tree(status), budget, respond)
         if self.watch is not None:
             self.watch(command, text)
-        job.insert(text.encode("utf-8", "surrogateescape"))
+        job.insert(text.encode("utf-8", "surrogateescape"), code)
 
     def delayed(self, name: str, status: Status, respond: Respond) -> str:
         """The lines of delayed G-code. Raises as `expand`."""

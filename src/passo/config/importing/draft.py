@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 Value = str | float | int | bool | list["Value"] | dict[str, "Value"]
 KeyPath = tuple[str, ...]
 Fate = Literal["changed", "dropped", "decide"]
+_SIMULATED = "simulated"
 _LONGEST = 60  # characters of a value in a sentence
 _NAMES = uuid.UUID("6d6a3f0e-5a0c-5a5d-8f3e-3a4d1f6c2b11")
 
@@ -112,6 +113,16 @@ class Draft:
     def other(self, place: Place, what: str, other: Other) -> None:
         """Reports a part that has no key in the machine file."""
         (self.dropped if other.lost else self.changed)(place, what, other.text)
+
+    def simulate(self, until: str) -> None:
+        """Makes all boards of the draft simulated, so that nothing moves or heats until the owner
+        has decided. `until` completes the sentence of the report."""
+        for key, (value, place) in self.keys.items():
+            if key[0] in ("board", "boards") and key[-1] == "link" and value != _SIMULATED:
+                self.keys[key] = _SIMULATED, place
+                if place is not None:
+                    name = ".".join(key)
+                    self.decide(place, name, f"it is {_SIMULATED} until {until}: then {value!r}")
 
     def table(self, name: str) -> dict[str, Value]:
         """The values of a table without tables in it, by key."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.config.importing import aprinter, klipper, marlin
+from passo.config.importing.settling import settle
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -15,15 +16,26 @@ if TYPE_CHECKING:
 _HEADERS = (".h", ".hpp")
 
 
-def imported(path: Path, stored: Path | None = None) -> Draft:
-    """Converts a configuration to a machine file with remarks. The file name selects the format:
-    Marlin (`.h`), APrinter (`.json`), otherwise Klipper (`printer.cfg`). `stored` is a file with
-    the settings that the firmware has stored since. Raises ConfigError."""
+def imported(
+    path: Path,
+    stored: Path | None = None,
+    *,
+    board: str | None = None,
+    skip_missing: bool = False,
+) -> Draft:
+    """Converts a configuration to a valid machine file with remarks. The file name selects the
+    format: Marlin (`.h`), APrinter (`.json`), otherwise Klipper (`printer.cfg`). `stored` is a file
+    with the settings that the firmware has stored since. `board` is the name of a shipped board in
+    place of the one in the file. With `skip_missing`, a printer.cfg may include files that do not
+    exist. Raises ConfigError."""
     ending = path.suffix.lower()
     if ending == ".json":
-        return aprinter.imported(path, stored)
-    if ending in _HEADERS:
-        return marlin.imported(path, stored)
-    if stored is not None:
+        draft = aprinter.imported(path, stored, board=board)
+    elif ending in _HEADERS:
+        draft = marlin.imported(path, stored, board=board)
+    elif stored is not None:
         raise ConfigError.of("import.stored", str(stored))
-    return klipper.imported(path)
+    else:
+        draft = klipper.imported(path, board=board, skip_missing=skip_missing)
+    settle(draft)
+    return draft

@@ -10,6 +10,7 @@ from passo.config.importing.draft import Place, bad
 if TYPE_CHECKING:
     from passo.config.importing.draft import Draft
 
+_LARGEST_COUNT = 10_000_000
 LARGEST, SMALLEST = 1e12, 1e-12  # of an absolute value; 0 is a number too
 NUMBER = f"a number from -{LARGEST:g} to {LARGEST:g}"
 
@@ -35,7 +36,7 @@ class Read(NamedTuple):
     name: str
     place: Place
 
-    def whole(self, minimum: int, maximum: int) -> int:
+    def whole(self, minimum: int = 0, maximum: int = _LARGEST_COUNT) -> int:
         """The number as a whole number. Raises ConfigError for a fraction, and for a number that
         is not within the limits, which are included."""
         if not minimum <= self.value <= maximum or self.value != int(self.value):

@@ -31,8 +31,8 @@ _INVERTED = ("OutputInvert", "Invert")
 class Pins:
     """The ports, inputs and outputs of a board, by their names in the document."""
 
-    def __init__(self, document: Node, name: Node) -> None:
-        base = BOARDS.get(str(name.scalar))
+    def __init__(self, document: Node, name: Node, base: str | None = None) -> None:
+        base = base or BOARDS.get(str(name.scalar))
         boards = [b for b in document.each("boards") if b.text("name") == name.scalar]
         if base is None or not boards:
             limit, place = ", ".join(BOARDS), name.place

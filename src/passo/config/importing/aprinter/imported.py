@@ -38,14 +38,15 @@ _HOOKS = {"After homing": "after_homing", "After bed probing": "after_probing"}
 _TOWERS = ("a", "b", "c")
 
 
-def imported(path: Path, stored: Path | None = None) -> Draft:
+def imported(path: Path, stored: Path | None = None, *, board: str | None = None) -> Draft:
     """The machine file of the selected configuration, with remarks. `stored` is a file with changed
-    options: aprinter.cfg, or an answer to M503. Raises ConfigError."""
+    options: aprinter.cfg, or an answer to M503. `board` is the board file to use. Raises
+    ConfigError."""
     sources = Sources(max_line=MAX_BYTES)  # a document may be one line
     root = document(sources.read(path), path)
     options = stored_options(sources.read(stored), stored.name) if stored else Stored()
     config, draft = _selected(root), Draft()
-    job = Job(config, Pins(root, config.within("board")), options, draft)
+    job = Job(config, Pins(root, config.within("board"), board), options, draft)
     draft.put_head(path, config.text("name"))
     _put_motion(job)
     _put_probe(job)

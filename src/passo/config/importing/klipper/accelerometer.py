@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, get_args
 
 from passo.config.accelerometer import FASTEST_HZ, RATES_HZ, Direction
 from passo.config.importing.draft import bad
+from passo.config.importing.klipper.chips import LINUX
 from passo.config.importing.numbers import number_of
 from passo.config.pin_names import MAIN, bare, named_on, placed
 from passo.config.pin_names import section as board_path
@@ -21,30 +22,30 @@ _SPI_WIRES = {
 }
 _I2C_WIRES = {"scl_pin": "i2c_software_scl_pin", "sda_pin": "i2c_software_sda_pin"}
 _I2C_KEYS = {"i2c_address": "i2c_address", "i2c_hz": "i2c_speed"}
+_LINUX_BUS = "spidev0.0"
 _NONE = "none"  # the chip select of a bus that has its own
 
 
 def put_accelerometer(job: Import) -> None:
     """Imports the accelerometer that the resonance tester uses for X, or the only one, after the
-    boards. Raises ConfigError."""
+    boards."""
     chips = [*job.config.of("adxl345"), *job.config.of("lis2dw")]
     tester = job.config.get("resonance_tester")
     if not chips:
         return
     names = [tester.text(key) for key in ("accel_chip", "accel_chip_x")] if tester else []
     found = next((chip for name in names for chip in chips if chip.name == name), chips[0])
-    job.used.add(found.name)
-    if not _put_wires(job, found):
-        found.used.update(found.options)
+    if job.part(found, _put_chip) and ("accelerometer", "chip") in job.draft.keys and tester:
+        job.part(tester, _put_test)
+
+
+def _put_chip(job: Import, chip: Section) -> None:
+    if not _put_wires(job, chip):
+        chip.used.update(chip.options)
         return
-    job.draft.put(("accelerometer", "chip"), found.kind, found.place)
-    _put_rate(job, found)
-    _put_axes(job, found)
-    if tester is not None:
-        job.used.add(tester.name)
-        for key in ("accel_chip", "accel_chip_x", "accel_chip_y", "accel_chip_z"):
-            tester.option(key)  # one chip measures all axes, one after the other
-        _put_test(job, tester)
+    job.draft.put(("accelerometer", "chip"), chip.kind, chip.place)
+    _put_rate(job, chip)
+    _put_axes(job, chip)
 
 
 def _put_wires(job: Import, chip: Section) -> bool:
@@ -57,6 +58,7 @@ def _put_wires(job: Import, chip: Section) -> bool:
     bus, select = chip.text("spi_bus"), None
     if pin.lower() == _NONE:
         board = job.pins.further.get(board, MAIN)
+        bus = bus or _first_bus(job, board)
     else:
         select = job.pins.of(chip, "cs_pin")
         board = placed(select or "")[0]
@@ -77,6 +79,12 @@ def _put_wires(job: Import, chip: Section) -> bool:
     return True
 
 
+def _first_bus(job: Import, board: str) -> str:
+    """The bus of a chip that names none, if its board is a computer; else empty."""
+    port, _ = job.draft.keys.get((*board_path(board), "port"), ("", None))
+    return _LINUX_BUS if LINUX in str(port) else ""
+
+
 def _put_i2c(job: Import, chip: Section) -> bool:
     """Does the same for a chip on I2C."""
     put, path = job.draft.put, ("accelerometer",)
@@ -94,7 +102,7 @@ def _put_i2c(job: Import, chip: Section) -> bool:
         return _lacks(job, chip, "its i2c_bus, or scl_pin and sda_pin")
     for key, option in _I2C_KEYS.items():
         if (value := chip.read(option)) is not None:
-            put((*path, key), value.whole(0, 1_000_000), value.place)
+            put((*path, key), value.whole(), value.place)
     return True
 
 
@@ -130,6 +138,8 @@ def _put_axes(job: Import, chip: Section) -> None:
 
 def _put_test(job: Import, tester: Section) -> None:
     """Sets the place of the measurement, and its strength."""
+    for key in ("accel_chip", "accel_chip_x", "accel_chip_y", "accel_chip_z"):
+        tester.option(key)  # one chip measures all axes, one after the other
     put, path = job.draft.put, ("accelerometer",)
     points = tester.text("probe_points").strip().splitlines()
     if points:

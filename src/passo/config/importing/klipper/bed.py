@@ -15,17 +15,15 @@ START_MM, LOW_MM = 10.0, -2.0  # default heights of a descent: start and lowest
 HIGHEST_MM = 100.0  # start of a descent
 _ABOVE_MM, _BELOW_MM = 5.0, 2.0  # minimum distances of these heights from the trigger height
 DESCENT_S = 19.0  # a descent that would take longer is refused
-_MOST_RETRIES = 20  # of a probe
 _SAMPLES = {"average": "mean", "median": "median"}
 
 
 def put_probe(job: Import) -> None:
-    """Converts [probe] or [bltouch]. Sets `job.probe_pin`, with which Z may be homed. Raises
-    ConfigError."""
+    """Converts [probe] or [bltouch]. Sets `job.probe_pin`, with which Z may be homed."""
     for name in ("probe", "bltouch"):
         section = job.config.get(name)
         if section is not None:
-            _put_probe(job, section)
+            job.part(section, _put_probe)
 
 
 def _put_probe(job: Import, section: Section) -> None:
@@ -33,11 +31,12 @@ def _put_probe(job: Import, section: Section) -> None:
     option = "sensor_pin" if touch else "pin"
     pin = job.pins.of(section, option)
     if pin is None:
-        return
-    job.used.add(section.name)
+        if option not in section.options:
+            raise section.missing(option)
+        section.used.update(section.options)
+        return  # it is on a board that Passo does not drive
     put, path = job.draft.put, ("probe",)
     height = section.number("z_offset", 0.0) or 0.0
-    job.probe_pin = pin
     put((*path, "kind"), section.name if touch else "fixed", section.place)
     put((*path, "pin"), pin, section.at(option))
     if touch:
@@ -59,7 +58,7 @@ def _put_probe(job: Import, section: Section) -> None:
         section.number("sample_retract_dist", 2.0),
         section.at("sample_retract_dist"),
     )
-    put((*path, "samples"), section.whole("samples", 1, 50) or 1, section.at("samples"))
+    put((*path, "samples"), section.whole("samples") or 1, section.at("samples"))
     result = section.text("samples_result", "average").lower()
     if result not in _SAMPLES:
         key = "samples_result in [probe]"
@@ -67,9 +66,9 @@ def _put_probe(job: Import, section: Section) -> None:
     put((*path, "result"), _SAMPLES[result], section.at("samples_result"))
     tolerance = section.number("samples_tolerance", 0.1)
     put((*path, "tolerance_mm"), tolerance, section.at("samples_tolerance"))
-    retries = section.read("samples_tolerance_retries")
-    number = retries.at_most(_MOST_RETRIES, job.draft) if retries else 0
-    put((*path, "retries"), number, section.at("samples_tolerance_retries"))
+    retries = section.whole("samples_tolerance_retries") or 0
+    put((*path, "retries"), retries, section.at("samples_tolerance_retries"))
+    job.probe_pin = pin
     for name in ("activate_gcode", "deactivate_gcode"):
         if name in section.options:
             section.used.add(name)
@@ -97,18 +96,19 @@ def _put_touch(job: Import, section: Section) -> None:
 
 def put_mesh(job: Import) -> None:
     """Imports [bed_mesh], limited to the area that the probe reaches. Call it after the axes are
-    imported. Raises ConfigError."""
+    imported."""
     section = job.config.get("bed_mesh")
-    if section is None or job.probe_pin is None:
-        return
+    if section is not None and job.probe_pin is not None:
+        job.part(section, _put_mesh)
+
+
+def _put_mesh(job: Import, section: Section) -> None:
     put, path = job.draft.put, ("levelling",)
     corners = [pair(section, name) for name in ("mesh_min", "mesh_max")]
     if None in corners:
         job.draft.decide(section.place, "[bed_mesh]", "a round mesh: choose [levelling] by hand")
-        job.used.add(section.name)
         section.used.update(section.options)
         return
-    job.used.add(section.name)
     put((*path, "method"), "mesh", section.place)
     written = [value for corner in corners if corner is not None for value in corner]
     area = [*reached(job, written[:2]), *reached(job, written[2:])]
@@ -118,7 +118,7 @@ def put_mesh(job: Import) -> None:
         job.draft.changed(section.at("mesh_max"), "[bed_mesh] mesh_min, mesh_max", text)
     count = pair(section, "probe_count") or (3.0, 3.0)
     place = section.at("probe_count")
-    counts = [Read(value, "probe_count in [bed_mesh]", place).whole(3, 41) for value in count]
+    counts = [Read(value, "probe_count in [bed_mesh]", place).whole() for value in count]
     put((*path, "count"), [*counts], place)
     algorithm = section.text("algorithm", "lagrange").lower()
     smooth = "bicubic" if algorithm == "bicubic" else "bilinear"

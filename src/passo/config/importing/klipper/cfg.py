@@ -4,14 +4,14 @@ SAVE_CONFIG writes. The syntax is that of Klipper's documentation."""
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from passo.config.importing.draft import Place, bad
 from passo.config.importing.numbers import NUMBER, Read, number_of
 from passo.config.importing.sources import Sources
-from passo.errors import ConfigError
+from passo.errors import ConfigError, Problem
 
 _HEADER = re.compile(r"\[(.*)\]")
 _OPTION = re.compile(r"([^\s:=][^:=]*?)\s*[:=]\s?(.*)")
@@ -68,11 +68,11 @@ class Section:
         except ValueError:
             raise bad(found.place, f"{name} in [{self.name}]", found.text, NUMBER) from None
 
-    def whole(self, name: str, minimum: int, maximum: int) -> int | None:
-        """The whole number of an option; None without it. Raises ConfigError for a fraction,
-        and for a number that is not within the limits, which are included."""
+    def whole(self, name: str) -> int | None:
+        """The whole number of an option, from 0; None without it. Raises ConfigError for another
+        number."""
         found = self.read(name)
-        return None if found is None else found.whole(minimum, maximum)
+        return None if found is None else found.whole()
 
     def read(self, name: str) -> Read | None:
         """The number of an option with its place; None without it. Raises ConfigError."""
@@ -103,15 +103,33 @@ class Section:
         return self.place._replace(default=True) if found is None else found.place
 
 
+class Missing(NamedTuple):
+    """An include of a file that does not exist."""
+
+    file: str
+    place: Place
+    folder: Path
+
+    @property
+    def problem(self) -> Problem:
+        """The error of this include."""
+        values = {"value": self.file, "limit": str(self.folder)}
+        return Problem("import.missing", self.place.file, self.place.line, values)
+
+
 class Config:
     """All sections of a printer.cfg, in the order of the files. The options of repeated sections
-    are merged; the last value wins. Raises ConfigError with file and line."""
+    are merged; the last value wins. `missing` has the includes of files that do not exist. Raises
+    ConfigError with file and line: for missing files all together, unless `skip_missing`."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, skip_missing: bool = False) -> None:
         self.sections: dict[str, Section] = {}
         self.comments: list[str] = []
+        self.missing: list[Missing] = []
         self._sources = Sources()
         self._read(path, ())
+        if self.missing and not skip_missing:
+            raise ConfigError([one.problem for one in self.missing])
 
     def of(self, kind: str) -> list[Section]:
         """The sections whose names start with this word."""
@@ -157,16 +175,20 @@ class Config:
     ) -> Section | None:
         name = " ".join(written.split())
         if name.startswith("include "):
-            for file in _included(path, name.partition(" ")[2], place):
+            pattern = name.partition(" ")[2]
+            files = _included(path, pattern, place)
+            if files is None:
+                self.missing.append(Missing(pattern, place, path.parent))
+            for file in files or ():
                 self._read(file, (*within, path.resolve()))
             return None
         return self.sections.setdefault(name, Section(name, place))
 
 
-def _included(path: Path, pattern: str, place: Place) -> Iterator[Path]:
-    """The files of an include, whose path may be absolute. A pattern may match none, and a plain
-    name must exist. As in Klipper, `~` is a plain character, and `**` is `*`. Raises ConfigError
-    for a pattern that could search a whole disk."""
+def _included(path: Path, pattern: str, place: Place) -> list[Path] | None:
+    """The files of an include, whose path may be absolute. A pattern may match none; None if a
+    plain name does not exist. As in Klipper, `~` is a plain character, and `**` is `*`. Raises
+    ConfigError for a pattern that could search a whole disk."""
     parts = [part.replace("**", "*") for part in Path(pattern).parts]
     wild = [at for at, part in enumerate(parts) if any(mark in part for mark in "*?[")]
     if len(wild) > _MOST_WILD:
@@ -175,11 +197,6 @@ def _included(path: Path, pattern: str, place: Place) -> Iterator[Path]:
     if wild:
         folder = path.parent.joinpath(*parts[: wild[0]])
         found = sorted(folder.glob("/".join(parts[wild[0] :])))
-        yield from (file for file in found if not file.name.startswith("."))
-        return
+        return [file for file in found if not file.name.startswith(".")]
     file = path.parent / pattern
-    if not file.is_file():
-        raise ConfigError.of(
-            "import.missing", place.file, place.line, value=pattern, limit=str(path.parent)
-        )
-    yield file
+    return [file] if file.is_file() else None

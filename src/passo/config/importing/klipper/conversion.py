@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from passo.config.importing.draft import Draft
@@ -22,7 +23,30 @@ class Import:
     heaters: dict[str, str] = field(default_factory=dict[str, str])
     probe_pin: str | None = None
     probe_offset: tuple[float, float] = (0.0, 0.0)
+    lost_heaters: list[str] = field(default_factory=list[str])
     fan_numbers: int = 0
+
+    def part(
+        self,
+        section: Section,
+        convert: Callable[[Import, Section], None],
+        what: str = "the section",
+    ) -> bool:
+        """Converts a section without which the machine works too, or `what` of it. If that is not
+        possible, it is left out, which is reported, and the result is False."""
+        keys = dict(self.draft.keys)
+        self.used.add(section.name)
+        try:
+            convert(self, section)
+        except ConfigError as error:
+            self.draft.keys = keys
+            problem = error.problems[0]
+            place = section.place._replace(file=problem.file, line=problem.line or 0)
+            text = f"{what} is left out: {problem.sentence}"
+            self.draft.decide(place, f"[{section.name}]", text)
+            section.used.update(section.options)
+            return False
+        return True
 
     @property
     def motors(self) -> list[str]:

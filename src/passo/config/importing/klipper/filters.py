@@ -14,12 +14,15 @@ if TYPE_CHECKING:
 
 
 def put_shapers(job: Import) -> None:
+    """Imports [input_shaper]."""
+    section = job.config.get("input_shaper")
+    if section is not None:
+        job.part(section, _put_shapers)
+
+
+def _put_shapers(job: Import, section: Section) -> None:
     """Imports the shaper of each axis that has a frequency. Raises ConfigError for an unknown
     type."""
-    section = job.config.get("input_shaper")
-    if section is None:
-        return
-    job.used.add(section.name)
     put, common = job.draft.put, section.text("shaper_type", "mzv")
     for axis in "xyz":
         frequency = section.number(f"shaper_freq_{axis}", 0.0)

@@ -6,8 +6,10 @@ from math import exp, log
 from typing import TYPE_CHECKING, Any
 
 from passo.config.importing.draft import MOTORS_ALONE, bad, part_name
+from passo.config.importing.klipper.buses import wires_of_bus
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.pins import JOINED
+from passo.config.pin_names import named_on, placed
 from passo.config.sensor_names import values_of
 from passo.config.thermistor import ZERO_C, Ntc
 from passo.errors import ConfigError
@@ -25,18 +27,23 @@ _CONVERTERS = {
     "MAX31856": "max31856",
     "MAX31865": "max31865",
 }
-_FAN_S, _FAN_HZ = 0.01, (1.0, 200.0)  # Klipper's cycle, and the limits of a slow board
-_HEATER_S, _HEATER_HZ = 0.1, (4.0, 1000.0)
+_FAN_S, _HEATER_S = 0.01, 0.1  # Klipper's cycles
 _SPI = {
     "spi_software_sclk_pin": "clock_pin",
     "spi_software_miso_pin": "miso_pin",
     "spi_software_mosi_pin": "mosi_pin",
 }
+# Klipper's values of a platinum sensor on a MAX31865.
+_RTD = {
+    "rtd_nominal_r": ("r0_ohm", 100),
+    "rtd_reference_r": ("reference_ohm", 430.0),
+    "rtd_num_of_wires": ("wires", 2),
+}
 
 
 def put_heat(job: Import) -> None:
-    """Imports all heaters, then all fans. Raises ConfigError for a heater without a sensor or a
-    maximum temperature."""
+    """Imports all heaters, then all fans. A heater without a sensor or a maximum temperature is
+    left out."""
     for section in job.config.sections.values():
         kind = section.kind
         if kind.removeprefix("extruder").isdigit() or section.name == "extruder":
@@ -46,16 +53,17 @@ def put_heat(job: Import) -> None:
             job.heaters[section.name] = "bed"
         elif kind == "heater_generic":
             job.heaters[section.name] = job.heaters[section.rest] = part_name(section.rest)
-    for name, heater in job.heaters.items():
+    for name, heater in [*job.heaters.items()]:
         section = job.config.get(name)
-        if section is not None:
-            _put_heater(job, section, heater)
+        if section is not None and not job.part(section, _put_heater, "the heater"):
+            job.lost_heaters.append(heater)
+            job.heaters = {key: one for key, one in job.heaters.items() if one != heater}
     _put_fans(job)
     _put_tools(job)
 
 
-def _put_heater(job: Import, section: Section, name: str) -> None:
-    job.used.add(section.name)
+def _put_heater(job: Import, section: Section) -> None:
+    name = job.heaters[section.name]
     path, put = ("heaters", name), job.draft.put
     chamber = section.kind == "heater_generic"
     kind = "chamber" if chamber else "bed" if name == "bed" else "hotend"
@@ -80,7 +88,7 @@ def _put_heater(job: Import, section: Section, name: str) -> None:
         put((*path, key), value, section.at(option))
     power = section.number("max_power")
     put((*path, "max_power"), power, section.at("max_power"))
-    _put_frequency(job, section, path, ("pwm_cycle_time", _HEATER_S), _HEATER_HZ)
+    _put_frequency(job, section, path, "pwm_cycle_time", _HEATER_S)
     _put_control(job, section, path)
     _put_protection(job, section, path)
 
@@ -135,18 +143,9 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
     elif _AMPLIFIERS.get(written):
         keys = {"kind": _AMPLIFIERS[written], **_full_scale(section)}
     elif written in _CONVERTERS:
-        keys = {"kind": _CONVERTERS[written]}
-        for option, pin_key in _SPI.items():
-            pin = job.pins.of(section, option)
-            if pin is None:
-                limit = "three pins for the converter's bus: Passo does not use the chip's SPI unit"
-                key = f"{option} in [{section.name}]"
-                raise ConfigError.of(
-                    "config.missing-key", place.file, place.line, key=key, limit=limit
-                )
-            keys[pin_key] = pin
-        if "spi_bus" in section.options or "spi_speed" in section.options:
-            section.used |= {"spi_bus", "spi_speed"}
+        keys = {"kind": _CONVERTERS[written], **_converter_wires(job, section)}
+        for option, (key, usual) in _RTD.items() if written == "MAX31865" else ():
+            keys[key] = type(usual)(section.number(option) or usual)
     elif written == _PT100_AMPLIFIER:
         keys = {"kind": written, **_full_scale(section)}
     elif values_of(written) is not None:
@@ -160,6 +159,31 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
         return
     for key, value in keys.items():
         job.draft.put((*path, "sensor", key), value, place)
+
+
+def _converter_wires(job: Import, section: Section) -> dict[str, str]:
+    """The pins of a converter's bus: those in the section, or those of a unit of the chip, which
+    Passo drives in software. Raises ConfigError if they are not known."""
+    section.used.add("spi_speed")
+    pins = {key: job.pins.of(section, option) for option, key in _SPI.items()}
+    given = {key: pin for key, pin in pins.items() if pin is not None}
+    if len(given) == len(pins):
+        section.used.add("spi_bus")
+        return given
+    bus = section.text("spi_bus")
+    wires = wires_of_bus(bus)
+    if wires is None:
+        place = section.at("spi_bus")
+        missing = next(option for option, key in _SPI.items() if key not in given)
+        limit = "three pins for the converter's bus: Passo does not use the chip's SPI unit"
+        key = f"{missing} in [{section.name}]"
+        raise ConfigError.of("config.missing-key", place.file, place.line, key=key, limit=limit)
+    board = placed(job.pins.of(section, "sensor_pin") or "")[0]
+    keys = ("miso_pin", "mosi_pin", "clock_pin")
+    found = {key: named_on(board, pin) for key, pin in zip(keys, wires, strict=True)}
+    text = f"its pins are {', '.join(found.values())}, which Passo drives in software"
+    job.draft.changed(section.at("spi_bus"), f"[{section.name}] spi_bus {bus}", text)
+    return found
 
 
 def _full_scale(section: Section) -> dict[str, float]:
@@ -212,20 +236,19 @@ def _put_fans(job: Import) -> None:
         kind, name = section.kind, part_name(section.rest or section.kind)
         if kind not in ("fan", "heater_fan", "controller_fan", "fan_generic", "temperature_fan"):
             continue
-        job.used.add(section.name)
-        pin = job.pins.of(section, "pin")
-        if pin is None:
-            job.draft.dropped(section.place, f"[{section.name}]", "it has no pin that Passo drives")
-            continue
         name = "part" if section.name == "fan" else name
         while name in used:
             name += "_2"
         used.add(name)
-        _put_fan(job, section, ("fans", name), pin)
+        job.part(section, lambda job, section, name=name: _put_fan(job, section, ("fans", name)))
 
 
-def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
-    put, kind = job.draft.put, section.kind
+def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
+    put, kind, pin = job.draft.put, section.kind, job.pins.of(section, "pin")
+    if pin is None:
+        job.draft.dropped(section.place, f"[{section.name}]", "it has no pin that Passo drives")
+        section.used.update(section.options)
+        return
     put((*path, "pin"), pin, section.at("pin"))
     power, option = section.number("max_power", 1.0) or 1.0, "max_power"
     if kind in ("heater_fan", "controller_fan") and "fan_speed" in section.options:
@@ -236,7 +259,7 @@ def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
     kick = section.number("kick_start_time", 0.1)
     if kind not in ("heater_fan", "controller_fan"):  # these fans always start with full power
         put((*path, "kick_start_s"), kick, section.at("kick_start_time"))
-    _put_frequency(job, section, path, ("cycle_time", _FAN_S), _FAN_HZ)
+    _put_frequency(job, section, path, "cycle_time", _FAN_S)
     if kind == "heater_fan":
         heaters = [h.strip() for h in section.text("heater", "extruder").split(",")]
         put((*path, "follows"), job.heater(section, "heater", heaters[0]), section.at("heater"))
@@ -265,17 +288,12 @@ def _put_fan(job: Import, section: Section, path: KeyPath, pin: str) -> None:
 
 
 def _put_frequency(
-    job: Import, section: Section, path: KeyPath, cycle: tuple[str, float], hz: tuple[float, float]
+    job: Import, section: Section, path: KeyPath, option: str, usual_s: float
 ) -> None:
     """Converts the cycle of an output, from the option or Klipper's value without it, to pulses per
-    second within limits."""
-    option, usual = cycle
-    wanted, place = 1 / (section.number(option) or usual), section.at(option)
-    used = min(max(wanted, hz[0]), hz[1])
-    job.draft.put((*path, "pwm_hz"), used, place)
-    if used != wanted:
-        text = f"{wanted:g} Hz became {used:g} Hz: Passo pulses outputs in software"
-        job.draft.changed(place, f"[{section.name}] {option}", text)
+    second."""
+    hz = 1 / (section.number(option) or usual_s)
+    job.draft.put((*path, "pwm_hz"), float(f"{hz:.6g}"), section.at(option))
 
 
 def _put_tools(job: Import) -> None:

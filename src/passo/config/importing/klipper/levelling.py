@@ -13,29 +13,29 @@ if TYPE_CHECKING:
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
-_MOST_RETRIES = 30  # that G34 makes
 _MOST_SCREWS = 99  # that Klipper counts
 _THREADS = ("M3", "M4", "M5", "M6")
 _FAR = "the probe does not get to X{:g} Y{:g}: give the places of [levelling.{}] by hand"
 
 
 def put_levelling(job: Import) -> None:
-    """Converts all sections of levelling. Raises ConfigError for positions that are not two
-    numbers."""
-    _put_screws(job)
-    _put_motors(job)
-    _put_skew(job)
+    """Converts all sections of levelling."""
+    by_probe, by_hand = job.config.get("screws_tilt_adjust"), job.config.get("bed_screws")
+    screws = by_probe if by_probe is not None and job.probe_pin is not None else by_hand
+    motors = job.config.get("z_tilt") or job.config.get("quad_gantry_level")
+    if screws is not None:
+        job.part(screws, _put_screws)
+    if motors is not None and job.probe_pin is not None:
+        job.part(motors, _put_motors)
+    for section in job.config.of("skew_correction"):
+        job.part(section, _put_skew)
 
 
-def _put_screws(job: Import) -> None:
+def _put_screws(job: Import, section: Section) -> None:
     """Converts the screws. The positions of [screws_tilt_adjust] are those of the nozzle when the
     probe is over a screw; those of [bed_screws] are the positions of the screws."""
-    by_probe, by_hand = job.config.get("screws_tilt_adjust"), job.config.get("bed_screws")
-    section = by_probe if by_probe is not None and job.probe_pin is not None else by_hand
-    if section is None:
-        return
-    job.used.add(section.name)
-    dx, dy = job.probe_offset if section is by_probe else (0.0, 0.0)
+    by_probe = section.name == "screws_tilt_adjust"
+    dx, dy = job.probe_offset if by_probe else (0.0, 0.0)
     places: list[Any] = []
     names = set[str]()
     for number in range(1, _MOST_SCREWS + 1):
@@ -50,7 +50,7 @@ def _put_screws(job: Import) -> None:
             return
         places.append({"name": name, "x": at[0], "y": at[1]})
     path = ("levelling", "screws")
-    if section is by_probe:
+    if by_probe:
         written = section.text("screw_thread", "CW-M3")
         way, _, size = written.upper().partition("-")
         if way not in ("CW", "CCW") or size not in _THREADS:
@@ -60,13 +60,10 @@ def _put_screws(job: Import) -> None:
     job.draft.put((*path, "places"), places, section.place)
 
 
-def _put_motors(job: Import) -> None:
-    tilt, gantry = job.config.get("z_tilt"), job.config.get("quad_gantry_level")
-    section = tilt or gantry
-    if section is None or job.probe_pin is None:
-        return
+def _put_motors(job: Import, section: Section) -> None:
+    tilt = section.name == "z_tilt"
     motors = [name for name in job.motors if name[0] == "z"]
-    if section is tilt:
+    if tilt:
         pivots = _places(section, "z_positions")
     else:
         corners = _places(section, "gantry_corners")
@@ -76,10 +73,9 @@ def _put_motors(job: Import) -> None:
         (x0, y0), (x1, y1) = corners
         pivots = [(x0, y0), (x0, y1), (x1, y1), (x1, y0)]
     if len(pivots) != len(motors):
-        what = "z_positions" if section is tilt else "gantry_corners"
+        what = "z_positions" if tilt else "gantry_corners"
         limit = f"a place for each motor of Z, of which there are {len(motors)}"
         raise bad(section.at(what), f"{what} in [{section.name}]", section.text(what), limit)
-    job.used.add(section.name)
     path: KeyPath = ("levelling", "motors")
     points: list[Any] = []
     for x, y in _places(section, "points"):
@@ -87,17 +83,15 @@ def _put_motors(job: Import) -> None:
         if not _in_reach(job, section, at, "motors"):
             return
         points.append({"x": at[0], "y": at[1]})
-    put, place = job.draft.put, section.at("z_positions" if section is tilt else "gantry_corners")
+    put, place = job.draft.put, section.at("z_positions" if tilt else "gantry_corners")
     for motor, (x, y) in zip(motors, pivots, strict=True):
         put((*path, "pivots", motor), [x, y], place)
     put((*path, "points"), points, section.at("points"))
-    if section is gantry:
+    if not tilt:
         put((*path, "max_adjust_mm"), section.number("max_adjust", 4.0), section.at("max_adjust"))
     tolerance = section.number("retry_tolerance")
     put((*path, "tolerance_mm"), tolerance or None, section.at("retry_tolerance"))
-    retries = section.read("retries")
-    if retries is not None:
-        put((*path, "retries"), retries.at_most(_MOST_RETRIES, job.draft), retries.place)
+    put((*path, "retries"), section.whole("retries"), section.at("retries"))
 
 
 def _in_reach(job: Import, section: Section, at: list[float], table: str) -> bool:
@@ -109,17 +103,15 @@ def _in_reach(job: Import, section: Section, at: list[float], table: str) -> boo
     return False
 
 
-def _put_skew(job: Import) -> None:
+def _put_skew(job: Import, section: Section) -> None:
     """Reports the values that SAVE_CONFIG has stored as the command that sets them, because the
     limits of the carriages must be in the machine file first."""
-    for section in job.config.of("skew_correction"):
-        job.used.add(section.name)
-        factors = [section.number(f"{plane}_skew", 0.0) or 0.0 for plane in ("xy", "xz", "yz")]
-        if any(factors):
-            words = " ".join(f"{word}{value:g}" for word, value in zip("IJK", factors, strict=True))
-            reach = "min_mm and max_mm of the motors (of crossed belts reach_x_mm and reach_y_mm)"
-            text = f"give {reach}, then send M852 {words} and M500"
-            job.draft.decide(section.place, f"[{section.name}]", text)
+    factors = [section.number(f"{plane}_skew", 0.0) or 0.0 for plane in ("xy", "xz", "yz")]
+    if any(factors):
+        words = " ".join(f"{word}{value:g}" for word, value in zip("IJK", factors, strict=True))
+        reach = "min_mm and max_mm of the motors (of crossed belts reach_x_mm and reach_y_mm)"
+        text = f"give {reach}, then send M852 {words} and M500"
+        job.draft.decide(section.place, f"[{section.name}]", text)
 
 
 def _places(section: Section, name: str) -> list[tuple[float, float]]:

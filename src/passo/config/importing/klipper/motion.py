@@ -17,7 +17,7 @@ from passo.errors import ConfigError
 from passo.geometry.delta import ANGLES
 
 if TYPE_CHECKING:
-    from passo.config.importing.draft import KeyPath
+    from passo.config.importing.draft import KeyPath, Place
     from passo.config.importing.klipper.conversion import Import
 
 _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
@@ -28,13 +28,9 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
 }
 _SPI = {"sclk": "clock", "mosi": "mosi", "miso": "miso"}
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
-_MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
-_LONGEST_MM = 1e6
+_MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # of Passo; other drivers have others
 _ROTARY = "rotary_delta"
-_WHOLE = {  # of a stepper, with the maximum and the usual value
-    "full_steps_per_rotation": (10_000, 200),
-    "microsteps": (256, 16),
-}
+_WHOLE = {"full_steps_per_rotation": 200, "microsteps": 16}  # of a stepper, with usual values
 
 
 def put_motion(job: Import) -> None:
@@ -97,12 +93,6 @@ def _put_axes(job: Import, printer: Section, kind: str, speed: float, accel: flo
             low = stepper.number("position_min", 0.0)
             job.draft.put((*path, "min_mm"), low, stepper.at("position_min"))
             high = stepper.needed("position_max")
-            if high > _LONGEST_MM:
-                text = f"an axis of Passo ends at {_LONGEST_MM:g} mm at most"
-                job.draft.changed(
-                    stepper.at("position_max"), f"[stepper_{axis}] position_max", text
-                )
-                high = _LONGEST_MM
             job.draft.put((*path, "max_mm"), high, stepper.at("position_max"))
         names = ("max_z_velocity", "max_z_accel") if upright else ("max_velocity", "max_accel")
         values = (z_speed, z_accel) if upright else (speed, accel)
@@ -186,14 +176,20 @@ def put_stepper(job: Import, section: Section, name: str, first: Section) -> Non
 
 def _put_whole(job: Import, section: Section, name: str, first: Section) -> int:
     """Imports the steps of a motor, and returns how many a rotation has."""
-    steps = 1
-    for option, (maximum, usual) in _WHOLE.items():
+    read: dict[str, tuple[int | None, Place]] = {}
+    for option in _WHOLE:
         source = section if option in section.options else first
         section.used.add(option)
-        value = source.whole(option, 1, maximum)
-        job.draft.put(("steppers", name, option), value, source.at(option))
-        steps *= value or usual
-    return steps
+        read[option] = source.whole(option), source.at(option)
+    full, micro = (read[option][0] or usual for option, usual in _WHOLE.items())
+    if micro not in _MICROSTEPS:
+        read = {"full_steps_per_rotation": (full * micro, read["microsteps"][1])}
+        read["microsteps"] = 1, read["full_steps_per_rotation"][1]
+        text = f"the steps of a rotation are {full * micro}, as full steps"
+        job.draft.changed(read["microsteps"][1], f"[{section.name}] microsteps {micro}", text)
+    for option, (value, place) in read.items():
+        job.draft.put(("steppers", name, option), value, place)
+    return full * micro
 
 
 def _put_pins(job: Import, section: Section, name: str, first: Section) -> None:
@@ -255,7 +251,7 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
         if not section.flag("interpolate", True):
             put((*tmc, "interpolate"), False, section.at("interpolate"))
         if chip == "tmc2209":
-            address = section.whole("uart_address", 0, 3)
+            address = section.whole("uart_address")
             put((*tmc, "address"), address, section.at("uart_address"))
         for option, key in pins.items():
             put((*tmc, key), job.pins.of(section, option), section.at(option))

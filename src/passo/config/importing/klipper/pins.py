@@ -16,41 +16,6 @@ MAIN = "mcu"
 JOINED = "multi_pin"  # in place of a board: several outputs under one name
 _ALIAS = re.compile(r"\s*([^\s=,]+)\s*=\s*([^\s,]+)\s*")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_./-]*")
-# The clock of Klipper's firmware, in Hz, by a chip name in the comments of a file; the first match
-# is used. An RP2040 counts its oscillator.
-CLOCKS = (
-    ("rp2040", 12_000_000),
-    ("rp2350", 12_000_000),
-    ("stm32f0", 48_000_000),
-    ("stm32g0", 64_000_000),
-    ("stm32f103", 72_000_000),
-    ("stm32f2", 120_000_000),
-    ("stm32f401", 84_000_000),
-    ("stm32f405", 168_000_000),
-    ("stm32f407", 168_000_000),
-    ("stm32f429", 168_000_000),
-    ("stm32f446", 180_000_000),
-    ("stm32f765", 216_000_000),
-    ("stm32g4", 170_000_000),
-    ("stm32h723", 400_000_000),
-    ("stm32h743", 400_000_000),
-    ("stm32h7", 400_000_000),
-    ("lpc1768", 100_000_000),
-    ("lpc1769", 120_000_000),
-    ("lpc176", 100_000_000),
-    ("samd21", 48_000_000),
-    ("samd51", 120_000_000),
-    ("same54", 120_000_000),
-    ("sam3x", 84_000_000),
-    ("arduino due", 84_000_000),
-    ("sam4e", 120_000_000),
-    ("same70", 300_000_000),
-    ("beaglebone", 200_000_000),
-    ("at90usb1286", 16_000_000),
-    ("atmega644", 20_000_000),
-    ("atmega", 16_000_000),
-    ("avr", 16_000_000),
-)
 
 
 class Pins:
@@ -107,13 +72,6 @@ class Pins:
 def board_name(name: str) -> str:
     """The name of a further board in the machine file."""
     return part_name(name)
-
-
-def clock_hz(comments: list[str]) -> int | None:
-    """The clock, Hz, of the first chip of `CLOCKS` that the comments name; None if they name
-    none."""
-    text = "\n".join(comments).lower()
-    return next((hz for chip, hz in CLOCKS if chip in text), None)
 
 
 def _marks(marks: str) -> str:

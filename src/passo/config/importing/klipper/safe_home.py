@@ -3,7 +3,6 @@ probe this is a key of the machine file, otherwise a macro G28."""
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.klipper.bed import DESCENT_S, HIGHEST_MM, LOW_MM, START_MM, pair
@@ -68,7 +67,6 @@ def put_homing_macro(job: Import) -> None:
     text = f"it is a macro G28, which reaches the command of Passo as {_HOME}"
     if section is override:
         put((*path, "gcode"), _override(section), section.at("gcode"))
-        _remark_on_calls(job, section)
     else:
         put((*path, "gcode"), _safe_home(job, section), section.at("home_xy_position"))
         if section.number("z_hop"):
@@ -82,29 +80,13 @@ def _override(section: Section) -> str:
     axes = [letter for letter in section.text("axes", "xyz").lower() if letter in "xyz"]
     set_to = {axis.upper(): section.number(f"set_position_{axis}") for axis in "xyz"}
     places = " ".join(f"{axis}{mm:g}" for axis, mm in set_to.items() if mm is not None)
-    gcode = re.sub(r"\bG28\b", _HOME, section.text("gcode"), flags=re.IGNORECASE)
+    gcode = section.text("gcode")  # within the macro G28, also in other macros, G28 is the command
     body = f"G92 {places}\n{gcode}" if places else gcode
     asked = " or ".join(f"'{axis.upper()}' in params" for axis in axes)
     alone = "not ('X' in params or 'Y' in params or 'Z' in params)"
     return (
         f"{{% if {asked} or {alone} %}}\n{body}\n{{% else %}}\n{_HOME} {{rawparams}}\n{{% endif %}}"
     )
-
-
-def _remark_on_calls(job: Import, section: Section) -> None:
-    """Reports macros that the override calls, and that home: in Klipper their G28 is the command,
-    not the override."""
-    texts = {one.rest.upper(): one.text("gcode").upper() for one in job.config.of("gcode_macro")}
-    called, ahead = set[str](), [section.text("gcode").upper()]
-    while ahead:
-        words = set(re.findall(r"\w+", ahead.pop()))
-        found = (words & texts.keys()) - called
-        called |= found
-        ahead += [texts[name] for name in found]
-    for name in sorted(called):
-        if re.search(r"\bG28\b", texts[name]):
-            text = f"G28 in the macro {name} calls the macro G28 again: write {_HOME} there"
-            job.draft.decide(section.at("gcode"), f"[{section.name}]", text)
 
 
 def _safe_home(job: Import, section: Section) -> str:

@@ -279,4 +279,4 @@ def _put_motors(job: Job) -> None:
     job.put((*path, "tolerance_mm"), job.defines.number("Z_STEPPER_ALIGN_ACC"))
     rounds = job.defines.number("Z_STEPPER_ALIGN_ITERATIONS")
     if rounds is not None:
-        job.draft.put((*path, "retries"), rounds.at_most(_MOST_RETRIES, job.draft), rounds.place)
+        job.draft.put((*path, "retries"), rounds.whole(), rounds.place)

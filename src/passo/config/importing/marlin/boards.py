@@ -78,8 +78,12 @@ BOARDS: dict[str, KnownBoard] = {
 }
 
 
-def known_board(defines: Defines) -> KnownBoard:
-    """The board file of MOTHERBOARD. Raises ConfigError with the nearest names if there is none."""
+def known_board(defines: Defines, given: str | None = None) -> KnownBoard:
+    """The board file of MOTHERBOARD, or the `given` one. Raises ConfigError with the nearest names
+    if there is none."""
+    if given is not None:
+        same = (known for known in BOARDS.values() if known.base == given and known.sockets)
+        return next(same, KnownBoard(given))
     written = defines.text("MOTHERBOARD")
     if written is None:
         raise ConfigError.of("import.define", str(defines.files[0]), value="MOTHERBOARD")

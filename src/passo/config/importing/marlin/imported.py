@@ -25,9 +25,10 @@ _MK4DUO_FILES = (*_MK4DUO, "Temperature", "Feature", "Pins")
 _OFF = ("0", "false", "-1")
 
 
-def imported(path: Path, stored: Path | None = None) -> Draft:
+def imported(path: Path, stored: Path | None = None, *, board: str | None = None) -> Draft:
     """Converts a Configuration.h and the files in its folder to a machine file with remarks.
     `stored` is a file with an answer to M503, whose values replace those of the configuration.
+    `board` is the board file to use.
     Raises ConfigError for a file that cannot be read, for a kind of machine that Passo does not
     support, and for values that would be dangerous."""
     mk4duo = path.stem.endswith(tuple(f"Configuration_{name}" for name in _MK4DUO))
@@ -37,7 +38,7 @@ def imported(path: Path, stored: Path | None = None) -> Draft:
     else:
         companions = [f"{path.stem}_adv{path.suffix}"]
     defines, draft = read(path, companions), Draft()
-    known = known_board(defines)
+    known = known_board(defines, board)
     job = Job(defines, draft, Pins(defines, known), mk4duo or "MECHANISM" in defines.found)
     draft.put_head(path, defines.text("CUSTOM_MACHINE_NAME") or path.stem)
     _put_all(job)

@@ -1,0 +1,171 @@
+"""An import always ends in a valid machine file: what Passo cannot take is left out, or has the
+nearest value, and the report says so."""
+
+from pathlib import Path
+
+import pytest
+from tests.config.test_import_klipper import BASE
+from tests.support.import_remarks import remarks
+
+from passo import config
+from passo.cli.main import main
+from passo.config.importing.draft import Draft, Place
+from passo.config.importing.formats import imported
+from passo.config.importing.settling import settle
+from passo.errors import ConfigError
+
+HOST = "[mcu rpi]\nserial: /tmp/klipper_host_mcu\n"
+
+
+@pytest.fixture
+def load(tmp_path: Path):
+    """A function from BASE with changes to its draft and its machine."""
+
+    def convert(*changes: tuple[str, str], more: str = ""):
+        text = BASE
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        path = tmp_path / "printer.cfg"
+        path.write_text(text + more, encoding="utf-8")
+        draft = imported(path)
+        return draft, config.load_text(draft.text("From a test."), "printer.toml")
+
+    return convert
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("max_temp: 250\n", "", "printer.cfg:43: [extruder]: the heater is left out: max_temp in"),
+        ("sensor_pin: PC5\n", "", "sensor_pin in [extruder] is missing"),
+        ("sensor_type: mine", "sensor_type: yours", "sensor_type in [extruder] is 'yours'"),
+        ("max_temp: 250", "max_temp: hot", "max_temp in [extruder] is 'hot': expected a number"),
+        ("heater_pin: PA1", "heater_pin: multi_pin:both", "does not switch several outputs"),
+        ("resistance2: 1641.9", "resistance2: 100000", "points of one falling curve"),
+        ("sensor_type: mine", "sensor_type: MAX6675\nspi_bus: spi9", "does not use the chip's SPI"),
+    ],
+)
+def test_heater_without_a_sure_sensor_is_left_out(load, old: str, new: str, reason: str) -> None:
+    draft, machine = load((old, new))
+    assert "hotend" not in machine.heaters
+    assert machine.extruders["e"]
+    assert reason in "\n".join(remarks(draft, "decide"))
+    assert "until heaters.hotend is decided" in "\n".join(remarks(draft, "decide"))
+    assert machine.board.link == "simulated"
+
+
+@pytest.mark.parametrize(
+    ("more", "reason"),
+    [
+        (
+            "[input_shaper]\nshaper_freq_x: 50\nshaper_type: best\n",
+            "[input_shaper]: the section is",
+        ),
+        ("[gcode_macro BROKEN]\ngcode:\n  {% if %}\n", "macros.BROKEN: it is left out"),
+        ("[delayed_gcode x]\ngcode:\n  {x|nothing}\n", "delayed_gcode.x: it is left out"),
+        ("[heater_fan x]\npin: PC9\nheater: none\n", "[heater_fan x]: the section is left out"),
+        ("[heater_fan x]\npin: PA8\n", "fans.x: it is left out: fans.x.pin is 'PA8'"),
+        ("[probe]\npin: PC14\nsamples_result: best\n", "[probe]: the section is left out"),
+        (
+            "[tmc2209 stepper_x]\nuart_pin: PC9\nrun_current: 0.8\nuart_address: 7\n",
+            "steppers.x.tmc: it is left out: steppers.x.tmc.address is 7",
+        ),
+    ],
+)
+def test_part_that_is_wrong_is_left_out_alone(load, more: str, reason: str) -> None:
+    draft, machine = load(more=more)
+    assert reason in "\n".join(remarks(draft, "decide"))
+    assert (machine.board.link, [*machine.heaters]) == ("serial", ["hotend", "bed"])
+
+
+def test_number_out_of_range_becomes_the_nearest(load) -> None:
+    changes = ("min_temp: 0\nmax_temp: 250", "min_temp: -250\nmax_temp: 250"), ("130", "5000")
+    draft, machine = load(*changes, ("kick_start_time: 0.3", "kick_start_time: 30"))
+    assert machine.heaters["hotend"].min_c == -100
+    assert 300 <= machine.heaters["bed"].max_c < 1200  # where the table of its sensor ends
+    assert machine.fans["part"].kick_start_s == 10
+    text = "\n".join(remarks(draft, "changed"))
+    assert "heaters.hotend.min_c: -250 became -100: expected a number of at least -100" in text
+    assert "fans.part.kick_start_s: 30 became 10" in text
+
+
+def test_pulses_are_as_fast_as_the_board_can(load) -> None:
+    fast = ("max_delta: 1.5", "max_delta: 1.5\npwm_cycle_time: 0.001")
+    assert load(fast)[1].heaters["bed"].pwm_hz == 1000
+    draft, machine = load(fast, ("STM32F103", "ATmega2560"))
+    assert machine.heaters["bed"].pwm_hz == 250
+    assert "heaters.bed.pwm_hz: 1000 became 250" in "\n".join(remarks(draft, "changed"))
+
+
+def test_converter_on_a_unit_of_the_chip_has_its_pins(load) -> None:
+    sensor = "sensor_type: MAX31865\nspi_bus: {}\nrtd_nominal_r: 1000\nrtd_reference_r: 4300\n"
+    for bus in ("spi2", "spi2_PB14_PB15_PB13"):
+        _, machine = load(("sensor_type: mine\n", sensor.format(bus)))
+        found = machine.heaters["hotend"].sensor.model_dump()
+        pins = [found[f"{name}_pin"] for name in ("miso", "mosi", "clock")]
+        assert pins == ["PB14", "PB15", "PB13"]
+        assert (found["r0_ohm"], found["reference_ohm"], found["wires"]) == (1000, 4300, 2)
+
+
+def test_microsteps_of_other_drivers_are_full_steps(load) -> None:
+    draft, machine = load(("enable_pin: !PC3\nmicrosteps: 16", "enable_pin: !PC3\nmicrosteps: 10"))
+    motor = machine.steppers["x"]
+    assert (motor.full_steps_per_rotation, motor.microsteps) == (2000, 1)
+    assert "the steps of a rotation are 2000" in "\n".join(remarks(draft, "changed"))
+
+
+def test_scale_that_is_wrong_is_refused_with_its_line(load) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load(("rotation_distance: 34.4", "rotation_distance: -34.4"))
+    assert "printer.cfg:48: steppers.e.rotation_distance_mm is -34.4" in str(caught.value)
+
+
+def test_board_without_a_part_is_left_out(load) -> None:
+    draft, machine = load(more=HOST)
+    assert machine.boards == {}
+    assert "no part of the machine file is on it" in "\n".join(remarks(draft, "dropped"))
+    _, machine = load(more=f"{HOST}[adxl345]\ncs_pin: rpi:None\n")
+    assert machine.boards["rpi"].clock_hz == 50_000_000
+    assert machine.accelerometer is not None
+    assert machine.accelerometer.spi_bus == "rpi:spidev0.0"
+
+
+def test_every_draft_becomes_valid_or_names_a_place() -> None:
+    """A key that the model does not have is left out; a machine without axes is refused."""
+    draft = Draft()
+    place = Place("printer.cfg", 7)
+    draft.put(("name",), "a", place)
+    draft.put(("colour",), "red", place)
+    with pytest.raises(ConfigError) as caught:
+        settle(draft)
+    assert "printer.cfg:7: geometry is missing" in str(caught.value)
+    assert ("colour",) not in draft.keys
+
+
+def test_missing_includes_are_listed_together_or_skipped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("printer.cfg").write_text(f"[include a.cfg]\n[include sub/b.cfg]\n{BASE}")
+    assert main(["import", "printer.cfg", "--output", "mine.toml"]) == 3
+    shown = capsys.readouterr().err
+    assert "printer.cfg:1: the included file 'a.cfg'" in shown
+    assert "printer.cfg:2: the included file 'sub/b.cfg'" in shown
+    skip = ["import", "printer.cfg", "--output", "mine.toml", "--missing-includes", "skip"]
+    assert main(skip) == 0
+    text = "printer.cfg:1, 2: [include a.cfg]; [include sub/b.cfg]: the file is missing"
+    assert text in capsys.readouterr().out
+    assert main(["check", "mine.toml"]) == 0
+    capsys.readouterr()
+
+
+def test_board_of_the_command_line_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("printer.cfg").write_text(BASE)
+    assert main(["import", "printer.cfg", "--output", "mine.toml", "--board", "octopus"]) == 0
+    assert config.load("mine.toml").board.base == "octopus"
+    assert main(["import", "printer.cfg", "--output", "other.toml", "--board", "octopod"]) == 3
+    assert "there is no board 'octopod'. Did you mean 'octopus'?" in capsys.readouterr().err
