@@ -770,8 +770,11 @@ def test_gantry_corners_are_the_pivots_of_four_motors(load) -> None:
     assert motors.max_adjust_mm == 10
 
 
+SAVED = "#*# <---------------------- SAVE_CONFIG ---------------------->\n"
+
+
 def test_stored_skew_is_a_command_of_the_report(load) -> None:
-    more = "[skew_correction]\n#*# [skew_correction my]\n#*# xy_skew = -0.017\n"
+    more = "[skew_correction]\n" + SAVED + "#*# [skew_correction my]\n#*# xy_skew = -0.017\n"
     draft, _ = load(more=more)
     assert any("M852 I-0.017 J0 K0" in text for text in remarks(draft, "decide"))
 

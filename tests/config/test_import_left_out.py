@@ -169,3 +169,66 @@ def test_board_of_the_command_line_counts(
     assert config.load("mine.toml").board.base == "octopus"
     assert main(["import", "printer.cfg", "--output", "other.toml", "--board", "octopod"]) == 3
     assert "there is no board 'octopod'. Did you mean 'octopus'?" in capsys.readouterr().err
+
+
+def test_settings_are_commands_of_the_report(load) -> None:
+    more = "[firmware_retraction]\nretract_length: 0.8\nretract_speed: 40\n[probe]\npin: PC14\n"
+    more += "[bed_mesh]\nmesh_min: 10, 10\nmesh_max: 200, 200\nfade_end: 10\nadaptive_margin: 8\n"
+    more += "zero_reference_position: 110, 120\n[idle_timeout]\ntimeout: 900\ngcode: M117 idle\n"
+    draft, machine = load(
+        more=f"{more}#*# <---------------------- SAVE_CONFIG ----------------------"
+        ">\n#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n#*# \t  0.1, 0.2\n"
+    )
+    found = "\n".join(remarks(draft, "decide"))
+    assert "M207 S0.8 F2400 and M208 S0 F600 set them" in found
+    assert "fade_end: the fade is not in the machine file: M420 Z10 sets it" in found
+    assert "[bed_mesh default]: the stored heights are not taken over" in found
+    assert (machine.idle.motors_off_s, machine.idle.heaters_off_s) == (900, 900)
+    levelling = machine.levelling
+    assert (levelling.margin_mm, levelling.reference) == (8, [110, 120])
+
+
+def test_tolerance_of_a_shaper_is_reported(load) -> None:
+    draft, machine = load(more="[input_shaper]\nshaper_freq_x: 50\nshaper_type: EI(v_tol=0.08)\n")
+    assert machine.shaping["x"].type == "ei"
+    assert "v_tol=0.08 is left out" in "\n".join(remarks(draft, "changed"))
+
+
+def test_constants_of_kalico_are_filled_in(load) -> None:
+    constant = "[constants]\nhot: 245\nmost: ${constants.hot}\n"
+    _, machine = load(("max_temp: 250", "max_temp: ${constants.most}"), more=constant)
+    assert machine.heaters["hotend"].max_c == 245
+
+
+def test_lines_of_save_config_count_only_after_its_head(load) -> None:
+    _, machine = load(("min_temp: 0\nmax_temp: 250", "min_temp: 0\n#*# [HOT]\nmax_temp: 250"))
+    assert machine.heaters["hotend"].max_c == 250
+
+
+def test_step_distance_of_old_files_is_the_scale(load) -> None:
+    old = "rotation_distance: 34.4", "step_distance: 0.01"
+    _, machine = load(old)
+    assert machine.steppers["e"].steps_per_mm == 100
+
+
+def test_limits_of_each_axis_of_kalico(load) -> None:
+    more = "kinematics: limited_cartesian\nmax_x_accel: 9000\nmax_y_velocity: 200"
+    _, machine = load(("kinematics: cartesian", more))
+    assert machine.geometry.kind == "cartesian"
+    assert (machine.axes["x"].accel_mm_s2, machine.axes["y"].accel_mm_s2) == (9000, 3000)
+    assert (machine.axes["x"].speed_mm_s, machine.axes["y"].speed_mm_s) == (300, 200)
+
+
+def test_keys_of_variables_may_be_any_text(load) -> None:
+    values = "{'calibrating z': {'r': 1.0}, 'a\"b': 2}"
+    more = f"[gcode_macro SHOW]\nvariable_colours: {values}\ngcode:\n  M117\n"
+    _, machine = load(more=more)
+    assert machine.macros["SHOW"].variables["colours"] == {"calibrating z": {"r": 1.0}, 'a"b': 2}
+
+
+def test_axis_without_the_place_of_its_endstop_does_not_home(load) -> None:
+    draft, machine = load(("position_endstop: 0.5\n", ""))
+    assert "z" not in machine.homing
+    assert "position_endstop is not in the file: G28 does not move this axis" in "\n".join(
+        remarks(draft, "decide")
+    )

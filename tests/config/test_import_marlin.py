@@ -9,7 +9,7 @@ from tests.support.import_remarks import remarks
 
 from passo import config
 from passo.cli.main import main
-from passo.config.importing.marlin import imported
+from passo.config.importing.formats import imported
 from passo.config.importing.marlin.defines import Defines
 from passo.config.importing.marlin.reference import TAKEN
 from passo.errors import ConfigError
@@ -571,13 +571,57 @@ def test_comments_name_line_and_file(load, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "sentence"),
+    ("old", "new", "reason"),
     [
         ("#define HEATER_0_MAXTEMP 280\n", "", "HEATER_0_MAXTEMP"),
         ("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 999", "nothing would stop the heater"),
         ("TEMP_SENSOR_0 5", "TEMP_SENSOR_0 666", "a sensor that Passo has"),
+    ],
+)
+def test_heater_without_a_sure_sensor_is_left_out(load, old: str, new: str, reason: str) -> None:
+    draft, machine = load((old, new))
+    assert [*machine.heaters] == ["bed"]
+    assert machine.extruders["e"]
+    found = [text for text in remarks(draft, "decide") if "the part is left out" in text]
+    assert len(found) == 1 and "TEMP_SENSOR_0" in found[0] and reason in found[0]
+
+
+@pytest.mark.parametrize(
+    ("written", "base"),
+    [
+        ("33", "ramps"),
+        ("BOARD_MKS_13", "mks-gen"),
+        ("47", "mks-gen"),
+        ("89", "melzi"),
+        ("BOARD_RAMPS_CREALITY", "ramps"),
+        ("BOARD_TRIGORILLA", "ramps"),
+    ],
+)
+def test_older_names_and_numbers_of_boards(load, written: str, base: str) -> None:
+    draft, machine = load(("BOARD_RAMPS_14_EFB", written))
+    assert machine.board.base == base
+    assert not any("no file of the board" in text for text in remarks(draft, "decide"))
+
+
+@pytest.mark.parametrize(("written", "name"), [("301", "RAMBO"), ("BOARD_TL_V101", "TL_V101")])
+def test_machine_with_an_unknown_board_is_simulated(load, written: str, name: str) -> None:
+    draft, machine = load(("BOARD_RAMPS_14_EFB", written))
+    assert (machine.board.base, machine.board.link) == ("octopus", "simulated")
+    assert f"Passo has no file of the board {name}" in "\n".join(remarks(draft, "decide"))
+    assert {"x", "y", "z", "e"} <= machine.steppers.keys()
+
+
+def test_board_of_the_user_counts_before_motherboard(tmp_path: Path) -> None:
+    path = tmp_path / "Configuration.h"
+    path.write_text(BASE.replace("BOARD_RAMPS_14_EFB", "301"))
+    machine = config.load_text(imported(path, board="skr-1.4").text(""), "x.toml")
+    assert (machine.board.base, machine.steppers["x"].socket) == ("skr-1.4", "X")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
         ("TEMP_SENSOR_BED 1", "TEMP_SENSOR_BED EPCOS", "EPCOS is not defined"),
-        ("BOARD_RAMPS_14_EFB", "BOARD_RAMPS_14_EBB", "Passo has no file of this board"),
         ("#define EXTRUDERS 1", "#define POLAR", "POLAR"),
         ("EXTRUDERS 1", "EXTRUDERS 1e9", "a whole number from 0 to 8"),
         ("EXTRUDERS 1", "EXTRUDERS 1.5", "a whole number from 0 to 8"),
@@ -600,7 +644,7 @@ def test_errors_name_the_line(load, old: str, new: str, sentence: str) -> None:
     [
         ("#if 1\n" * 200, "more than 100 conditions"),
         ("#define A " + "1+" * 20_000, "more than 20000 characters"),
-        ("#define MOTHERBOARD M\n#define M MOTHERBOARD\n", "no file of this board"),
+        ("#define MOTHERBOARD M\n#define M MOTHERBOARD\n", "DEFAULT_MAX_FEEDRATE is not"),
         ('#include "Configuration.h"\n', "include each other"),
         ("\0" * 1000, "MOTHERBOARD is not defined"),
         ("/*" + "\n" * 100_000, "MOTHERBOARD is not defined"),
@@ -659,8 +703,15 @@ STUFW = """\
 
 def test_configuration_of_mk4duo_and_stufw(tmp_path: Path) -> None:
     path = tmp_path / "Configuration_Overall.h"
-    path.write_text(STUFW, encoding="utf-8")
-    machine = config.load_text(imported(path).text(""), "printer.toml")
+    more = "#define PIDTEMP true\n#define PID_DRIVE_MIN {51}\n#define PID_DRIVE_MAX {204}\n"
+    more += "#define DEFAULT_RETRACT_ACCELERATION {10000}\n#define PREHEAT_1_HOTEND 190\n"
+    path.write_text(f"{STUFW}{more}#define PREHEAT_1_BED 60\n", encoding="utf-8")
+    draft = imported(path)
+    machine = config.load_text(draft.text(""), "printer.toml")
+    control = machine.heaters["hotend"].control
+    assert (control.drive_min, control.drive_max) == (0.2, 0.8)
+    assert machine.limits.retract_accel_mm_s2 == 10_000
+    assert any("M145 S0 H190 B60 sets it" in text for text in remarks(draft, "decide"))
     assert (machine.geometry.kind, machine.board.variant) == ("corexy", "HFB")
     hotend, bed = machine.heaters["hotend"].sensor, machine.heaters["bed"].sensor
     assert (hotend.r25_ohm, hotend.beta_k, hotend.pullup_ohm) == (100_000, 3950, 4600)

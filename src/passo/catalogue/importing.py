@@ -37,7 +37,7 @@ IMPORT: Mapping[str, Entry] = {
         "Give Configuration.h of one printer; Configuration_adv.h is read from the same folder",
     ),
     "import.board": _import(
-        "the board is {value!r}: Passo has no file of this board; similar names are {limit}",
+        "the board is {value!r}: Passo has no file of this board; it knows {limit}",
         "Name a board with the same wiring: --board NAME; `passo firmware list` lists the boards",
     ),
     "import.no-board": _import(

@@ -48,8 +48,7 @@ def _lines(values: Mapping[str, object], path: tuple[str, ...]) -> Iterator[str]
     for key, value in values.items():
         here = (*path, key)
         if is_secret(key) or not isinstance(value, dict):
-            written = (k if _BARE_KEY.fullmatch(k) else json.dumps(k) for k in here)
-            yield f"{'.'.join(written)} = {shown_toml(here, value)}"
+            yield f"{'.'.join(map(toml_key, here))} = {shown_toml(here, value)}"
         else:
             yield from _lines(cast("dict[str, object]", value), here)
 
@@ -59,6 +58,11 @@ def shown_toml(path: tuple[str | int, ...], value: object) -> str:
     return HIDDEN if is_secret(path[-1]) else _USER_IN_URL.sub("", toml_value(value))
 
 
+def toml_key(key: str) -> str:
+    """A part of a key as TOML: bare, or in quotes."""
+    return key if _BARE_KEY.fullmatch(key) else json.dumps(key, ensure_ascii=False)
+
+
 def toml_value(value: object) -> str:
     """A value as TOML; tables are inline."""
     if isinstance(value, list):
@@ -66,7 +70,7 @@ def toml_value(value: object) -> str:
     if isinstance(value, dict):
         content = cast("dict[str, object]", value)
         shown = (
-            f"{key} = {HIDDEN if is_secret(key) else toml_value(item)}"
+            f"{toml_key(key)} = {HIDDEN if is_secret(key) else toml_value(item)}"
             for key, item in content.items()
         )
         return f"{{ {', '.join(shown)} }}" if content else "{}"

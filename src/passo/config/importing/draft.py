@@ -8,10 +8,11 @@ import uuid
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from passo.config.machine_text import toml_value
+from passo.config.machine_text import toml_key, toml_value
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 Value = str | float | int | bool | list["Value"] | dict[str, "Value"]
@@ -124,6 +125,21 @@ class Draft:
                     name = ".".join(key)
                     self.decide(place, name, f"it is {_SIMULATED} until {until}: then {value!r}")
 
+    def attempt(self, place: Place, what: str, convert: Callable[[], None], part: str) -> bool:
+        """Converts a part without which the machine works too. If that is not possible, `part` is
+        left out, which is reported, and the result is False."""
+        keys = dict(self.keys)
+        try:
+            convert()
+        except ConfigError as error:
+            self.keys = keys
+            problem = error.problems[0]
+            if problem.line is not None:
+                place = Place(problem.file, problem.line)
+            self.decide(place, what, f"{part} is left out: {problem.sentence}")
+            return False
+        return True
+
     def table(self, name: str) -> dict[str, Value]:
         """The values of a table without tables in it, by key."""
         return {path[1]: value for path, (value, _) in self.keys.items() if path[0] == name}
@@ -168,18 +184,12 @@ class Draft:
         for path, (value, place) in self.keys.items():
             origin = f"  # {place}" if place else ""
             written = _multiline(value) if isinstance(value, str) and "\n" in value else None
-            line = f"{_name(path[-1])} = {written or toml_value(value)}{origin}"
+            line = f"{toml_key(path[-1])} = {written or toml_value(value)}{origin}"
             tables.setdefault(path[:-1], []).append(line)
         for path, keys in tables.items():
-            lines += ["", f"[{'.'.join(map(_name, path))}]"] if path else [""]
+            lines += ["", f"[{'.'.join(map(toml_key, path))}]"] if path else [""]
             lines += keys
         return "\n".join(lines) + "\n"
-
-
-def _name(part: str) -> str:
-    """A part of a key: bare, or in quotes."""
-    bare = part.replace("_", "").replace("-", "")
-    return part if bare.isascii() and bare.isalnum() else toml_value(part)
 
 
 def _multiline(text: str) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
 from passo.config.importing.klipper.cfg import Section
+from passo.config.importing.klipper.settings import put_fade
 from passo.config.importing.numbers import Read, number_of
 
 if TYPE_CHECKING:
@@ -124,6 +125,11 @@ def _put_mesh(job: Import, section: Section) -> None:
     smooth = "bicubic" if algorithm == "bicubic" else "bilinear"
     put((*path, "interpolation"), smooth, section.at("algorithm"))
     put(("probe", "travel_mm_s"), section.number("speed"), section.at("speed"))
+    margin = section.number("adaptive_margin")
+    put((*path, "margin_mm"), margin or None, section.at("adaptive_margin"))
+    zero = pair(section, "zero_reference_position")
+    put((*path, "reference"), [*zero] if zero else None, section.at("zero_reference_position"))
+    put_fade(job, section)
     if algorithm == "lagrange" and max(count) > 3:
         text = "Passo has no Lagrange surface: the mesh is bicubic"
         put((*path, "interpolation"), "bicubic", section.at("algorithm"))

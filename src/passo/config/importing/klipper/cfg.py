@@ -17,6 +17,9 @@ _HEADER = re.compile(r"\[(.*)\]")
 _OPTION = re.compile(r"([^\s:=][^:=]*?)\s*[:=]\s?(.*)")
 _INLINE = re.compile(r"\s;.*")
 _SAVED = "#*#"
+_SAVED_HEAD = f"\n{_SAVED} <---------------------- SAVE_CONFIG ---------------------->\n"
+_CONSTANT = re.compile(r"\$\{(?:([^{}.]+)\.)?([^{}.]+)\}")  # of Kalico: ${section.option}
+_MOST_CONSTANTS = 10  # within each other
 _MOST_WILD = 2  # parts of a path with wildcards, as in `*/*.cfg`
 
 
@@ -130,6 +133,9 @@ class Config:
         self._read(path, ())
         if self.missing and not skip_missing:
             raise ConfigError([one.problem for one in self.missing])
+        for section in self.sections.values():
+            for option in section.options.values():
+                self._fill_in(option)
 
     def of(self, kind: str) -> list[Section]:
         """The sections whose names start with this word."""
@@ -139,13 +145,24 @@ class Config:
         """The section of this name."""
         return self.sections.get(name)
 
+    def _fill_in(self, option: Option) -> None:
+        """Replaces the constants in an option by their values. Those that do not exist stay."""
+
+        def value(match: re.Match[str]) -> str:
+            section = self.sections.get(match[1] or "constants")
+            found = section.option(match[2].lower()) if section else None
+            return match[0] if found is None else found.text
+
+        for _ in range(_MOST_CONSTANTS if "${" in option.text else 0):
+            option.text = _CONSTANT.sub(value, option.text)
+
     def _read(self, path: Path, within: tuple[Path, ...]) -> None:
         text = self._sources.read(path, within)
-        plain, _, saved = text.partition(f"\n{_SAVED}")
+        plain, _, saved = text.partition(_SAVED_HEAD)
         self._take(plain, path, within, 1)
         lines = [line.removeprefix(_SAVED).removeprefix(" ") for line in saved.splitlines()]
         body = [line if re.match(r"\[|\s|[^\s:=]+\s*[:=]", line) else "" for line in lines]
-        self._take("\n".join(body), path, within, plain.count("\n") + 2)
+        self._take("\n".join(body), path, within, plain.count("\n") + 3)
 
     def _take(self, text: str, path: Path, within: tuple[Path, ...], first: int) -> None:
         section: Section | None = None

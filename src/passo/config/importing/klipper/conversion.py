@@ -34,19 +34,12 @@ class Import:
     ) -> bool:
         """Converts a section without which the machine works too, or `what` of it. If that is not
         possible, it is left out, which is reported, and the result is False."""
-        keys = dict(self.draft.keys)
         self.used.add(section.name)
-        try:
-            convert(self, section)
-        except ConfigError as error:
-            self.draft.keys = keys
-            problem = error.problems[0]
-            place = section.place._replace(file=problem.file, line=problem.line or 0)
-            text = f"{what} is left out: {problem.sentence}"
-            self.draft.decide(place, f"[{section.name}]", text)
+        name = f"[{section.name}]"
+        done = self.draft.attempt(section.place, name, lambda: convert(self, section), what)
+        if not done:
             section.used.update(section.options)
-            return False
-        return True
+        return done
 
     @property
     def motors(self) -> list[str]:

@@ -52,10 +52,12 @@ def put_heat(job: Import) -> None:
         elif section.name == "heater_bed":
             job.heaters[section.name] = "bed"
         elif kind == "heater_generic":
-            job.heaters[section.name] = job.heaters[section.rest] = part_name(section.rest)
-    for name, heater in [*job.heaters.items()]:
-        section = job.config.get(name)
-        if section is not None and not job.part(section, _put_heater, "the heater"):
+            job.heaters[section.name] = part_name(section.rest)
+    sections = [*job.heaters]
+    job.heaters |= {name.partition(" ")[2]: job.heaters[name] for name in sections if " " in name}
+    for section in [job.config.sections[name] for name in sections]:
+        heater = job.heaters[section.name]
+        if not job.part(section, _put_heater, "the heater"):
             job.lost_heaters.append(heater)
             job.heaters = {key: one for key, one in job.heaters.items() if one != heater}
     _put_fans(job)

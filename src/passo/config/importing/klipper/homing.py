@@ -54,7 +54,8 @@ def put_homing(
     towers = (job.config.get("stepper_a") or first) if letter in "abc" else first
     position = first.number("position_endstop", towers.number("position_endstop"))
     if position is None:
-        raise first.missing("position_endstop")
+        _put_no_homing(job, sections, letter, "position_endstop is not in the file")
+        return
     put((*path, "direction"), _direction(job, first, letter, position), place)
     if letter in "abc":
         position = _carriage_mm(job, first, position)

@@ -17,6 +17,7 @@ from passo.config.importing.klipper.mcus import finish_boards, put_boards
 from passo.config.importing.klipper.motion import put_motion
 from passo.config.importing.klipper.others import OPTIONS, OTHERS
 from passo.config.importing.klipper.pins import MAIN, Pins
+from passo.config.importing.klipper.settings import put_settings
 
 # Options with values that Passo determines itself, or that have no meaning in Passo.
 _SILENT = {
@@ -44,6 +45,7 @@ def imported(path: Path, *, board: str | None = None, skip_missing: bool = False
     put_boards(job, board)
     put_accelerometer(job)
     finish_boards(job)
+    put_settings(job)
     put_macros(job)
     _remark_on_the_rest(job)
     return draft

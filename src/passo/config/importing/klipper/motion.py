@@ -26,6 +26,8 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
     "corexz": {"x": "a", "y": "y", "z": "b"},
     "delta": {"a": "a", "b": "b", "c": "c"},
 }
+# Kalico's names of kinematics with limits for each axis.
+_LIMITED = {f"limited_{kind}": kind for kind in ("cartesian", "corexy", "corexz")}
 _SPI = {"sclk": "clock", "mosi": "mosi", "miso": "miso"}
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # of Passo; other drivers have others
@@ -36,7 +38,8 @@ _WHOLE = {"full_steps_per_rotation": 200, "microsteps": 16}  # of a stepper, wit
 def put_motion(job: Import) -> None:
     """Imports geometry, axes, motors, limits, homing and extruders. Raises ConfigError."""
     printer = job.required("printer")
-    kind = printer.text("kinematics")
+    written = printer.text("kinematics")
+    kind = _LIMITED.get(written, written)
     if kind not in (*_ACTUATORS, _ROTARY):
         place = printer.at("kinematics")
         raise ConfigError.of(
@@ -81,11 +84,8 @@ def _put_cruise_ratio(job: Import, printer: Section, accel: float) -> None:
 
 
 def _put_axes(job: Import, printer: Section, kind: str, speed: float, accel: float) -> None:
-    z_speed = printer.number("max_z_velocity", speed)
-    z_accel = printer.number("max_z_accel", accel)
     for axis in "xyz":
         path = ("axes", axis)
-        upright = axis == "z"
         if kind == "delta":
             _put_delta_axis(job, printer, axis)
         else:
@@ -94,10 +94,13 @@ def _put_axes(job: Import, printer: Section, kind: str, speed: float, accel: flo
             job.draft.put((*path, "min_mm"), low, stepper.at("position_min"))
             high = stepper.needed("position_max")
             job.draft.put((*path, "max_mm"), high, stepper.at("position_max"))
-        names = ("max_z_velocity", "max_z_accel") if upright else ("max_velocity", "max_accel")
-        values = (z_speed, z_accel) if upright else (speed, accel)
-        for key, value, name in zip(("speed_mm_s", "accel_mm_s2"), values, names, strict=True):
-            job.draft.put((*path, key), value, printer.at(name))
+        for key, name, common in (
+            ("speed_mm_s", "velocity", speed),
+            ("accel_mm_s2", "accel", accel),
+        ):
+            own = f"max_{axis}_{name}"
+            value = printer.number(own, common)
+            job.draft.put((*path, key), value, printer.at(own if axis == "z" else f"max_{name}"))
 
 
 def _put_delta_axis(job: Import, printer: Section, axis: str) -> None:
@@ -106,7 +109,10 @@ def _put_delta_axis(job: Import, printer: Section, axis: str) -> None:
         ends = [job.required(f"stepper_{letter}") for letter in "abc"]
         first = ends[0]
         heights = [end.number("position_endstop", first.number("position_endstop")) for end in ends]
-        top = min(height for height in heights if height is not None)
+        known = [height for height in heights if height is not None]
+        if not known:
+            raise first.missing("position_endstop")
+        top = min(known)
         low = printer.number("minimum_z_position", 0.0)
         job.draft.put((*path, "min_mm"), low, printer.at("minimum_z_position"))
         job.draft.put((*path, "max_mm"), top, first.at("position_endstop"))
@@ -165,13 +171,24 @@ def put_stepper(job: Import, section: Section, name: str, first: Section) -> Non
     put = job.draft.put
     distance = section.number("rotation_distance") or first.number("rotation_distance")
     if distance is None:
-        raise section.missing("rotation_distance")
+        _put_step_distance(job, section, name, first)
+        _put_pins(job, section, name, first)
+        return
     put((*path, "rotation_distance_mm"), distance, section.at("rotation_distance"))
     _put_whole(job, section, name, first)
     ratio = _gear_ratio(section if "gear_ratio" in section.options else first)
     if ratio != 1.0:
         put((*path, "gear_ratio"), ratio, section.at("gear_ratio"))
     _put_pins(job, section, name, first)
+
+
+def _put_step_distance(job: Import, section: Section, name: str, first: Section) -> None:
+    """Imports the scale of a configuration from before 2021. Raises ConfigError."""
+    step = section.number("step_distance") or first.number("step_distance")
+    if not step:
+        raise section.missing("rotation_distance")
+    place = section.at("step_distance")
+    job.draft.put(("steppers", name, "steps_per_mm"), float(f"{1 / step:.8g}"), place)
 
 
 def _put_whole(job: Import, section: Section, name: str, first: Section) -> int:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, NamedTuple
 
 from passo.config.board_files import load_board
 from passo.config.importing.draft import bad
+from passo.config.importing.marlin.older_boards import known_name
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -27,11 +27,14 @@ _ON_RAMPS = {
 
 class KnownBoard(NamedTuple):
     """A board file and its variant. `sockets`, for boards that number their sockets, are those of
-    Marlin's X, Y, Z, a second Z and the extruders, in this order; empty for other boards."""
+    Marlin's X, Y, Z, a second Z and the extruders, in this order; empty for other boards.
+    `unknown` is the name of a board that has no file: the sockets are those of another board, so
+    that the machine can be simulated."""
 
     base: str
     variant: str | None = None
     sockets: tuple[str, ...] = ()
+    unknown: str = ""
 
 
 # X, Y, Z, a second Z, then the extruders.
@@ -44,6 +47,10 @@ BOARDS: dict[str, KnownBoard] = {
         for ramps in _RAMPS
         for letters, variant in _ON_RAMPS.items()
     },
+    "RAMPS_CREALITY": KnownBoard("ramps", "HFB"),
+    "RAMPS_ENDER_4": KnownBoard("ramps", "HFB"),
+    "TRIGORILLA_13": KnownBoard("ramps", "HFB"),
+    "TRIGORILLA_14": KnownBoard("ramps", "HFB"),
     "MKS_GEN_13": KnownBoard("mks-gen"),
     "MKS_BASE": KnownBoard("mks-gen"),
     "MKS_GEN_L": KnownBoard("mks-gen"),
@@ -79,21 +86,16 @@ BOARDS: dict[str, KnownBoard] = {
 
 
 def known_board(defines: Defines, given: str | None = None) -> KnownBoard:
-    """The board file of MOTHERBOARD, or the `given` one. Raises ConfigError with the nearest names
-    if there is none."""
+    """The board file of MOTHERBOARD, or the `given` one; without a file, that of a large board.
+    Raises ConfigError without MOTHERBOARD."""
     if given is not None:
         same = (known for known in BOARDS.values() if known.base == given and known.sockets)
         return next(same, KnownBoard(given))
     written = defines.text("MOTHERBOARD")
     if written is None:
         raise ConfigError.of("import.define", str(defines.files[0]), value="MOTHERBOARD")
-    place = defines.place("MOTHERBOARD")
-    name = written.removeprefix("BOARD_")
-    if name not in BOARDS:
-        near = get_close_matches(name, BOARDS, 3, 0.5)
-        limit = ", ".join(near) or f"for example {', '.join(sorted(BOARDS)[:3])}"
-        raise ConfigError.of("import.board", place.file, place.line, value=written, limit=limit)
-    return BOARDS[name]
+    name = known_name(written)
+    return BOARDS.get(name, KnownBoard("octopus", None, _OCTOPUS, name))
 
 
 class Pins:
@@ -103,6 +105,7 @@ class Pins:
         self._defines = defines
         self.board: Board = load_board(known.base)
         self._sockets = known.sockets
+        self._unknown = known.unknown
         variant = known.variant or self.board.variant
         self.functions: dict[str, Function] = (
             self.board.variants[variant] if variant else self.board.functions
@@ -118,6 +121,8 @@ class Pins:
         if written in ("-1", "P_NC", "NC"):
             return None
         pin = self._board_name(written, analog)
+        if pin is None and self._unknown:
+            return None
         if pin is None:
             limit = f"a pin of the board {self.board.name}"
             raise bad(self._defines.place(name), name, written[:40], limit)
@@ -129,6 +134,9 @@ class Pins:
             names = [f"{'A' if analog else 'D'}{written}", f"D{written}"]
         elif match := re.fullmatch(r"P(\d)_0*(\d+)", written):
             names = [f"P{match[1]}.{match[2]}"]
+        elif (match := re.fullmatch(r"FAN(\d?)_PIN", written)) and written != "FAN_PIN":
+            function = self.functions.get(f"fan{match[1] or 0}")
+            names = [function.output] if function else names
         elif (other := self._defines.text_of(written)) is not None and other != written:
             names = [other]
         chip = self.board.chip

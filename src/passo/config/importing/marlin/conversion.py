@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from passo.config.importing.draft import Place
 from passo.errors import ConfigError
 
 if TYPE_CHECKING:
-    from passo.config.importing.draft import Draft, KeyPath, Place
+    from collections.abc import Callable
+
+    from passo.config.importing.draft import Draft, KeyPath
     from passo.config.importing.marlin.boards import Pins
     from passo.config.importing.marlin.defines import Defines
     from passo.config.importing.numbers import Read
@@ -47,6 +50,13 @@ class Job:
         """Sets a key to a number that was read, times `scale`."""
         if found is not None:
             self.draft.put(path, plain(found.value * scale), found.place)
+
+    def part(self, name: str, convert: Callable[[], None]) -> bool:
+        """Converts a part by the define that asks for it. If that is not possible, the part is left
+        out, which is reported, and the result is False."""
+        found = self.defines.found.get(name)
+        place = found[1] if found else Place(self.defines.files[0].name, 1)
+        return self.draft.attempt(place, name, convert, "the part")
 
     def place(self, *names: str) -> Place:
         """The place of the first of these that is defined; at least one is."""

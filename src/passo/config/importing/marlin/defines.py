@@ -86,11 +86,13 @@ class Defines:
         return None if name is None else _resolved(self, name).strip('"')
 
     def number(self, *names: str) -> Read | None:
-        """The number of the first that is defined; None if none is. Raises ConfigError."""
+        """The number of the first that is defined, of an array its first; None if none is. Raises
+        ConfigError."""
         name = self.first(*names)
         if name is None:
             return None
-        return Read(self._value(name, self.found[name][0]), name, self.place(name))
+        text = next(iter(split(_resolved(self, name))), "")
+        return Read(self._value(name, text), name, self.place(name))
 
     def numbers(self, *names: str) -> list[Read] | None:
         """The numbers of an array, or of one number; None if none is defined. Raises

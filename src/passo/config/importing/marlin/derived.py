@@ -54,6 +54,8 @@ def derived(defines: Names, name: str, argument: str | None) -> int | None:
         return int(has(f"{match[1]}_DRIVER_TYPE") is not None)
     if name in ("HAS_TRINAMIC_CONFIG", "HAS_TRINAMIC"):
         return int(any(has(f"{motor}_DRIVER_TYPE") in SMART for motor in _MOTORS))
+    if name == "HAS_TMC26X":
+        return int(any(has(f"{motor}_DRIVER_TYPE") == "TMC26X" for motor in _MOTORS))
     if name == "HAS_BED_PROBE":
         found = any(defines.is_on(probe) for probe in PROBES if probe != "PROBE_MANUALLY")
         return int(found or has("Z_PROBE_SERVO_NR") is not None)

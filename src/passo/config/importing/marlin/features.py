@@ -9,9 +9,11 @@ from passo.config.geometry_kinds import KINDS
 from passo.config.shapers import SHAPER_TYPES
 
 if TYPE_CHECKING:
+    from passo.config.importing.marlin.boards import KnownBoard
     from passo.config.importing.marlin.conversion import Job
 
 _FIXED_TIME = {"2HEI": "2hump_ei", "3HEI": "3hump_ei"}
+_PRESETS = 5  # that Marlin may have
 _FULL_SCALES = {"PWM255": 255.0, "PERCENT": 100.0, "SERVO": None, "RPM": None}
 _DISPLAYS = {
     "REPRAP_DISCOUNT_SMART_CONTROLLER": "reprap-discount-smart",
@@ -20,13 +22,35 @@ _DISPLAYS = {
 
 
 def put_features(job: Job) -> None:
-    """Converts all of them. Raises ConfigError."""
-    _put_idle(job)
-    _put_park(job)
-    _put_mains(job)
-    _put_laser(job)
-    _put_shapers(job)
-    _put_backlash(job)
+    """Converts all of them. One that Passo cannot take is left out."""
+    for name, convert in (
+        ("DEFAULT_STEPPER_TIMEOUT_SEC", _put_idle),
+        ("NOZZLE_PARK_FEATURE", _put_park),
+        ("PSU_CONTROL", _put_mains),
+        ("LASER_FEATURE", _put_laser),
+        ("INPUT_SHAPING_X", _put_shapers),
+        ("BACKLASH_COMPENSATION", _put_backlash),
+        ("PREHEAT_1_TEMP_HOTEND", _put_presets),
+    ):
+        job.part(name, lambda convert=convert: convert(job))
+
+
+def _put_presets(job: Job) -> None:
+    """Reports the presets of preheating as the commands that set them, because they are stored
+    settings, not keys of the machine file."""
+    words = (("H", "HOTEND"), ("B", "BED"), ("F", "FAN_SPEED"), ("F", "FAN"))
+    for preset in range(1, _PRESETS + 1):
+        values: dict[str, str] = {}
+        names: list[str] = []
+        for word, what in words:
+            defines = [f"PREHEAT_{preset}_{stem}{what}" for stem in ("TEMP_", "")]
+            found = job.defines.number(*defines)
+            if found is not None and word not in values:
+                values[word] = f"{word}{found.value:g}"
+                names.append(found.name)
+        if names:
+            text = f"a preset is not in the machine file: M145 S{preset - 1}"
+            job.decide(names[0], f"{text} {' '.join(values.values())} sets it, and M500 stores it")
 
 
 def _put_backlash(job: Job) -> None:
@@ -143,8 +167,9 @@ def _put_laser(job: Job) -> None:
         job.draft.put(("laser", "full_scale"), scale, place)
 
 
-def put_board(job: Job, base: str, variant: str | None) -> None:
+def put_board(job: Job, known: KnownBoard) -> None:
     """Sets the board with its display, and its connection."""
+    base, variant = known.base, known.variant
     defines, put, place = job.defines, job.draft.put, job.place("MOTHERBOARD")
     put(("board", "base"), base, place)
     put(("board", "variant"), variant, place)
@@ -153,6 +178,14 @@ def put_board(job: Job, base: str, variant: str | None) -> None:
             put(("board", "fitted"), [display], job.place(name))
         elif defines.first(name):
             job.dropped(name, "the display stays dark on this board")
+    if known.unknown:
+        text = (
+            f"Passo has no file of the board {known.unknown}: the machine is simulated on the"
+            f" sockets of {base}, whose pins are not yours. Import again with --board NAME if one"
+            " of `passo firmware list` has the same wiring; else write a board file, and the pins"
+        )
+        job.draft.decide(place, "MOTHERBOARD", text)
+        return
     text = "the board is simulated until [board] has link and port"
     if job.pins.board.is_klippers:
         text += ". It needs the firmware of Klipper"

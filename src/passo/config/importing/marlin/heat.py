@@ -47,15 +47,24 @@ def count_extruders(job: Job) -> None:
 
 
 def put_heat(job: Job) -> None:
-    """Converts all heaters, then fans and tools. Raises ConfigError for a heater without a sensor
-    or a maximum."""
-    for number, name in job.hotends.items():
-        _put_heater(job, name, str(number))
+    """Converts all heaters, then fans and tools. A heater without a sensor or a maximum is left
+    out."""
+    for number, name in [*job.hotends.items()]:
+        if not _put_part(job, name, str(number)):
+            del job.hotends[number]
     for mark in ("BED", "CHAMBER"):
         if _has_sensor(job, f"TEMP_SENSOR_{mark}"):
-            _put_heater(job, mark.lower(), mark)
-    _put_fans(job)
+            _put_part(job, mark.lower(), mark)
+    job.part("FAN_PIN", lambda: _put_part_fan(job))
+    for number in job.hotends:
+        job.part(f"E{number}_AUTO_FAN_PIN", lambda number=number: _put_hotend_fan(job, number))
+    if job.defines.on("USE_CONTROLLER_FAN", "CONTROLLERFAN"):
+        job.part("USE_CONTROLLER_FAN", lambda: _put_controller_fan(job))
     _put_tools(job)
+
+
+def _put_part(job: Job, name: str, mark: str) -> bool:
+    return job.part(f"TEMP_SENSOR_{mark}", lambda: _put_heater(job, name, mark))
 
 
 def _has_sensor(job: Job, name: str) -> bool:
@@ -120,6 +129,11 @@ def _put_control(job: Job, path: KeyPath, mark: str, pid: bool) -> None:
             if gains:
                 at = min(int(mark), len(gains) - 1) if hotend else 0
                 job.put((*control, f"k{gain}"), gains[at])
+        for key, define in (("drive_min", "PID_DRIVE_MIN"), ("drive_max", "PID_DRIVE_MAX")):
+            limits = defines.numbers(define)
+            if limits:
+                at = min(int(mark), len(limits) - 1) if hotend else 0
+                job.put((*control, key), limits[at], 1 / _FULL)
         return
     place = defines.place(f"TEMP_SENSOR_{mark}")
     put((*control, "kind"), "bang-bang", place)
@@ -270,7 +284,7 @@ def _put_converter(job: Job, path: KeyPath, sensor: Read, kind: str, mark: str) 
         )
 
 
-def _put_fans(job: Job) -> None:
+def _put_part_fan(job: Job) -> None:
     defines, put = job.defines, job.draft.put
     pin = job.pins.given("FAN_PIN", "FAN0_PIN")
     if pin is not None or "fan0" in job.pins.functions:
@@ -286,19 +300,20 @@ def _put_fans(job: Job) -> None:
         kick = defines.number("FAN_KICKSTART_TIME")
         if kick is not None and kick.value > 0:
             job.put((*path, "kick_start_s"), kick, 1e-3)
-    for number, hotend in job.hotends.items():
-        pin = job.pins.given(f"E{number}_AUTO_FAN_PIN")
-        if pin is None:
-            continue
-        path = ("fans", f"{hotend}_fan")
-        put((*path, "pin"), pin, job.place(f"E{number}_AUTO_FAN_PIN"))
-        put((*path, "follows"), hotend, None)
-        job.put((*path, "above_c"), defines.number("EXTRUDER_AUTO_FAN_TEMPERATURE"))
-        speed = defines.number("EXTRUDER_AUTO_FAN_SPEED")
-        if speed is not None and speed.value < _FULL:
-            job.put((*path, "max_power"), speed, 1 / _FULL)
-    if defines.on("USE_CONTROLLER_FAN", "CONTROLLERFAN"):
-        _put_controller_fan(job)
+
+
+def _put_hotend_fan(job: Job, number: int) -> None:
+    defines, put, hotend = job.defines, job.draft.put, job.hotends[number]
+    pin = job.pins.given(f"E{number}_AUTO_FAN_PIN")
+    if pin is None:
+        return
+    path = ("fans", f"{hotend}_fan")
+    put((*path, "pin"), pin, job.place(f"E{number}_AUTO_FAN_PIN"))
+    put((*path, "follows"), hotend, None)
+    job.put((*path, "above_c"), defines.number("EXTRUDER_AUTO_FAN_TEMPERATURE"))
+    speed = defines.number("EXTRUDER_AUTO_FAN_SPEED")
+    if speed is not None and speed.value < _FULL:
+        job.put((*path, "max_power"), speed, 1 / _FULL)
 
 
 def _put_controller_fan(job: Job) -> None:

@@ -42,7 +42,7 @@ def imported(path: Path, stored: Path | None = None, *, board: str | None = None
     job = Job(defines, draft, Pins(defines, known), mk4duo or "MECHANISM" in defines.found)
     draft.put_head(path, defines.text("CUSTOM_MACHINE_NAME") or path.stem)
     _put_all(job)
-    put_board(job, known.base, known.variant)
+    put_board(job, known)
     _remark_on_the_rest(job)
     if stored is not None:
         motors = dict(zip("xyz", MOTORS[job.kind], strict=True))
@@ -55,13 +55,14 @@ def _put_all(job: Job) -> None:
     because it may home Z."""
     draft = job.draft
     count_extruders(job)
-    put_probe(job)
+    if not job.part("NOZZLE_TO_PROBE_OFFSET", lambda: put_probe(job)):
+        job.trigger_mm = None
     probe = [key for key in draft.keys if key[0] == "probe"]
     put_motion(job)
-    put_bed(job)
+    job.part("X_BED_SIZE", lambda: put_bed(job))
     for key in probe:
         draft.keys[key] = draft.keys.pop(key)
-    put_levelling(job)
+    job.part("GRID_MAX_POINTS_X", lambda: put_levelling(job))
     put_heat(job)
     put_features(job)
 

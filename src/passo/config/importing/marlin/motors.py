@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import Place, bad
@@ -36,7 +37,11 @@ def put_motor(job: Job, index: int, letter: str, motor: str, subtracts: bool) ->
         if turns:
             job.put((*path, "speed_deg_s"), job.needed_list("DEFAULT_MAX_FEEDRATE")[index])
             job.put((*path, "accel_deg_s2"), job.needed_list("DEFAULT_MAX_ACCELERATION")[index])
-        put_socket(job, path, name, axis)
+        if number == 0:
+            put_socket(job, path, name, axis)
+        elif not job.part(name, partial(put_socket, job, path, name, axis)):
+            job.draft.keys = {k: v for k, v in job.draft.keys.items() if k[:2] != path}
+            continue
         _put_inversion(job, path, axis, name if number else None, subtracts)
         put_driver(job, path, name, steps)
         if job.kind == "delta":

@@ -109,6 +109,8 @@ TAKEN = (
         "MPCTEMP, MPC_HEATER_POWER, MPC_BLOCK_HEAT_CAPACITY, MPC_AMBIENT_XFER_COEFF",
         "`heaters.NAME.model`",
     ),
+    ("PID_DRIVE_MIN, PID_DRIVE_MAX", "`heaters.NAME.control.drive_min`, `drive_max`; of StuFW"),
+    ("PREHEAT_*_TEMP_HOTEND, PREHEAT_*_HOTEND", "to decide: the report has the command M145"),
     ("PID_MAX, BANG_MAX, MAX_BED_POWER", "`heaters.NAME.max_power`"),
     (
         "WATCH_TEMP_PERIOD, WATCH_TEMP_INCREASE, THERMAL_PROTECTION_PERIOD, "
@@ -135,6 +137,16 @@ TAKEN = (
     ("MOTHERBOARD", "`board.base`, `board.variant`"),
 )
 
+_BOARDS = """
+## Boards
+
+The numbers of Marlin 1.1 and older names of these boards are known too. A machine with another
+board is simulated until `--board` names one with the same wiring.
+
+| MOTHERBOARD | [board](boards.md) | variant |
+|---|---|---|
+"""
+
 
 def reference() -> str:
     """The page, in Markdown."""
@@ -142,7 +154,7 @@ def reference() -> str:
         _HEAD
         + "".join(f"| {name.replace('*', chr(92) + '*')} | {key} |\n" for name, key in TAKEN)
         + tables_of_others("define", OTHERS)
-        + "\n## Boards\n\n| MOTHERBOARD | [board](boards.md) | variant |\n|---|---|---|\n"
+        + _BOARDS
         + "".join(
             f"| {name} | {board.base} | {board.variant or ''} |\n"
             for name, board in sorted(BOARDS.items())
