@@ -138,4 +138,6 @@ def test_own_clock_counts_before_that_of_shipped_board(tmp_path: Path, i3_text: 
 
 def test_board_with_klippers_firmware_is_one_of_several(i3_text: str) -> None:
     tool = '\n[boards.tool]\nbase = "klipper"\nclock_hz = 16_000_000\nmove_count = 100\n'
-    assert config.load_text(i3_text + tool).core_spec()["budget"]["burst"] == 50
+    pins = 'step_pin = "tool:PA1"\ndirection_pin = "tool:PA2"'
+    moved = i3_text.replace('socket = "E0"', pins) + tool
+    assert config.load_text(moved).core_spec()["budget"]["burst"] == 50

@@ -244,6 +244,20 @@ def test_any_function_may_be_rebound(i3_text: str) -> None:
     }
 
 
+def test_fans_on_outputs_for_fans_are_not_rebound() -> None:
+    """The order of fans in a file does not say which output each has."""
+    text = config.shipped_text("voron-2-4")
+    for pins, rebound in (
+        (("FAN1", "FAN0"), []),
+        (("FAN0", "FAN5"), []),
+        (("HE3", "FAN0"), ["fans.part.pin"]),
+    ):
+        changed = text.replace('pin = "FAN0"', f'pin = "{pins[0]}"', 1)
+        changed = changed.replace('"FAN1"\nfollows', f'"{pins[1]}"\nfollows')
+        found = bindings(config.load_text(changed))
+        assert [b.key for b in found if b.key.startswith("fans") and b.rebound] == rebound
+
+
 def test_motors_in_other_sockets_and_with_pins_of_their_own(i3_text: str) -> None:
     text = i3_text.replace('socket = "X"', 'socket = "?"').replace('socket = "Y"', 'socket = "X"')
     text = text.replace('socket = "?"', 'socket = "Y"').replace('socket = "Z"', 'socket = "E1"')

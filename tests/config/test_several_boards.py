@@ -104,7 +104,8 @@ def test_the_planner_keeps_to_the_weakest_board_in_each_figure() -> None:
     """The second one is slow at commands, the main one at steps."""
     main = "budget = { cycles_per_step = 1000 }"
     tool = "budget = { cycles_per_command = 9000 }"
-    text = machine_text().replace("[board]", f"[board]\n{main}") + f"\n{tool}\n"
+    moved = ('socket = "E0"', 'socket = "tool:E0"')
+    text = machine_text(moved).replace("[board]", f"[board]\n{main}") + f"\n{tool}\n"
     machine = load_text(text)
     boards = {name: board.budget_spec() for name, board in machine.all_boards.items()}
     spec = machine.core_spec()["budget"]

@@ -32,7 +32,11 @@ def dense(tmp_path):
 
 
 def use(path, board):
-    return estimate(config.load_text(TEXT + board), path).budget
+    """The budget use of a file, whose filament is moved by the board `tool`, if there is one."""
+    moved = (
+        TEXT.replace('socket = "E0"', 'socket = "tool:E0"') if "[boards.tool]" in board else TEXT
+    )
+    return estimate(config.load_text(moved + board), path).budget
 
 
 def test_shares_and_places(dense):
@@ -54,6 +58,16 @@ def test_unlimited_link_has_no_load_fraction(dense):
 
 
 TOOL = '\n[boards.tool]\nbase = "ramps"\nlink = "serial"\nport = "/dev/y"\n'
+
+
+def test_board_without_a_motor_has_no_load(dense):
+    """A slow computer that only measures neither bounds the plan nor is named."""
+    sensor = '[boards.pi]\nbase = "klipper"\nclock_hz = 1_000_000\nmove_count = 16\n'
+    machine = config.load_text(f"{TEXT}\n{sensor}")
+    found = estimate(machine, dense).budget
+    assert found.densest.keys() == {"steps", "commands", "slots"}
+    assert {place.board for place in found.densest.values()} == {""}
+    assert machine.core_spec()["budget"] == config.load_text(TEXT).core_spec()["budget"]
 
 
 def test_of_several_boards_the_limiting_one_is_reported(dense):

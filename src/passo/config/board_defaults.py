@@ -182,9 +182,13 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         if isinstance(heater.sensor, Converter):
             for key in _BUS:
                 add(f"heaters.{name}.sensor.{key}", getattr(heater.sensor, key), None)
+    fans = [f.output for name, f in board.functions.items() if name.startswith("fan")]
     for name, fan in machine.fans.items():
         function = board.functions.get(names.of("fan"))
-        add(f"fans.{name}.pin", fan.pin, function.output if function else None)
+        default = function.output if function else None
+        # fans may be on each other's outputs
+        own = (output for output in fans if output and machine.pin(output) == machine.pin(fan.pin))
+        add(f"fans.{name}.pin", fan.pin, next(own, default))
     for name, homing in machine.homing.items():
         original = _switch(board, name, homing.direction)
         add(f"homing.{name}.pin", homing.pin, original)

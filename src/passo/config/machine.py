@@ -318,11 +318,13 @@ class MachineConfig(Model):
 
     @property
     def budget_specs(self) -> dict[str, dict[str, Any]]:
-        """The results of `Board.budget_spec` for the boards that have a budget, by name."""
+        """The results of `Board.budget_spec` for the boards that have a motor and a budget, by
+        name."""
+        moving = {self.board_of_stepper(name) for name in self.steppers}
         return {
             name: spec
             for name, board in self.all_boards.items()
-            if (spec := board.budget_spec(self._longest_pulse_us(name)))
+            if name in moving and (spec := board.budget_spec(self._longest_pulse_us(name)))
         }
 
     def _budget_spec(self) -> dict[str, Any] | None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from passo.config.importing.draft import Place, bad
 from passo.config.importing.numbers import NUMBER, Read, number_of
-from passo.config.importing.sources import Sources
+from passo.config.importing.sources import MAX_LINE, Sources
 from passo.errors import ConfigError, Problem
 
 _HEADER = re.compile(r"\[(.*)\]")
@@ -44,7 +44,7 @@ class Section:
     @property
     def kind(self) -> str:
         """The first word of the name: `heater_fan`."""
-        return self.name.split(maxsplit=1)[0]
+        return next(iter(self.name.split(maxsplit=1)), "")
 
     @property
     def rest(self) -> str:
@@ -146,7 +146,8 @@ class Config:
         return self.sections.get(name)
 
     def _fill_in(self, option: Option) -> None:
-        """Replaces the constants in an option by their values. Those that do not exist stay."""
+        """Replaces the constants in an option by their values. Those that do not exist stay. Raises
+        ConfigError for a text that becomes too long."""
 
         def value(match: re.Match[str]) -> str:
             section = self.sections.get(match[1] or "constants")
@@ -155,6 +156,9 @@ class Config:
 
         for _ in range(_MOST_CONSTANTS if "${" in option.text else 0):
             option.text = _CONSTANT.sub(value, option.text)
+            if len(option.text) > MAX_LINE:
+                limit = f"at most {MAX_LINE} characters with its constants"
+                raise bad(option.place, "option", option.text, limit)
 
     def _read(self, path: Path, within: tuple[Path, ...]) -> None:
         text = self._sources.read(path, within)
