@@ -249,6 +249,8 @@ void bind_heater(nb::module_& m) {
       .def_prop_ro("celsius", &held<&Heater::celsius>)
       .def_prop_ro("heard", &held<&Heater::heard>,
                    "The sensor has reported, and the link has not been lost since.")
+      .def_prop_ro("reported", &held<&Heater::reported>,
+                   "Board clock of the sensor's last report; None before the first one.")
       .def_prop_rw("target", &held<&Heater::target>, &held<&Heater::set_target, double>)
       .def_prop_rw("suspended", &held<&Heater::suspended>, &held<&Heater::set_suspended, bool>,
                    "Nothing heats; the target is kept, and may change.")

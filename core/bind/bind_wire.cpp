@@ -36,6 +36,8 @@ void bind_wire(nb::module_& m) {
       .def("board_clock", &Pump::board_clock, "link"_a, "The estimated clock of this link's board.")
       .def("sleep", &Pump::sleep, "until"_a,
            "The host does nothing until that time; boards continue to run.")
+      .def("stand_by", &Pump::stand_by, "until"_a, nb::call_guard<nb::gil_scoped_release>(),
+           "Runs until that time, even if boards are shut down.")
       .def("cut", &Pump::cut, "Cuts the cables: no byte arrives any more.")
       .def_prop_ro("device_share", &Pump::device_share,
                    "The fraction of its processor time that the devices take, from a sample.")

@@ -73,6 +73,8 @@ class Heater {
   double celsius() const { return celsius_; }
   // The sensor has reported, and the link has not been lost since.
   bool heard() const { return clock_.has_value(); }
+  // Board clock of the last report, also if the link has been lost since.
+  std::optional<Ticks> reported() const { return reported_; }
   double target() const { return target_; }
   double power() const { return power_; }
   const heat::Terms& terms() const { return controller_.terms(); }
@@ -141,7 +143,8 @@ class Heater {
   std::deque<HeatSample> samples_;
   double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
   uint32_t fan_value_ = 0;
-  std::optional<Ticks> clock_;    // of the last report
+  std::optional<Ticks> clock_;  // of the last report, unless interrupted since
+  std::optional<Ticks> reported_;
   std::optional<double> near_s_;  // time within its window
   double about_s_ = 0;            // time nearer to the target than leaves_c
   double off_ = 0;                // from its target, with the last report; 0 if there was none

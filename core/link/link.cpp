@@ -14,7 +14,7 @@ Link::Link(double clock_hz)
     : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz), lateness_(clock_hz),
       heaters_(clock_hz, commands_, sync_, job_,
                [this](const std::string& name, const std::vector<Value>& values) {
-                 send(name, values);
+                 if (!shut_down_) send(name, values);  // the board only measures
                }) {
   reports_.add(0, "identify_response offset=%u data=%.*s");
   commands_.add(1, "identify offset=%u count=%c");

@@ -41,10 +41,9 @@ void Pump::record(bool on) {
 Stop Pump::run(Ticks until, bool until_heaters) {
   for (Ticks told = kNever;;) {
     if (cut_) return Stop::closed;
-    Ticks next = exchange();
+    Ticks next = this->next();
     bool any_stopped = false, all_stopped = true, fault = false, reached = until_heaters;
     for (End& end : ends_) {
-      next = std::min(next, end.host(end.device->next_deadline()));
       any_stopped |= end.link->shut_down();
       all_stopped = all_stopped && end.link->shut_down();
       fault |= end.link->take_fault();
@@ -57,14 +56,31 @@ Stop Pump::run(Ticks until, bool until_heaters) {
     }
     if (fault) return Stop::fault;
     if (reached) return Stop::heaters;
-    if (next > until && !any_stopped) {
-      now_ = std::max(now_, until);
-      // Nothing is due, but they learn the time.
-      for (End& end : ends_) end.device->poll(end.own(now_), end.up);
-      return Stop::time;
-    }
-    now_ = std::max(next, now_);
+    if (arrive(next, any_stopped ? kNever : until)) return Stop::time;
   }
+}
+
+void Pump::stand_by(Ticks until) {
+  if (cut_) return sleep(until);
+  while (!arrive(next(), until)) {
+  }
+}
+
+Ticks Pump::next() {
+  Ticks next = exchange();
+  for (End& end : ends_) next = std::min(next, end.host(end.device->next_deadline()));
+  return next;
+}
+
+bool Pump::arrive(Ticks next, Ticks until) {
+  if (next <= until) {
+    now_ = std::max(next, now_);
+    return false;
+  }
+  now_ = std::max(now_, until);
+  // Nothing is due, but they learn the time.
+  for (End& end : ends_) end.device->poll(end.own(now_), end.up);
+  return true;
 }
 
 Ticks Pump::exchange() {

@@ -27,6 +27,8 @@ class Pump {
   void cut() { cut_ = true; }
   // This host does nothing until then; the boards continue to run.
   void sleep(Ticks until);
+  // Runs until then, whatever stops: boards that are shut down still measure temperatures.
+  void stand_by(Ticks until);
   // The part of run()'s work that is the devices', from a sample of one exchange in kSample.
   double device_share() const;
   // Records the bytes that the host sends to the first board, with their frames, from now on.
@@ -51,6 +53,11 @@ class Pump {
       return ratio == 1 || own == kNever ? own : Ticks(std::ceil(double(own) / ratio));
     }
   };
+  // The next time at which a link or a device has something to do, after all that is due now.
+  Ticks next();
+  // Lets time pass to `next`, or only to `until`: true if that is earlier.
+  bool arrive(Ticks next, Ticks until);
+
   std::vector<End> ends_;
   Ticks now_;
   Bytes recorded_;

@@ -316,6 +316,10 @@ class Heater:
         """The sensor has reported, and the link has not been lost since."""
 
     @property
+    def reported(self) -> int | None:
+        """Board clock of the sensor's last report; None before the first one."""
+
+    @property
     def target(self) -> float: ...
 
     @target.setter
@@ -1198,6 +1202,9 @@ class Pump:
 
     def sleep(self, until: int) -> None:
         """The host does nothing until that time; boards continue to run."""
+
+    def stand_by(self, until: int) -> None:
+        """Runs until that time, even if boards are shut down."""
 
     def cut(self) -> None:
         """Cuts the cables: no byte arrives any more."""

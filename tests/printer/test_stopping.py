@@ -28,6 +28,13 @@ def heat(s):
     assert s.board.output_value("hotend") > 0
 
 
+def measured_c(s):
+    """The temperatures of hotend and bed that M105 reports."""
+    told = re.match(r"ok T:(\S+) /0.00 B:(\S+) /0.00 @:0 B@:0", s.host.ok("M105")[-1])
+    assert told
+    return float(told[1]), float(told[2])
+
+
 @pytest.fixture
 def hot():
     with Scenario(FIRMWARE) as s:
@@ -120,10 +127,9 @@ def test_no_client_gets_an_old_temperature(hot):
     temps = json.loads(s.host.ok("M408")[0])["temps"]
     assert (temps["heads"]["current"], temps["bed"]["current"]) == ([-273.1], -273.1)
     plug(s)
-    assert s.host.ok("M105") == [f"ok {UNKNOWN}"]
+    assert measured_c(s)[0] == pytest.approx(s.board.temperature("hotend"), abs=1)
     s.host.ok("M999")
-    told = re.match(r"ok T:(\S+) /0.00", s.host.ok("M105")[-1])
-    assert told and float(told[1]) == pytest.approx(s.board.temperature("hotend"), abs=0.5)
+    assert measured_c(s)[0] == pytest.approx(s.board.temperature("hotend"), abs=0.5)
 
 
 def test_m999_reports_temperatures_as_soon_as_known(hot):
@@ -150,6 +156,56 @@ def test_after_an_m999_that_has_led_to_nothing(hot):
     s.host.ok("M999")
     assert not s.printer.halted
     assert s.board.device.fault == ""
+
+
+@pytest.mark.parametrize("machine", [FIRMWARE, "i3"])
+@pytest.mark.parametrize("stop", ["M112", "fault"])
+def test_a_stopped_board_goes_on_measuring(machine, stop):
+    with Scenario(machine) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        heat(s)
+        if stop == "M112":
+            s.host.ok("M112")
+        else:
+            s.printer.halt(MachineError.of("machine.no-power"))
+        s.host.expect("Printer halted")
+        for _ in range(3):
+            s.passes(60)
+            heater = s.assembly.status.read().heaters["hotend"]
+            assert heater.celsius == pytest.approx(s.board.temperature("hotend"), abs=0.5)
+            assert (heater.age_s, heater.target_c, heater.power) == (0.0, 0.0, 0.0)
+            assert measured_c(s)[0] == pytest.approx(heater.celsius, abs=0.5)
+            assert s.board.output_value("hotend") == 0
+        assert heater.celsius < 40  # it has cooled
+
+
+def test_a_halted_printer_shows_that_a_heater_is_stuck():
+    with Scenario("i3") as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        heat(s)
+        s.host.ok("M112")
+        s.board.force_heater("hotend", 0.5)
+        s.passes(60)
+        heater = s.assembly.status.read().heaters["hotend"]
+        assert heater.celsius == pytest.approx(s.board.temperature("hotend"), abs=3)
+        assert heater.celsius > 80
+        assert heater.fault == "stuck-on"
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+def test_the_last_reading_of_a_silent_board_has_its_age(hot, stopped):
+    s = hot
+    before = s.assembly.status.read().heaters["hotend"]
+    unplug(s)
+    s.passes(2)
+    if stopped:
+        s.host.ok("M112")
+    for age_s in (30, 60):
+        s.passes(30 - 2 * (age_s == 30))
+        heater = s.assembly.status.read().heaters["hotend"]
+        assert (before.age_s, heater.celsius) == (0.0, pytest.approx(before.celsius, abs=0.5))
+        assert heater.age_s == pytest.approx(age_s, abs=2)
+        assert heater.current_c is None
 
 
 @pytest.fixture
@@ -184,7 +240,12 @@ def test_each_of_two_boards_stops_when_it_gets_the_command(two, lost, other, nam
     assert fault(s, lost) == ""
     assert s.board.output_value("hotend" if lost == "tool" else "bed") > 0
     assert s.host.heard.count(WARNING.format(named)) == 1
-    assert s.host.ok("M105") == [f"ok {UNKNOWN}"]  # though its port can be opened
+    hotend_c, bed_c = measured_c(s)
+    measured, silent = (bed_c, hotend_c) if lost == "tool" else (hotend_c, bed_c)
+    assert measured == pytest.approx(
+        s.board.temperature("bed" if lost == "tool" else "hotend"), abs=1
+    )
+    assert silent == -273.15  # though its port can be opened
     s.board.cut_cable(lost, False)
     s.passes(2)
     assert fault(s, lost) == ORDER

@@ -47,4 +47,5 @@ def test_a_status_becomes_plain_values():
         "power": 0.4,
         "fault": "",
         "min_extrude_c": 0.0,
+        "age_s": 0.0,
     }

@@ -13,6 +13,7 @@ from passo.board.exchange import LEAD_S
 from passo.board.fault_injection import FaultInjector
 from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.ports import LinkLostError
+from passo.board.reading import Reading
 from passo.errors import MachineError
 
 # How long the host measures the clocks of several boards: `SETTLING_S`, plus `_SETTLING_PER_JITTER`
@@ -166,6 +167,8 @@ class Boards:
 
     def live_on(self, until_clock: int) -> None:
         """Lets time pass until `until_clock`, even if links are lost or boards are shut down."""
+        if any(connection.link.shut_down for connection in self.connections):
+            self.stand_by(until_clock)
         for connection in self.connections:
             main = connection is self.main
             with suppress(LinkLostError):
@@ -173,10 +176,11 @@ class Boards:
                 connection.take_faults()
 
     def stand_by(self, until_clock: int) -> None:
-        """Lets time pass at simulated boards until `until_clock` while all boards are shut down:
-        heaters cool down, but a heater that is stuck on does not."""
+        """Lets time pass at simulated boards until `until_clock` while boards are shut down:
+        heaters cool down, but a heater that is stuck on does not, and the boards go on measuring.
+        Links to real boards have their own threads."""
         if isinstance(self.main.wire, _core.Pump):
-            self.main.wire.sleep(until_clock)
+            self.main.wire.stand_by(until_clock)
 
     def _look(self) -> None:
         """Handles what all boards have reported."""
@@ -212,9 +216,9 @@ class Boards:
                 return connection
         raise KeyError(name)
 
-    def reading(self, heater: str) -> float:
+    def reading(self, heater: str, now: int) -> Reading:
         """Like `Connection.reading`."""
-        return self.connection_of("heaters", heater).reading(heater)
+        return self.connection_of("heaters", heater).reading(heater, now)
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Like `Connection.set_target`."""

@@ -15,6 +15,7 @@ from passo.board.faults import BoardResetError
 from passo.board.firmware_identity import identify
 from passo.board.main_loop import MainLoop
 from passo.board.ports import Port
+from passo.board.reading import Reading
 from passo.board.recorded_frames import KEPT_BYTES, KEPT_PARTS, KEPT_S, RecordedFrames
 from passo.board.start_up import add_parts, configure, follow_clock
 from passo.board.survive import has_survived
@@ -22,7 +23,6 @@ from passo.errors import MachineError
 
 _SQUARES = 256  # ticks² in one unit of reported load, if the board does not specify it
 _FAREWELL_S = 0.6
-ABSOLUTE_ZERO_C = -273.15  # hosts parse it as a number, and it is clearly not a temperature
 
 
 class Connection(Exchange):
@@ -209,12 +209,14 @@ class Connection(Exchange):
         self.link.start_job(base, main_hz or float(self.board.clock_hz))
         return base
 
-    def reading(self, heater: str) -> float:
-        """The current reading of a heater's sensor, °C; absolute zero while the board has not
-        reported any. Raises KeyError if there is no such heater."""
+    def reading(self, heater: str, now: int) -> Reading:
+        """The last reading of a heater's sensor, with its age at the time `now`. A board that is
+        shut down goes on measuring. Raises KeyError if there is no such heater."""
         loop = self.heaters[heater]
-        silent = not loop.heard or self.link.shut_down or self.lost
-        return ABSOLUTE_ZERO_C if silent else loop.celsius
+        if (clock := loop.reported) is None:
+            return Reading(None)
+        age_s = (now - self.link.main_clock(clock)) / self.wire.hz
+        return Reading.of(loop.celsius, age_s, lost=self.lost)
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Sets a heater's target; 0 turns it off. A heater that has failed keeps the new target,

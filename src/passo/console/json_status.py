@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from passo.board.connection import ABSOLUTE_ZERO_C
+from passo.board.reading import ABSOLUTE_ZERO_C
 from passo.console.aprinter_options import OptionCommands
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
@@ -107,8 +107,8 @@ class JsonStatus:
 
 
 def _heater(heater: HeaterStatus) -> tuple[float, float, int]:
-    """The reading, target and state of a heater. The reading is -273.1 until the sensor has
-    reported."""
+    """The reading, target and state of a heater. The reading is -273.1 while the sensor
+    reports nothing."""
     state = _FAULT if heater.fault else _ACTIVE if heater.target_c > 0 else _OFF
-    celsius = ABSOLUTE_ZERO_C if heater.celsius is None else heater.celsius
+    celsius = ABSOLUTE_ZERO_C if heater.current_c is None else heater.current_c
     return round(celsius, 1), round(heater.target_c, 1), state

@@ -58,7 +58,7 @@ class Observer:
         self._listeners: list[_Listener] = []
         self._event_listeners: list[Callable[[Event], object]] = []
         self._last = status.read()
-        self._shown_c = {name: heater.celsius for name, heater in self._last.heaters.items()}
+        self._shown_c = {name: heater.current_c for name, heater in self._last.heaters.items()}
         self._layer = self._last.job.layer if self._last.job else 0
         self._host_s = self._print_s = 0.0  # times of the next check
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
@@ -154,9 +154,9 @@ class Observer:
                 fault = self._printer.connection.heaters[name].fault
                 text = str(HeaterFault.of(name, fault)) if fault else heater.fault
                 yield Fault(name, heater.fault, text)
-            if heater.target_c != before.target_c or _moved(shown, heater.celsius):
-                self._shown_c[name] = heater.celsius
-                yield TemperatureChanged(name, heater.celsius, heater.target_c)
+            if heater.target_c != before.target_c or _moved(shown, heater.current_c):
+                self._shown_c[name] = heater.current_c
+                yield TemperatureChanged(name, heater.current_c, heater.target_c)
         job, before = now.job, last.job
         if job is None:
             return

@@ -100,6 +100,11 @@ class MotionQueue:
         return self._start_clock + int(passed * self.hz) - self.base
 
     @property
+    def board_now(self) -> int:
+        """The present time in ticks of the main board's clock, also while its link is lost."""
+        return max(self.base + self.now, self._connection.now)
+
+    @property
     def now_s(self) -> float:
         """Print time in seconds."""
         return self.now / self.hz
@@ -374,7 +379,7 @@ class MotionQueue:
 
     def stand_by(self) -> None:
         """Lets time pass until the present time on boards that are shut down."""
-        self._connection.stand_by(max(self.base + self.now, self._connection.now))
+        self._connection.stand_by(self.board_now)
 
     def live_on(self, seconds: float) -> None:
         """Lets `seconds` pass on the boards, in any state of the boards and their links."""

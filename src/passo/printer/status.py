@@ -31,16 +31,23 @@ class PrinterState(Enum):
 
 @dataclass(frozen=True, slots=True)
 class HeaterStatus:
-    """A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
-    `power` is a fraction of full power; `fault` is the kind of the protection that has switched it
-    off (its error is `heat.` and the kind), or empty. Below `min_extrude_c` a hotend moves no
-    filament; 0 means no limit (M302), or not a hotend."""
+    """A heater. `celsius` is the last reading of its sensor, None before the first one; `age_s` is
+    0 while the board reports, otherwise the age of this reading in s. `target_c` is 0 while it is
+    off; `power` is a fraction of full power; `fault` is the kind of the protection that has
+    switched it off (its error is `heat.` and the kind), or empty. Below `min_extrude_c` a hotend
+    moves no filament; 0 means no limit (M302), or not a hotend."""
 
     celsius: float | None
     target_c: float
     power: float
     fault: str = ""
     min_extrude_c: float = 0.0
+    age_s: float = 0.0
+
+    @property
+    def current_c(self) -> float | None:
+        """The reading, unless it is old."""
+        return None if self.age_s else self.celsius
 
 
 @dataclass(frozen=True, slots=True)

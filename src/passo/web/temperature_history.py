@@ -43,7 +43,7 @@ class TemperatureHistory:
             Sample(
                 now_s,
                 {
-                    name: Reading(heater.celsius, heater.target_c, heater.power)
+                    name: Reading(heater.current_c, heater.target_c, heater.power)
                     for name, heater in snapshot.status.heaters.items()
                 },
             )

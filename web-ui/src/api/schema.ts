@@ -393,16 +393,18 @@ export interface HeaterPast {
   power: (number | null)[];
 }
 
-/** A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
- * `power` is a fraction of full power; `fault` is the kind of the protection that has switched it
- * off (its error is `heat.` and the kind), or empty. Below `min_extrude_c` a hotend moves no
- * filament; 0 means no limit (M302), or not a hotend. */
+/** A heater. `celsius` is the last reading of its sensor, None before the first one; `age_s` is 0
+ * while the board reports, otherwise the age of this reading in s. `target_c` is 0 while it is
+ * off; `power` is a fraction of full power; `fault` is the kind of the protection that has
+ * switched it off (its error is `heat.` and the kind), or empty. Below `min_extrude_c` a hotend
+ * moves no filament; 0 means no limit (M302), or not a hotend. */
 export interface HeaterStatus {
   celsius?: number | null;
   target_c: number;
   power: number;
   fault: string;
   min_extrude_c: number;
+  age_s: number;
 }
 
 /** The target of a heater, in °C; 0 switches it off. */

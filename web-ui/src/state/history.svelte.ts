@@ -42,7 +42,7 @@ export class TemperatureHistory {
     this.times.push(now_s);
     for (const [name, heater] of Object.entries(status.heaters)) {
       const series = (this.heaters[name] ??= this.#empty());
-      series.celsius.push(heater.celsius ?? null);
+      series.celsius.push(heater.age_s ? null : (heater.celsius ?? null));
       series.target.push(heater.target_c);
       series.power.push(heater.power);
     }

@@ -2,8 +2,8 @@ import { expect, test } from "vitest";
 import type { Status } from "../api/schema";
 import { SPAN_S, TemperatureHistory } from "./history.svelte";
 
-function status(celsius: number | null): Status {
-  const hotend = { celsius, target_c: 200, power: 0.5, fault: "" };
+function status(celsius: number | null, age_s = 0): Status {
+  const hotend = { celsius, age_s, target_c: 200, power: 0.5, fault: "" };
   return { heaters: { hotend } } as unknown as Status;
 }
 
@@ -22,11 +22,12 @@ test("a sample is added at most each second", () => {
   expect(history.heaters["hotend"]?.celsius).toEqual([100, 101, 102.5]);
 });
 
-test("a sensor that has not reported leaves a gap", () => {
+test("a sensor that does not report leaves a gap", () => {
   const history = new TemperatureHistory();
   history.add(status(null), 100);
   history.add(status(25), 101);
-  expect(history.heaters["hotend"]?.celsius).toEqual([null, 25]);
+  history.add(status(25, 3), 102);
+  expect(history.heaters["hotend"]?.celsius).toEqual([null, 25, null]);
 });
 
 test("what is older than the span is forgotten", () => {

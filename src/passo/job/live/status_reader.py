@@ -7,7 +7,6 @@ from copy import deepcopy
 from math import hypot
 from typing import TYPE_CHECKING
 
-from passo.board.connection import ABSOLUTE_ZERO_C
 from passo.config.motor_roles import axis_order
 from passo.errors import Problem
 from passo.job.live.job_state import JobState
@@ -242,14 +241,15 @@ def _board_status(connection: Connection, *, simulated: bool) -> BoardStatus:
 def _heater_status(printer: Printer, name: str) -> HeaterStatus:
     """The status of a heater of this name."""
     heater = printer.connection.heaters[name]
-    celsius = printer.connection.reading(name)
+    reading = printer.connection.reading(name, printer.queue.board_now)
     return HeaterStatus(
-        None if celsius == ABSOLUTE_ZERO_C else celsius,
+        reading.celsius,
         heater.target,
         # The board's last report of a heater is older than the halt.
         0.0 if printer.halted or heater.fault else heater.power,
         heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
         printer.heat.cold.min_c_of(name),
+        reading.age_s,
     )
 
 

@@ -404,7 +404,9 @@ class BedCorrectionCommands:
         mesh, bed_c = self.mesh(), None
         for heater, config in self._rig.machine.heaters.items():
             if config.kind == "bed":
-                bed_c = round(self._rig.connection.reading(heater), 1)
+                reading = self._rig.connection.reading(heater, self._rig.queue.board_now)
+                now_c = reading.current_c
+                bed_c = None if now_c is None else round(now_c, 1)
         correction = self._correction.correction
         assert correction is not None
         reference = self._config.reference

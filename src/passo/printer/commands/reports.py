@@ -56,7 +56,8 @@ class Reports:
             # The board's last report of a heater is older than the halt.
             power = 0 if printer.halted else round(heater.power * 127)
             letter = _LETTERS[config.kind]
-            reading = f":{printer.connection.reading(name):.2f} /{heater.target:.2f}"
+            seen = printer.connection.reading(name, printer.queue.board_now)
+            reading = f":{seen.number_c:.2f} /{heater.target:.2f}"
             if config.kind == "hotend":
                 number = printer.controls.number_of(name)
                 if name == at_work:

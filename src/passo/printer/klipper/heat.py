@@ -16,7 +16,8 @@ _ROOM_C = 25.0  # shown for a heater whose sensor has not reported
 
 
 def heater(status: Status, name: str) -> Object:
-    """A heater. Its temperature, °C, is room temperature until its sensor reports."""
+    """A heater. Its temperature, °C, is the last reading, as in Klipper; room temperature before
+    the first one."""
     seen = status.heaters[name]
     celsius = _ROOM_C if seen.celsius is None else seen.celsius
     return {"temperature": round(celsius, 2), "target": seen.target_c, "power": seen.power}

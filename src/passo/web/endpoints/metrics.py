@@ -55,7 +55,7 @@ def _metrics(status: Status) -> Iterator[_Metric]:
     yield _Metric("passo_print_time_seconds", "gauge", "Print time since the start.", "", seconds)
     heaters = status.heaters.items()
     for name, text, values in (
-        ("temperature_celsius", "Temperature.", {n: h.celsius for n, h in heaters}),
+        ("temperature_celsius", "Temperature.", {n: h.current_c for n, h in heaters}),
         ("target_celsius", "Target, 0 if it is off.", {n: h.target_c for n, h in heaters}),
         ("heater_power_ratio", "Fraction of full power.", {n: h.power for n, h in heaters}),
         ("heater_fault", "1 after a protection.", {n: float(bool(h.fault)) for n, h in heaters}),

@@ -92,4 +92,4 @@ def printer_profile(machine: MachineConfig) -> dict[str, Any]:
 
 
 def _temperature(heater: HeaterStatus) -> dict[str, float | None]:
-    return {"actual": heater.celsius, "target": heater.target_c, "offset": 0}
+    return {"actual": heater.current_c, "target": heater.target_c, "offset": 0}

@@ -105,8 +105,8 @@ def aprinter_status(bridge: Bridge) -> dict[str, Any]:
 
 
 def _celsius(heater: HeaterStatus) -> float:
-    """The temperature, °C; as in RepRapFirmware, 2000 for a sensor that has not reported."""
-    return 2000.0 if heater.celsius is None else heater.celsius
+    """The temperature, °C; as in RepRapFirmware, 2000 for a sensor that reports nothing."""
+    return 2000.0 if heater.current_c is None else heater.current_c
 
 
 def _heater_state(heater: HeaterStatus) -> int:
