@@ -1,11 +1,14 @@
 """The settings of Klipper that macros and clients read: all options, with their types."""
 
+import re
+
 import pytest
 
 from passo import config
-from passo.config.exporting.options import OPTIONS, kind_of
-from passo.config.exporting.settings import Sections, option_of, typed
+from passo.config.exporting.settings import Sections, typed
+from passo.config.klipper_options import option_of
 from passo.config.load import shipped_machines
+from passo.errors import ConfigError
 
 MACHINES = shipped_machines()
 
@@ -17,7 +20,7 @@ def test_table_knows_each_option_of_a_machine(name):
         f"[{section}] {option}"
         for section, options in sections.texts.items()
         for option in options
-        if not option_of(OPTIONS[kind_of(section)], option)
+        if not option_of(section, option)
     ]
     assert unknown == []
     assert sections.settings.keys() == {section.lower() for section in sections.texts}
@@ -88,3 +91,27 @@ def test_options_of_other_sensors_have_no_value():
     assert "pullup_resistor" not in typed("heater_bed", {"sensor_type": "MAX31855"})
     assert "tc_type" not in typed("heater_bed", {"sensor_type": "MAX31855"})
     assert "position_max" not in typed("stepper_z1", {"step_pin": "PA1"})
+
+
+def test_kept_options_are_read_by_macros_and_exported():
+    kept = '[klipper.extruder]\nnozzle_diameter = "0.6"\nmax_extrude_cross_section = "5"\n'
+    kept += 'max_temp = "999"\n[klipper.pause_resume]\nrecover_velocity = "25"\n'
+    sections = Sections(config.load_text(config.shipped_text("i3") + kept, "mine.toml"))
+    extruder = sections.settings["extruder"]
+    assert (extruder["nozzle_diameter"], extruder["max_extrude_cross_section"]) == (0.6, 5.0)
+    assert extruder["max_temp"] == 285.0  # the machine's own value
+    assert sections.settings["pause_resume"]["recover_velocity"] == 25.0
+    assert sections.texts["pause_resume"] == {"recover_velocity": "25"}
+
+
+@pytest.mark.parametrize(
+    ("kept", "told"),
+    [
+        ('[klipper.extruder]\nnozzle_diameter = "wide"', "'wide': expected a number"),
+        ('[klipper.extruder]\ncolour = "red"', "expected an option that Klipper has in [extruder]"),
+        ('[klipper.toaster]\na = "1"', "expected a section of Klipper: mcu, printer"),
+    ],
+)
+def test_kept_options_that_macros_cannot_read_are_errors(kept, told):
+    with pytest.raises(ConfigError, match=re.escape(told)):
+        config.load_text(f"{config.shipped_text('i3')}{kept}\n", "mine.toml")

@@ -124,6 +124,10 @@ class MachineConfig(Model):
     `printer["gcode_macro NAME"]`; lines call it in any case."""
     delayed_gcode: dict[PartName, DelayedGcode] = {}
     """G-code that a served printer executes after a delay."""
+    klipper: dict[str, dict[str, str]] = {}
+    """Options of Klipper's printer.cfg that have no key here, by section, for macros that read them
+    in printer.configfile: `[klipper.extruder]` with `nozzle_diameter = "0.6"`. They change nothing
+    else. Values of the machine win."""
     board: Board
     """The main board. Print time is its clock."""
     boards: dict[PartName, Board] = {}

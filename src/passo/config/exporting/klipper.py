@@ -84,6 +84,7 @@ def _converted(machine: MachineConfig, kind: str) -> Cfg:
     _put_accelerometer(cfg)
     _put_commands(cfg)
     _put_macros(cfg)
+    _put_kept(cfg)
     return cfg
 
 
@@ -215,14 +216,15 @@ def _put_extruder(cfg: Cfg, name: str, section: str) -> None:
         for motor in cfg.machine.steppers
         if cfg.machine.driven_by(motor) == cfg.machine.drivable.by_name[name]
     ]
+    own = cfg.machine.klipper.get(section, {})
     for motor in motors[:1]:
         put_stepper(cfg, motor, section)
     if motors[1:]:
         cfg.left_out.append(f"steppers.{', '.join(motors[1:])}: an extruder has one motor")
     cfg.put(
         section,
-        nozzle_diameter=_NOZZLE_MM,
-        filament_diameter=_FILAMENT_MM,
+        nozzle_diameter=float(own.get("nozzle_diameter", _NOZZLE_MM)),
+        filament_diameter=float(own.get("filament_diameter", _FILAMENT_MM)),
         max_extrude_only_velocity=extruder.speed_mm_s,
         max_extrude_only_accel=extruder.accel_mm_s2,
         instantaneous_corner_velocity=extruder.jerk_mm_s,
@@ -338,6 +340,13 @@ def _put_commands(cfg: Cfg) -> None:
         cfg.put("idle_timeout", timeout=cfg.machine.idle.motors_off_s)
     for section in ("pause_resume", "display_status", "exclude_object", "respond", "gcode_arcs"):
         cfg.put(section)
+
+
+def _put_kept(cfg: Cfg) -> None:
+    """Adds the options that the machine file keeps for macros. Values of the machine itself win."""
+    for section, options in cfg.sections.items():
+        kept = cfg.machine.klipper.get(section, {})
+        cfg.put(section, **{name: text for name, text in kept.items() if name not in options})
 
 
 def _put_macros(cfg: Cfg) -> None:

@@ -3,16 +3,15 @@ the defaults of all options that are not written."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from passo.config.exporting.klipper import sections_of
-from passo.config.exporting.options import OPTIONS, kind_of
+from passo.config.klipper_options import OPTIONS, kind_of, option_of
 
 if TYPE_CHECKING:
-    from passo.config.exporting.options.option import Option, Value
+    from passo.config.klipper_options.option import Value
     from passo.config.machine import MachineConfig
 
 Texts = Mapping[str, str]
@@ -52,15 +51,9 @@ def typed(section: str, written: Texts) -> dict[str, Value]:
             found[row.name] = default
     for name, value in written.items():
         if name not in found:
-            row = option_of(rows, name)
+            row = option_of(section, name)
             found[name] = value if row is None else row.read(value)
     return found
-
-
-def option_of(rows: tuple[Option, ...], name: str) -> Option | None:
-    """The row of an option; `screw1` is `screw#`."""
-    pattern = re.sub(r"\d+", "#", name)
-    return next((row for row in rows if row.name in (name, pattern)), None)
 
 
 def _stripped(value: str) -> str:

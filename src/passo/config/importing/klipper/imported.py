@@ -11,6 +11,7 @@ from passo.config.importing.klipper.cfg import Config
 from passo.config.importing.klipper.conversion import Import
 from passo.config.importing.klipper.filters import put_shapers
 from passo.config.importing.klipper.heat import put_heat
+from passo.config.importing.klipper.kept import put_kept
 from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.macros import put_macros
 from passo.config.importing.klipper.mcus import finish_boards, put_boards
@@ -47,6 +48,7 @@ def imported(path: Path, *, board: str | None = None, skip_missing: bool = False
     finish_boards(job)
     put_settings(job)
     put_macros(job)
+    put_kept(job)
     _remark_on_the_rest(job)
     return draft
 

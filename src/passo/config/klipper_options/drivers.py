@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.options.option import flag, number, text, whole, words
+from passo.config.klipper_options.option import flag, number, text, whole, words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from passo.config.exporting.options.option import Options
+    from passo.config.klipper_options.option import Options
 
 
 def _fields(**defaults: int | bool) -> Options:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.options.motion import MOTOR
-from passo.config.exporting.options.option import flag, number, same_as, text, whole, words
+from passo.config.klipper_options.motion import MOTOR
+from passo.config.klipper_options.option import flag, number, same_as, text, whole, words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from passo.config.exporting.options.option import Default, Options, Settings, Value
+    from passo.config.klipper_options.option import Default, Options, Settings, Value
 
 _AMPLIFIERS = ("AD595", "AD597", "AD8494", "AD8495", "AD8496", "AD8497", "PT100 INA826")
 

@@ -6,16 +6,16 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.options.bed import BED
-from passo.config.exporting.options.commands import COMMANDS
-from passo.config.exporting.options.drivers import DRIVERS
-from passo.config.exporting.options.heat import HEAT
-from passo.config.exporting.options.motion import MOTION
+from passo.config.klipper_options.bed import BED
+from passo.config.klipper_options.commands import COMMANDS
+from passo.config.klipper_options.drivers import DRIVERS
+from passo.config.klipper_options.heat import HEAT
+from passo.config.klipper_options.motion import MOTION
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from passo.config.exporting.options.option import Options
+    from passo.config.klipper_options.option import Option, Options
 
 OPTIONS: Mapping[str, Options] = {**MOTION, **DRIVERS, **HEAT, **BED, **COMMANDS}
 """The options by the kind of section."""
@@ -27,3 +27,11 @@ def kind_of(section: str) -> str:
     first = section.split()[0]
     numbered = re.fullmatch(r"(stepper(?=_)|extruder).*", first) if first == section else None
     return numbered[1] if numbered else first
+
+
+def option_of(section: str, name: str) -> Option | None:
+    """The row of an option, by the names of its section and its own; `screw1` is `screw#`. None if
+    Klipper has no such option."""
+    pattern = re.sub(r"\d+", "#", name)
+    rows = OPTIONS.get(kind_of(section), ())
+    return next((row for row in rows if row.name in (name, pattern)), None)

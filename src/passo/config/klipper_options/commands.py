@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.options.option import number, text
+from passo.config.klipper_options.option import number, text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from passo.config.exporting.options.option import Options
+    from passo.config.klipper_options.option import Options
 
 COMMANDS: Mapping[str, Options] = {
     "virtual_sdcard": (text("path"), text("on_error_gcode", "TURN_OFF_HEATERS")),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.options.option import (
+from passo.config.klipper_options.option import (
     flag,
     number,
     numbers,
@@ -18,7 +18,7 @@ from passo.config.exporting.options.option import (
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from passo.config.exporting.options.option import Options
+    from passo.config.klipper_options.option import Options
 
 _PROBE: Options = (
     number("x_offset", 0.0),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.exporting.options.option import (
+from passo.config.klipper_options.option import (
     flag,
     number,
     points,
@@ -18,7 +18,7 @@ from passo.config.exporting.options.option import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from passo.config.exporting.options.option import Options, Settings, Value
+    from passo.config.klipper_options.option import Options, Settings, Value
 
 MOTOR: Options = (
     text("step_pin"),
