@@ -34,7 +34,8 @@ class Homing(Model):
     fast: Speed = 40.0
     """The speed towards the endstop, in mm/s or degrees/s."""
     retract: Positive = 3.0
-    """The distance back from the endstop, in mm or degrees. There it must be open again."""
+    """The distance back from the endstop, in mm or degrees. There it must be open again. An axis
+    that was behind its endstop moves back until it opens."""
     slow: Speed = 4.0
     """The speed of the second approach, in mm/s or degrees/s."""
     max_travel: Annotated[float, Field(gt=0, le=10_000)] | None = None

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo._core import Within
 from passo.config.motor_roles import axis_order
 from passo.errors import CommandError, Problem
-from passo.geometry.base import Point
+from passo.geometry.base import Point, Unreachable
 from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
 from passo.motion.endstops import (
     Switch,
@@ -21,6 +21,7 @@ from passo.motion.endstops import (
     steppers_of,
     switches,
 )
+from passo.motion.real_travel import RealTravel
 from passo.motion.travel import go_back
 
 if TYPE_CHECKING:
@@ -319,38 +320,63 @@ class Homer:
 
         names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
         self._joints = arms
-        moved: list[tuple[_HomingAxis, float]] = []  # lets positions be wrong during the search
+        behind = {way.name: self._behind(way) for way in ways}
+        real = RealTravel(rig)  # the search lets the positions of the plan be wrong
         try:
             job.use_joints(arms)
             travel = [once[w.name][0] if once else self.travel(w.name) for w in ways]
             speeds = [once[w.name][1] if once else w.config.fast for w in ways]
             for way, far in zip(ways, travel, strict=True):
-                start = way.home - way.sign * far
-                if way.name in names:
-                    moved.append((way, start - self._at(way.slot)))
-                self._place(way, start)
+                self._place(way, way.home - way.sign * far)
             await self._seek(ways, travel, speeds)
-            moved.clear()
             if not once:
-                await self._again(ways)
+                await self._again(ways, behind)
         except BaseException:
-            for way, by in moved:
-                self._place(way, self._at(way.slot) - by)
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
-            rig.lock([*of_arms, *names])
+            try:
+                self._keep_count(real, [way for way in ways if way.name in names])
+            finally:
+                rig.lock([*of_arms, *names])
             raise
         found = {w.name: self._at(w.slot) + await self._level(w) for w in ways if w.name in names}
         found |= point_of_arms(job.machine_position[:3])
         self.offset_mm |= {n: self._offsets.home_mm[n] for n in found}
         self._set({n: at + self.offset_mm[n] for n, at in found.items()})
 
-    async def _again(self, ways: Sequence[_HomingAxis]) -> None:
-        """Moves back from the endstops, which must open, and then slowly to them."""
-        await self._go([-w.config.retract for w in ways], ways)
-        for way in ways:
-            for switch in way.switches:
-                if self._endstops.pressed(switch.name):
-                    raise self._problem("machine.switch-stuck", switch, way.config.retract)
+    def _keep_count(self, real: RealTravel, ways: Sequence[_HomingAxis]) -> None:
+        """After a failure, axes are where their motors have really moved them to."""
+        if self._interrupts.halted or not ways:
+            return
+        with suppress(Unreachable):  # the arms stopped where no position belongs to them
+            place = real.place()
+            for way in ways:
+                self._place(way, place[way.axis])
+
+    def _behind(self, way: _HomingAxis) -> float:
+        """How far behind its home position an axis may be, where its endstops stay triggered, mm:
+        as far as it reaches or, if it is homed, is."""
+        axis = self._machine.axes.get(way.name)
+        if axis is None or is_actuator(self._machine, way.name):
+            return 0.0
+        at = axis.max_mm if way.sign > 0 else axis.min_mm
+        if way.axis not in self._rig.job.locked_axes:
+            at = self._at(way.slot) - self.offset_mm.get(way.name, 0.0)
+        return max(0.0, way.sign * (at - way.home))
+
+    async def _again(self, ways: Sequence[_HomingAxis], behind: Mapping[str, float]) -> None:
+        """Moves back from the endstops, which must open, and then slowly to them. An axis that was
+        `behind` its endstops moves on in the same steps until they open."""
+        pressed, steps = list(ways), 0
+        while pressed:
+            await self._go([-w.config.retract for w in pressed], pressed)
+            steps += 1
+            for way in [*pressed]:
+                stuck = [s for s in way.switches if self._endstops.pressed(s.name)]
+                if not stuck:
+                    pressed.remove(way)
+                elif steps * way.config.retract >= behind[way.name] + way.config.retract:
+                    far = steps * way.config.retract
+                    raise self._problem("machine.switch-stuck", stuck[0], far)
         slow = [SLOW_OVERRUN * w.config.retract for w in ways]
         await self._seek(ways, slow, [w.config.slow for w in ways])
 
