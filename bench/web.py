@@ -3,7 +3,8 @@
 WebSocket clients on one printer that prints from its card: 20 that listen, then 500, and for each
 ten of them one more that runs a script a second. Prints the delay of `ok` on a TCP console, without
 and with the clients, how long a status takes, and what the link has counted by then (M122): late
-frames, and its least slack.
+frames, and its least slack. Then, how long a status takes while a file of 50 MB is uploaded and
+planned.
 `waited` is how long threads of the server were ready and had no processor: on a computer that does
 other work, too, delays are not those of Passo.
 """
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import os
 import statistics
 import subprocess
@@ -19,6 +21,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from websockets.asyncio.client import connect
@@ -28,6 +31,7 @@ import passo
 CLIENTS = (20, 500)  # that listen; one more for each ten of them runs scripts
 SECONDS = 10.0
 PACE_S = 0.02
+UPLOAD_MB = 50
 
 
 def served(folder: Path) -> tuple[subprocess.Popen[str], str, int]:
@@ -84,16 +88,58 @@ async def listen(place: str, answers: list[float], *, active: bool) -> None:
             await asyncio.sleep(1)
 
 
-async def statuses(place: str) -> list[float]:
-    """Seconds that each status takes."""
+async def statuses(place: str, going: Callable[[], bool]) -> list[float]:
+    """Seconds that each status takes, while `going`."""
     client = passo.AsyncClient(place)
     found: list[float] = []
-    end = time.perf_counter() + SECONDS
-    while (start := time.perf_counter()) < end:
+    while going():
+        start = time.perf_counter()
         await client.status.get()
         found.append(time.perf_counter() - start)
         await asyncio.sleep(PACE_S)
     return found
+
+
+def for_a_while() -> Callable[[], bool]:
+    """True for the time of one measurement."""
+    end = time.perf_counter() + SECONDS
+    return lambda: time.perf_counter() < end
+
+
+def long_file() -> bytes:
+    """A print in spirals, with heat and fan, of `UPLOAD_MB`."""
+    lines = ["G28\nM190 S60\nM109 S200\nM83\nG1 F1800\n"]
+    size, number = 0, 0
+    while size < UPLOAD_MB * 1_000_000:
+        number += 1
+        angle, radius = number * 0.05, 20 + 20 * math.sin(number * 0.001)
+        x, y = 100 + radius * math.cos(angle), 100 + radius * math.sin(angle)
+        line = f"G1 X{x:.3f} Y{y:.3f} E0.03000\n"
+        if number % 5000 == 0:
+            line += (
+                f";LAYER:{number // 5000}\nM106 S{number // 5000 % 255}\nG1 Z{number / 25000:.2f}\n"
+            )
+        lines.append(line)
+        size += len(line)
+    return "".join(lines).encode()
+
+
+def upload(place: str, data: bytes) -> None:
+    """Uploads a file, and waits until it is planned."""
+    client = passo.Client(place)
+    client.files.upload(data, path="long.gcode")
+    while client.files.metadata(path="long.gcode").state == "pending":
+        time.sleep(PACE_S)
+
+
+async def while_planning(web: str) -> None:
+    """Measures statuses while a long file is uploaded and planned."""
+    data = long_file()
+    start = time.perf_counter()
+    work = asyncio.create_task(asyncio.to_thread(upload, web, data))
+    shown("status, while a file is planned", await statuses(web, lambda: not work.done()))
+    await work
+    print(f"{len(data) / 1e6:.0f} MB planned {time.perf_counter() - start:.1f} s after the start")
 
 
 def waited_s(pid: int) -> float:
@@ -115,7 +161,7 @@ async def measure(web: str, port: int, pid: int) -> None:
     await client.job.start("part.gcode")
     await asyncio.sleep(1)
     shown("ok, no web clients", await oks(port))
-    shown("status, no web clients", await statuses(web))
+    shown("status, no web clients", await statuses(web, for_a_while()))
     print(await link_report(port), flush=True)
     for count in CLIENTS:
         # In a process of their own: what these clients do is not what is measured.
@@ -123,10 +169,11 @@ async def measure(web: str, port: int, pid: int) -> None:
         await asyncio.sleep(5)
         before_s = waited_s(pid)
         shown(f"ok, {count} idle and {count // 10} active", await oks(port))
-        shown(f"status, {count} idle and {count // 10} active", await statuses(web))
+        shown(f"status, {count} idle and {count // 10} active", await statuses(web, for_a_while()))
         print(await link_report(port), flush=True)
         print(f"waited {waited_s(pid) - before_s:.2f} s of {2 * SECONDS:.0f} s", flush=True)
         load.wait()
+    await while_planning(web)
     status = (await client.status.get()).status
     print(f"state {status.state.name}, faults {len(status.faults)}")
 

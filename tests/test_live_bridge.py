@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 import passo
-from passo.errors import CardError, CommandError, InputError, PassoError
+from passo.errors import CardError, CommandError, PassoError
 from passo.live_bridge import LiveBridge
 from passo.printer.status import PrinterState
 from passo.web.answers import status_of
@@ -249,12 +249,14 @@ def test_many_scripts_make_no_more_snapshots_than_ticks(tmp_path):
 
 def test_an_estimate_is_that_of_passo_estimate(tmp_path):
     async def test(bridge: LiveBridge, _):
-        found = await bridge.estimate("/part.gcode")
+        paths = []
+        found = await bridge.verdict("/part.gcode", paths.append)
         wanted = passo.Machine.load("i3").estimate(tmp_path / "part.gcode")
-        assert replace(found, file=wanted.file) == wanted
+        assert replace(found.estimate, file=wanted.file) == wanted
+        assert [path[:8] for path in paths] == [b"PASSOTP1"]
         (tmp_path / "far.gcode").write_text("G28\nG1 X900\n")
-        with pytest.raises(InputError, match=r"far\.gcode:2: X"):
-            await bridge.estimate("/far.gcode")
+        (problem,) = (await bridge.verdict("/far.gcode")).problems
+        assert str(problem).startswith("far.gcode:2: X")
 
     bridged(test, tmp_path)
 
@@ -264,7 +266,7 @@ def test_a_file_may_go_while_it_is_planned(tmp_path):
     (tmp_path / "long.gcode").write_text("G28\n" + "G1 X10\nG1 X20 ; and back\n" * 200_000)
 
     async def test(bridge: LiveBridge, _):
-        estimate = asyncio.ensure_future(bridge.estimate("/long.gcode"))
+        estimate = asyncio.ensure_future(bridge.verdict("/long.gcode"))
         while not estimate.done():
             await asyncio.sleep(0.001)
             if (tmp_path / "long.gcode").exists():

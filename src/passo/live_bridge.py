@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import threading
 import time
 from collections.abc import Callable, Collection, Coroutine, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
-from io import BufferedReader, BytesIO, RawIOBase
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar, cast
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from passo.board.fault_injection import NO_FAULT
 from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
-from passo.errors import CommandError, ConfigError, InputError, PassoError
+from passo.errors import CommandError, ConfigError, PassoError
 from passo.gcode.command import forced
 from passo.gcode.line_protocol import uncommented
 from passo.gcode.registry import When, row_of, table
-from passo.job.batch.policy import Policy
-from passo.job.batch.verdict import Verdict, fitting, shipped_printers, verdict
-from passo.learn.explain import explain
+from passo.planning import Planning
+from passo.planning_work import find_explanation, find_fitting, find_verdict
 from passo.web.bridge import BedState, PastPrint, SettingValue, SimulatedPart, Snapshot
 
 if TYPE_CHECKING:
@@ -36,15 +30,15 @@ if TYPE_CHECKING:
     from passo.console.observer import Observer
     from passo.events import Event
     from passo.gcode.registry import Declaration
+    from passo.job.batch.verdict import Verdict
     from passo.learn.explanation import Explanation
+    from passo.planning import Work
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import PrinterState, Queue, QueuedPrint
     from passo.printer.unfit_commands import Skips
     from passo.web.bridge import Hearer, Listener
 
 _T = TypeVar("_T")
-_PIECE = 1 << 20  # bytes of a file read at once for planning
-_NICE = 10  # of the thread that plans
 TICK_S = 0.25  # between two snapshots, of host time, or of print time if that is faster
 
 
@@ -67,7 +61,8 @@ class LiveBridge:
         self._overtaking = Client(self._printer)
         self._turn = asyncio.Lock()  # scripts run one after the other
         self._listeners: dict[asyncio.AbstractEventLoop, list[Listener]] = {}
-        self._planner = ThreadPoolExecutor(1, "estimate", _be_modest)
+        self._planner = ThreadPoolExecutor(1, "plan")  # waits for the process that plans
+        self._plannings: set[Planning[Any]] = set()
         self._line_listeners: list[
             tuple[asyncio.AbstractEventLoop, Callable[[ConsoleLine], None]]
         ] = []  # changed in the printer's loop
@@ -86,6 +81,8 @@ class LiveBridge:
         for client in (self._scripts, self._overtaking):
             client.close()
         self._planner.shutdown(wait=False, cancel_futures=True)
+        for planning in list(self._plannings):
+            planning.end()
 
     def fail_all(self, error: BaseException) -> None:
         """Ends all open calls: the printer has ended, and no command is answered any more."""
@@ -383,85 +380,49 @@ class LiveBridge:
 
     async def verdict(self, path: str, take_path: Callable[[bytes], None] | None = None) -> Verdict:
         """Like `Bridge.verdict`."""
-        machine, skips = self.machine, self.skips
-        return await self._planned(
-            path, lambda source, size, name: verdict(machine, source, size, name, skips, take_path)
-        )
+        work = partial(find_verdict, self.machine, self.skips, _name(path))
+        return await self._planned(work, path, take_path)
 
     async def fitting_machines(self, path: str, most: int) -> list[str]:
         """Like `Bridge.fitting_machines`."""
-        others = (m for m in shipped_printers() if m.name != self.machine.name)
         return await self._planned(
-            path, lambda source, size, name: fitting(others, source, size, name, most)
+            partial(find_fitting, self.machine.name, most, _name(path)), path
         )
-
-    async def _planned(self, path: str, plan: Callable[[BinaryIO, int, str], _T]) -> _T:
-        source = await asyncio.to_thread(Unheld, await self.card(), path)
-
-        def work() -> _T:
-            with BufferedReader(source, _PIECE) as buffered:
-                return plan(cast("BinaryIO", buffered), source.size, path.rpartition("/")[2])
-
-        begun = self._planner.submit(work)
-        try:
-            return await asyncio.wrap_future(begun)
-        finally:
-            source.close()  # ends the plan, if the caller was cancelled
 
     async def explain(self, path: str, line: int) -> Explanation:
         """Like `Bridge.explain`."""
-        source = await asyncio.to_thread(Unheld, await self.card(), path)
-        try:
-            return await self._explained(source, path.rpartition("/")[2], line)
-        finally:
-            source.close()
+        return await self._planned(partial(find_explanation, self.machine, _name(path), line), path)
 
     async def explain_line(self, line: str, *, before: str = "", after: str = "") -> Explanation:
         """Like `Bridge.explain_line`."""
         lines = [*before.splitlines(), line, *after.splitlines()]
+        text = "\n".join(lines).encode()
         number = len(before.splitlines()) + 1
-        return await self._explained(BytesIO("\n".join(lines).encode()), "line.gcode", number)
+        work = partial(find_explanation, self.machine, "line.gcode", number)
+        return await self._plan(Planning(work, BytesIO(text), len(text)))
 
-    async def _explained(self, source: RawIOBase | BytesIO, name: str, line: int) -> Explanation:
-        ended = threading.Event()
-        work = self._planner.submit(_explain, self.machine, source, name, line, ended)
+    async def _planned(
+        self, work: Work[_T], path: str, take_path: Callable[[bytes], None] | None = None
+    ) -> _T:
+        source = await asyncio.to_thread(Unheld, await self.card(), path)
+        return await self._plan(Planning(work, source, source.size, take_path))
+
+    async def _plan(self, planning: Planning[_T]) -> _T:
+        self._plannings.add(planning)
+        begun = self._planner.submit(planning.run)
         try:
-            return await asyncio.wrap_future(work)
+            return await asyncio.wrap_future(begun)
         finally:
-            ended.set()
+            self._plannings.discard(planning)
+            planning.end()
 
 
 def _does(snapshot: Snapshot) -> tuple[PrinterState, bool]:
     return snapshot.status.state, snapshot.status.job is None
 
 
-def _explain(
-    machine: MachineConfig,
-    source: RawIOBase | BytesIO,
-    name: str,
-    line: int,
-    ended: threading.Event,
-) -> Explanation:
-    with TemporaryDirectory(prefix="passo-") as folder:
-        path = Path(folder, "file.gcode")  # `name` may be too long for this disk
-        try:
-            with path.open("wb") as copied:
-                while not ended.is_set() and (piece := source.read(_PIECE)):
-                    copied.write(piece)
-        except OSError as error:
-            why = error.strerror or str(error)
-            raise InputError.of("output.unwritable", folder, value=why) from None
-        try:
-            told = explain(machine, path, line, Policy(), ended=ended.is_set)
-        except PassoError as error:
-            problems = [replace(p, file=name if p.file else "") for p in error.problems]
-            raise type(error)(problems) from None
-        return replace(told, place=f"{name}:{line}")
-
-
-def _be_modest() -> None:
-    """Lowers the priority of this thread only; Linux allows that."""
-    os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICE)
+def _name(path: str) -> str:
+    return path.rpartition("/")[2]
 
 
 def _acts_at_once(line: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
@@ -71,21 +71,19 @@ def explain(
     path: str | os.PathLike[str],
     line: int,
     policy: Policy,
-    *,
-    ended: Callable[[], bool] = lambda: False,
 ) -> Explanation:
     """Prints the file on the simulated board until one line is done, and explains that line. An
-    error in a later line, or `ended` returning True, ends the print early. Raises InputError (no
-    such line, or an error in the file before it) or MachineError.
+    error in a later line ends the print early. Raises InputError (no such line, or an error in the
+    file before it) or MachineError.
     """
     text = _line(path, line)
     try:
-        job, seen = _printed(machine, path, line, policy, ended)
+        job, seen = _printed(machine, path, line, policy)
     except PassoError as error:
         bad = error.problems[0].line
         if bad is None or bad <= line:
             raise
-        job, seen = _printed(machine, path, line, policy, ended, bad)
+        job, seen = _printed(machine, path, line, policy, bad)
     number, checked, heard = job.job.heard
     told = Explanation(
         place=f"{path}:{line}",
@@ -124,7 +122,6 @@ def _printed(
     path: str | os.PathLike[str],
     line: int,
     policy: Policy,
-    ended: Callable[[], bool],
     end: int | None = None,
 ) -> tuple[Print, _Seen]:
     """Prints the file, or its lines before `end`; returns the print and the moves of the line."""
@@ -134,8 +131,6 @@ def _printed(
     job.job.listen(line)
 
     def look() -> None:
-        if ended():
-            raise _EnoughError
         seen.take(job.job.take_moves(), line, jumps=job.job.calls)
         if not seen.moves:  # the board has not reached the line yet
             for stepper in job.connection.board.steppers:

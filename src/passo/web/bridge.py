@@ -266,7 +266,7 @@ class Bridge(Protocol):
     async def verdict(self, path: str, take_path: Callable[[bytes], None] | None = None) -> Verdict:
         """Plans a file of the card by the rules of the print; `take_path` is called in the planning
         thread with the planned path, see job/batch/toolpath.py. This takes seconds for a long file,
-        in a thread of low priority. Plans run one after the other; a cancelled one ends. Raises
+        in a process of low priority. Plans run one after the other; a cancelled one ends. Raises
         CardError for a file that cannot be read."""
         ...
 

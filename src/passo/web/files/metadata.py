@@ -81,7 +81,7 @@ class Metadata(Struct):
 
 class MetadataReader:
     """Reads the facts about the files of one printer. Use it in the web's event loop. Plans are
-    computed one after the other, in a thread of low priority."""
+    computed one after the other, in a process of low priority."""
 
     def __init__(self, bridge: Bridge, folder: Path | None) -> None:
         self._bridge = bridge
