@@ -96,7 +96,9 @@ inline size_t closing_quote(std::string_view text, size_t at) {
 }
 
 // Comments in parentheses become blanks, text after ';' is dropped. `comment` is the text after
-// ';'. Text in quotes is not a comment in the parameters of an extended command.
+// ';'. Text in quotes is not a comment in the parameters of an extended command, nor directly after
+// a letter (P"ei(v_tol=0.02)"). A parenthesis within a value of an extended command
+// (SHAPER_TYPE=ei(v_tol=0.02)) is not one either.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();
   const bool named = has_name(text);
@@ -109,12 +111,20 @@ inline void strip_comments(std::string& text, std::string& comment) {
         continue;
       }
     }
+    if (!named && depth == 0 && i > 0 && text[i] == '"' && std::isalpha(uint8_t(text[i - 1]))) {
+      const size_t close = text.find('"', i + 1);
+      if (close != std::string::npos) {
+        i = close;
+        continue;
+      }
+    }
     if (text[i] == ';' && depth == 0) {
       comment = text.substr(i + 1);
       text.resize(i);
       break;
     }
-    if (text[i] == '(') ++depth;
+    const bool within_value = named && depth == 0 && i > 0 && !std::isspace(uint8_t(text[i - 1]));
+    if (text[i] == '(' && !within_value) ++depth;
     bool hide = depth > 0;
     if (text[i] == ')' && depth > 0) --depth;
     if (hide) text[i] = ' ';

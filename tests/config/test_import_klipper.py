@@ -277,12 +277,12 @@ def test_extruder_limits_follow_from_nozzle_and_filament(load) -> None:
 
 def test_shapers_and_pressure_advance(load) -> None:
     shaper = "[input_shaper]\nshaper_freq_x: 52\nshaper_type: ei\nshaper_freq_y: 40\n"
-    shaper += "shaper_type_y: ZV\ndamping_ratio_y: 0.05\n"
+    shaper += "shaper_type_y: EI(v_tol=0.02)\ndamping_ratio_y: 0.05\n"
     advance = ("pressure_advance: 0.06\npressure_advance_smooth_time: 0.03\n", "nozzle_diameter")
     _, machine = load((advance[1], "".join(advance)), more=shaper)
     x, y = machine.shaping["x"], machine.shaping["y"]
     assert (x.type, x.frequency_hz) == ("ei", 52)
-    assert (y.type, y.frequency_hz, y.damping) == ("zv", 40, 0.05)
+    assert (y.type, y.frequency_hz, y.damping) == ("ei(v_tol=0.02)", 40, 0.05)
     assert "z" not in machine.shaping
     assert machine.extruders["e"].advance_s == 0.06
     assert machine.extruders["e"].advance_smooth_s == 0.03

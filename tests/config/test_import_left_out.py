@@ -188,12 +188,6 @@ def test_settings_are_commands_of_the_report(load) -> None:
     assert (levelling.margin_mm, levelling.reference) == (8, [110, 120])
 
 
-def test_tolerance_of_a_shaper_is_reported(load) -> None:
-    draft, machine = load(more="[input_shaper]\nshaper_freq_x: 50\nshaper_type: EI(v_tol=0.08)\n")
-    assert machine.shaping["x"].type == "ei"
-    assert "v_tol=0.08 is left out" in "\n".join(remarks(draft, "changed"))
-
-
 def test_constants_of_kalico_are_filled_in(load) -> None:
     constant = "[constants]\nhot: 245\nmost: ${constants.hot}\n"
     _, machine = load(("max_temp: 250", "max_temp: ${constants.most}"), more=constant)

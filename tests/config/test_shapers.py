@@ -8,7 +8,7 @@ from tests.oracles.filters import residual
 from passo import config
 from passo.config.load import shipped_text
 from passo.config.notes import notes
-from passo.config.shapers import SHAPER_TYPES, impulses
+from passo.config.shapers import SHAPER_TYPES, impulses, shaper_form
 from passo.errors import ConfigError
 
 # At 50 Hz and a damping ratio of 0.1: weights, times in ms, their mean, and what is left of the
@@ -65,6 +65,50 @@ def test_impulses_are_those_of_the_tables(kind):
         assert residual(found, frequency, 0.1) * 100 == pytest.approx(percent, abs=2e-3)
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize("tolerance", [0.02, 0.05, 0.1, 0.2])
+def test_ei_leaves_its_tolerance_at_its_frequency(tolerance, damping):
+    """And at most that within the width of the shaper, as Singhose's extra-insensitive shapers."""
+    form = f"ei(v_tol={tolerance})"
+    found = impulses(form, 50.0, damping)
+    assert sum(a for a, _ in found) == 1
+    assert residual(found, 50.0, damping) == pytest.approx(tolerance, rel=0.08)
+    near = [residual(found, 50.0 * (1 + i / 100), damping) for i in range(-5, 6)]
+    assert max(near) == pytest.approx(tolerance, rel=0.08)
+    if damping == 0:
+        weights = [(1 + tolerance) / 4, (1 - tolerance) / 2, (1 + tolerance) / 4]
+        assert [a for a, _ in found] == pytest.approx(weights, abs=7e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "form"),
+    [
+        ("EI(v_tol=0.02)", "ei(v_tol=0.02)"),
+        ("ei ( v_tol = .1 )", "ei(v_tol=0.1)"),
+        ("ei(0.02)", "ei(v_tol=0.02)"),
+        ("ei(v_tol=0.05)", "ei"),
+        ("MZV", "mzv"),
+        ("ei(v_tol=0.3)", None),
+        ("ei(v_tol=0)", None),
+        ("ei(v_tol=-0.1)", None),
+        ("zv(v_tol=0.02)", None),
+        ("mzv(n=4,t=1.0)", None),
+    ],
+)
+def test_forms_of_types_are_shortened(text, form):
+    if form is not None:
+        assert shaper_form(text) == form
+        return
+    with pytest.raises(ValueError, match=r"at most 0\.2"):
+        shaper_form(text)
+
+
+def test_machine_file_has_the_tolerance_of_ei():
+    table = '\n[shaping.x]\ntype = "ei(v_tol=0.02)"\nfrequency_hz = 40.0\n'
+    machine = config.load_text(f"{shipped_text('i3')}{table}")
+    assert machine.shaping["x"].type == "ei(v_tol=0.02)"
+
+
 @pytest.mark.parametrize(
     ("keys", "reason"),
     [
@@ -96,6 +140,8 @@ def test_weights_and_times_are_the_same_on_every_computer(kind):
         ('type = "ei"\nfrequency_hz = 40.0\ndamping = 0.5', "at most 0.4 for the type ei"),
         ("frequency_hz = 5.0", "15"),
         ('type = "square"\nfrequency_hz = 40.0', "zvd"),
+        ('type = "ei(v_tol=0.21)"\nfrequency_hz = 40.0', "at most 0.2"),
+        ('type = "ei(v_tol=0.0)"\nfrequency_hz = 40.0', "at most 0.2"),
     ],
 )
 def test_machine_file_with_an_impossible_shaper_is_refused(tmp_path, table, reason):

@@ -58,6 +58,12 @@ def test_commands_set_shapers_of_axes():
             "SET_INPUT_SHAPER SHAPER_FREQ_Y=40 SHAPER_TYPE_Y=ei DAMPING_RATIO_Y=0.2",
             OFF.format("Z"),
         ]
+        assert s.host.ok("SET_INPUT_SHAPER SHAPER_TYPE_X=EI(v_tol=.02) ; a comment") == ["ok"]
+        assert s.host.ok('M593 Y P"ei(v_tol=0.1)" (a comment)') == ["ok"]
+        assert s.host.ok("M593")[:2] == [
+            "SET_INPUT_SHAPER SHAPER_FREQ_X=55 SHAPER_TYPE_X=ei(v_tol=0.02) DAMPING_RATIO_X=0.1",
+            "SET_INPUT_SHAPER SHAPER_FREQ_Y=40 SHAPER_TYPE_Y=ei(v_tol=0.1) DAMPING_RATIO_Y=0.2",
+        ]
         s.host.ok("M593 F0")
         assert all("_X=0 " in line or "_Y=0 " in line for line in s.host.ok("M593")[:2])
 
@@ -101,7 +107,7 @@ REFUSED = {
     "SET_JERK_LIMIT JERK=100": "JERK is 100: expected 0 (no limit), or 40000 to 1e+09 mm/s³",
     "SET_JERK_LIMIT JERK=nan": "JERK is nan: expected a number",
     "M593 F10": "frequency is 10: expected 0 (off), or 15 to 500 Hz",
-    'M593 X F40 P"nope"': "type is nope: expected zv, mzv, zvd, ei, 2hump_ei, 3hump_ei",
+    'M593 X F40 P"nope"': "type is nope: expected zv, mzv, zvd, ei, 2hump_ei, 3hump_ei, or ei(v",
     'M593 X F40 D0.35 P"3hump_ei"': "damping ratio is 0.35: expected 0 to 0.2 for the type 3hump",
     "M900 K-1": "K is -1: expected 0 to 10 s",
     "M900 K30": "M900: K30 is of Linear Advance 1.0 and has no effect",

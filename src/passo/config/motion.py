@@ -13,7 +13,6 @@ from passo.config.shapers import (
     DEFAULT_TYPE,
     MAX_HZ,
     MIN_HZ,
-    ShaperType,
 )
 from passo.config.trinamic import Tmc
 from passo.config.types import (
@@ -29,6 +28,7 @@ from passo.config.types import (
     Position,
     Positive,
     Scale,
+    ShaperForm,
     Speed,
 )
 
@@ -109,8 +109,10 @@ class Extruder(Model):
 class Shaping(Model):
     """The input shaper of an axis, which cancels vibration of the moved parts (M593)."""
 
-    type: ShaperType = DEFAULT_TYPE
-    """The type: a longer one tolerates a wrong frequency better, and rounds corners more."""
+    type: ShaperForm = DEFAULT_TYPE
+    """The type: zv, mzv, zvd, ei, 2hump_ei or 3hump_ei. A longer one tolerates a wrong frequency
+    better, and rounds corners more. `ei(v_tol=0.02)` is ei with at most this fraction of vibration
+    at its frequency, 0.05 if it is not given, as in Klipper."""
     frequency_hz: Annotated[float, Field(ge=MIN_HZ, le=MAX_HZ)]
     """The frequency of the vibration."""
     damping: Damping = DEFAULT_DAMPING

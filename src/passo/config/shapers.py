@@ -1,12 +1,13 @@
 """Input shapers: the impulses of each type for a frequency and a damping ratio.
 
 Formulas: zv and zvd (Singer and Seering, 1990); mzv, ei, 2hump_ei and 3hump_ei as Klipper defines
-them (Klipper's documentation of resonance compensation; ei by a fit of the vibration tolerance
-0.05, the hump types by cubics of the damping ratio).
+them (Klipper's documentation of resonance compensation; ei by a fit for a vibration tolerance, 0.05
+by default, the hump types by cubics of the damping ratio).
 """
 
 from __future__ import annotations
 
+import re
 from itertools import accumulate
 from math import exp, pi, sqrt
 from typing import Literal, get_args
@@ -14,7 +15,7 @@ from typing import Literal, get_args
 ShaperType = Literal["zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei"]
 SHAPER_TYPES: tuple[ShaperType, ...] = get_args(ShaperType)
 MIN_HZ, MAX_HZ = 15.0, 500.0
-MAX_DAMPING: dict[ShaperType, float] = {
+_MAX_DAMPING: dict[ShaperType, float] = {
     "zv": 0.99,
     "mzv": 0.99,
     "zvd": 0.99,
@@ -24,7 +25,13 @@ MAX_DAMPING: dict[ShaperType, float] = {
 }
 DEFAULT_TYPE: ShaperType = "mzv"
 DEFAULT_DAMPING = 0.1
-_TOLERANCE = 0.05  # residual vibration of `ei` at its frequency
+DEFAULT_TOLERANCE = 0.05  # residual vibration of `ei` at its frequency
+MAX_TOLERANCE = 0.2  # above it the fit of `ei` is off by more than 5 %
+SHAPER_FORMS = f"{', '.join(SHAPER_TYPES)}, or ei(v_tol=0.02) with at most {MAX_TOLERANCE:g}"
+SHAPER_PATTERN = (  # forms as machine files write them
+    rf"^(?:{'|'.join(SHAPER_TYPES)}|ei\(v_tol=0?\.(?:0\d*[1-9]\d*|1\d*|20*)\))$"
+)
+_WITH_TOLERANCE = re.compile(r"ei\s*\(\s*(?:v_tol\s*=\s*)?(\d*\.?\d+|\d+\.)\s*\)")
 
 Impulses = list[tuple[float, float]]
 _Cubic = tuple[float, float, float, float]  # by powers of the damping ratio, the lowest first
@@ -62,10 +69,36 @@ _HUMPS: dict[ShaperType, tuple[tuple[_Cubic, ...], tuple[_Cubic, ...]]] = {
 }
 
 
-def impulses(kind: ShaperType, frequency_hz: float, damping: float) -> Impulses:
+def shaper_form(text: str) -> str:
+    """A type in its shortest form: one of SHAPER_TYPES, or `ei(v_tol=0.02)` with the residual
+    vibration at the frequency of the shaper, as Klipper writes it. Raises ValueError."""
+    kind, tolerance = split_form(text)
+    return kind if tolerance == DEFAULT_TOLERANCE else f"{kind}(v_tol={tolerance:g})"
+
+
+def split_form(text: str) -> tuple[ShaperType, float]:
+    """The type of a form, and its residual vibration. Raises ValueError."""
+    lower = text.strip().lower()
+    for kind in SHAPER_TYPES:
+        if lower == kind:
+            return kind, DEFAULT_TOLERANCE
+    match = _WITH_TOLERANCE.fullmatch(lower)
+    tolerance = float(match[1]) if match else 0.0
+    if not 0 < tolerance <= MAX_TOLERANCE:
+        raise ValueError(f"expected {SHAPER_FORMS}")
+    return "ei", tolerance
+
+
+def max_damping(form: str) -> float:
+    """The largest damping ratio that this form allows."""
+    return _MAX_DAMPING[split_form(form)[0]]
+
+
+def impulses(form: str, frequency_hz: float, damping: float) -> Impulses:
     """The impulses as (weight, seconds from the first one). The weights add up to 1. Weights are
     rounded to 2^-40 and times to 1 ns, so that they are the same on every computer. `damping` is at
-    most that of MAX_DAMPING."""
+    most `max_damping`. Raises ValueError for an unknown form."""
+    kind, tolerance = split_form(form)
     root = sqrt(1 - damping * damping)
     cycle = 1 / (frequency_hz * root)  # s, of the damped vibration
     decay = exp(-damping * pi / root)  # over half of it
@@ -79,7 +112,7 @@ def impulses(kind: ShaperType, frequency_hz: float, damping: float) -> Impulses:
         weights = [half, (sqrt(2) - 1) * k, half * k * k]
         times = [0.0, 0.375 * cycle, 0.75 * cycle]
     elif kind == "ei":
-        weights, times = _ei(damping, cycle)
+        weights, times = _ei(damping, cycle, tolerance)
     else:
         of_weight, of_time = _HUMPS[kind]
         weights = [_cubic(c, damping) for c in of_weight]
@@ -90,8 +123,8 @@ def impulses(kind: ShaperType, frequency_hz: float, damping: float) -> Impulses:
     return list(zip(rounded, (round(t * 1e9) / 1e9 for t in times), strict=True))
 
 
-def _ei(damping: float, cycle: float) -> tuple[list[float], list[float]]:
-    v, z = _TOLERANCE, damping
+def _ei(damping: float, cycle: float, tolerance: float) -> tuple[list[float], list[float]]:
+    v, z = tolerance, damping
     first = 0.24968 + 0.24961 * v + ((0.80008 + 1.23328 * v) + (0.49599 + 3.17316 * v) * z) * z
     third = 0.25149 + 0.21474 * v + ((-0.83249 + 1.41498 * v) + (0.85181 - 4.90094 * v) * z) * z
     middle = 0.4999 + z * v * (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.findings import Finding
 from passo.config.jerk import least_jerk
-from passo.config.shapers import MAX_DAMPING
+from passo.config.shapers import max_damping
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -17,7 +17,7 @@ def check_shaping(machine: MachineConfig) -> Iterator[Finding]:
     """Checks that the type allows the damping ratio, that the limit of jerk is not too low, and
     that the machine has no laser whose power follows the motion."""
     for name, shaping in machine.shaping.items():
-        most = MAX_DAMPING[shaping.type]
+        most = max_damping(shaping.type)
         if shaping.damping > most:
             limit = f"at most {most:g} for the type {shaping.type}"
             yield Finding("config.value", ("shaping", name, "damping"), shaping.damping, limit)

@@ -6,6 +6,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from passo.config.shapers import SHAPER_FORMS, SHAPER_PATTERN
+
 
 class Model(BaseModel):
     """A table of a machine file: strict types, no unknown keys, no change after loading."""
@@ -30,8 +32,9 @@ PATTERNS = {
     r"^([A-Za-z_][A-Za-z_][A-Za-z0-9_.]*|[GMTgmt](0|[1-9][0-9]{0,4})(\.[1-9])?)$": "a command, such"
     " as START_PRINT, M600 or T0",
     r"^[a-z_][a-z0-9_]*$": "a name of lower-case letters, digits and _",
+    SHAPER_PATTERN: f"one of {SHAPER_FORMS}",
 }
-NAME, PART_NAME, PIN, LETTER, AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE = PATTERNS
+NAME, PART_NAME, PIN, LETTER, AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE, SHAPER = PATTERNS
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -49,6 +52,7 @@ PartName = Annotated[str, Field(pattern=PART_NAME)]
 """The name of a part. It keeps its case; commands find it in any case."""
 Pin = Annotated[str, Field(pattern=PIN)]
 Letter = Annotated[str, Field(pattern=LETTER)]
+ShaperForm = Annotated[str, Field(pattern=SHAPER)]
 AxisName = Annotated[str, Field(pattern=AXIS)]
 ShapedAxis = Annotated[str, Field(pattern=SHAPED)]
 ExtruderName = Annotated[str, Field(pattern=EXTRUDER)]

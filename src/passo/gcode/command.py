@@ -14,7 +14,7 @@ from passo.gcode.stray import stray_of
 
 # KEY=VALUE is not G-code, so the lexer does not split it into words.
 _PAIR = re.compile(
-    r"([^\s=]+)(?:\s*=\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=]+\s*=)\S+)?)?", re.DOTALL
+    r"([^\s=]+)(?:\s*=\s*(\"(?:\\.|[^\"\\])*\"|'[^']*'|(?![^\s=(]+\s*=)\S+)?)?", re.DOTALL
 )
 _QUOTED = re.compile(r"\\(.)", re.DOTALL)
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")

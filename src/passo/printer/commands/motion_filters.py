@@ -15,12 +15,12 @@ from passo.config.motion import MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S
 from passo.config.shapers import (
     DEFAULT_DAMPING,
     DEFAULT_TYPE,
-    MAX_DAMPING,
     MAX_HZ,
     MIN_HZ,
-    SHAPER_TYPES,
-    ShaperType,
+    SHAPER_FORMS,
     impulses,
+    max_damping,
+    shaper_form,
 )
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
@@ -43,7 +43,7 @@ _FREQUENCIES = f"0 (off), or {MIN_HZ:g} to {MAX_HZ:g} Hz"
 class Shaper:
     """The shaper of one axis; with 0 Hz the axis is not shaped."""
 
-    kind: ShaperType = DEFAULT_TYPE
+    kind: str = DEFAULT_TYPE
     frequency_hz: float = 0.0
     damping: float = DEFAULT_DAMPING
 
@@ -73,7 +73,7 @@ class MotionFilters:
         When.PLANNED,
         'X Y Z F(Hz) D S P"type"',
         "Sets the input shaper of axes, X and Y if none is named: the frequency (F0: none), the"
-        " damping ratio (D or S) and the type (" + ", ".join(SHAPER_TYPES) + "). The machine stops"
+        f" damping ratio (D or S) and the type ({SHAPER_FORMS}). The machine stops"
         " for a change.",
         bare="XYZP",
     )
@@ -360,20 +360,19 @@ def _shaper(
 ) -> Shaper:
     """A copy of the shaper with these values; None keeps a value. Raises CommandError."""
     if kind is not None:
-        name = kind.lower()
-        if name not in SHAPER_TYPES:
-            limit = ", ".join(SHAPER_TYPES)
+        try:
+            old = replace(old, kind=shaper_form(kind))
+        except ValueError:
             raise CommandError.of(
-                "command.value", axis="type", value=kind or "missing", limit=limit
-            )
-        old = replace(old, kind=name)
+                "command.value", axis="type", value=kind or "missing", limit=SHAPER_FORMS
+            ) from None
     if frequency_hz is not None:
         if frequency_hz != 0:
             _within("frequency", frequency_hz, MIN_HZ, MAX_HZ, _FREQUENCIES)
         old = replace(old, frequency_hz=frequency_hz)
     if damping is not None:
         old = replace(old, damping=damping)
-    most = MAX_DAMPING[old.kind]
+    most = max_damping(old.kind)
     _within("damping ratio", old.damping, 0.0, most, f"0 to {most:g} for the type {old.kind}")
     return old
 

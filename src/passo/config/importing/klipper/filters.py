@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
 from passo.config.importing.klipper.cfg import Section
-from passo.config.shapers import SHAPER_TYPES
+from passo.config.shapers import SHAPER_FORMS, shaper_form
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.klipper.conversion import Import
-
-_WITH_TOLERANCE = re.compile(r"(\w+)\s*\(\s*v_tol\s*=\s*([\d.]+)\s*\)")
 
 
 def put_shapers(job: Import) -> None:
@@ -32,26 +29,19 @@ def _put_shapers(job: Import, section: Section) -> None:
         option = (
             f"shaper_type_{axis}" if f"shaper_type_{axis}" in section.options else "shaper_type"
         )
-        kind, tolerance = _type(section.text(f"shaper_type_{axis}", common).lower())
+        kind = section.text(f"shaper_type_{axis}", common).lower()
         damping = section.number(f"damping_ratio_{axis}")
         if not frequency:
             continue
-        if kind not in SHAPER_TYPES:
-            limit = f"one of {', '.join(SHAPER_TYPES)}"
-            raise bad(section.at(option), f"{option} in [{section.name}]", kind, limit)
-        if tolerance:
-            text = f"v_tol={tolerance} is left out: {kind} leaves 5 % of the vibration"
-            job.draft.changed(section.at(option), f"[{section.name}] {option}", text)
+        try:
+            form = shaper_form(kind)
+        except ValueError:
+            name = f"{option} in [{section.name}]"
+            raise bad(section.at(option), name, kind, SHAPER_FORMS) from None
         path = ("shaping", axis)
-        put((*path, "type"), kind, section.at(option))
+        put((*path, "type"), form, section.at(option))
         put((*path, "frequency_hz"), frequency, section.at(f"shaper_freq_{axis}"))
         put((*path, "damping"), damping, section.at(f"damping_ratio_{axis}"))
-
-
-def _type(written: str) -> tuple[str, str]:
-    """The type of a shaper, and the tolerance in `ei(v_tol=0.08)`, which may be empty."""
-    found = _WITH_TOLERANCE.fullmatch(written)
-    return (found[1], found[2]) if found else (written, "")
 
 
 def put_advance(job: Import, section: Section, path: KeyPath) -> None:
