@@ -92,10 +92,6 @@ def test_a_path_from_the_root_is_one_wherever_names_count_from(s, tmp_path):
         assert s.host.ok("M29")[0] == "Done saving file."
     found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.g"))
     assert found == ["old.g", "parts/here.g", "top.g", "two.g"]
-    (tmp_path / "parts" / "f").mkdir()
-    s.host.ok("M28 F/in.g")
-    s.host.ok("M29")
-    assert (tmp_path / "parts" / "f" / "in.g").exists()
 
 
 def test_m932_and_m933_act_while_a_file_is_written(s, tmp_path):

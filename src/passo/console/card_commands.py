@@ -84,16 +84,16 @@ class CardCommands:
     def _place(self, name: str) -> str:
         return str(self._directory / name)
 
-    def _existing(self, text: str, letter: str = "F") -> str:
-        """The path that a command names. The whole text is tried first, and then the text after
-        `letter`."""
+    def _existing(self, text: str) -> str:
+        """The path that a command names. The whole text is tried first, and then the text after a
+        capital F."""
         name = _unquoted(text)
         if not name:
             raise CommandError.of("card.no-name")
         try:
             self._library.card.find(self._place(name))
         except CardError:
-            inner = unescaped(name[1:]) if letter and name[:1].upper() == letter else ""
+            inner = unescaped(name[1:]) if name[:1] == "F" else ""
             if not inner or not self._library.there(self._place(inner)):
                 raise
             name = inner
@@ -348,19 +348,18 @@ class CardCommands:
             reply.upload = upload
         if not name:
             raise CommandError.of("card.no-name")
-        upload.name = self._new_name(name, strict=reply.strict)
+        upload.name = self._new_name(name)
         path = self._place(upload.name)
         upload.writer = self._library.create(path)
         reply.upload = upload
         reply.say(f"Writing to file: {upload.name}")
 
-    def _new_name(self, name: str, *, strict: bool) -> str:
-        """The name for a new file: the text as written. It is the text after the letter on a strict
-        console, or if the directory of the whole text does not exist."""
-        if name[:1].upper() != "F" or len(name) == 1 or self._library.there(self._place(name)):
+    def _new_name(self, name: str) -> str:
+        """The name for a new file, by the rule of `_existing`: that of a file that is there, else
+        the text after a capital F."""
+        if name[:1] != "F" or len(name) == 1 or self._library.there(self._place(name)):
             return name
-        parent = str(PurePosixPath(self._place(name)).parent)
-        return unescaped(name[1:]) if strict or not self._library.there(parent) else name
+        return unescaped(name[1:])
 
     @command(
         "M29",
@@ -396,12 +395,12 @@ class CardCommands:
             self._printer.commands.ended = True  # in a program, M30 ends it
             return
         try:
-            path = self._existing(text, letter="")  # delete only the named file
+            path = self._existing(text)
             self._library.remove(path)
         except CardError as error:
             reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}", error.problems)
             return
-        reply.say(f"File deleted:{_unquoted(text)}")
+        reply.say(f"File deleted:{path.removeprefix('/')}")
 
     @command(
         "M33",

@@ -146,9 +146,13 @@ def test_the_selected_file_is_reported_wherever_it_is(s):
     assert s.host.ok("M36 square.gcode")[0].startswith("File: square.gcode Short: SQ")
 
 
-def test_no_other_file_than_the_named_one_is_deleted(s, folder):
+def test_one_name_is_one_file_in_every_command(s, folder):
     (folder / "ish.gcode").write_text("G4\n")
-    assert "is not on the card" in s.host.ok("M30 Fish.gcode")[0]
-    assert (folder / "ish.gcode").exists()
-    s.host.ok("M30 ish.gcode")
+    assert "is not on the card" in s.host.ok("M30 fish.gcode")[0]
+    for command in ("M23", "M32", "M36", "M33"):
+        assert "ish.gcode" in s.host.ok(f"{command} Fish.gcode")[0], command
+    s.host.ok("M524")
+    (folder / "Fish.gcode").write_text("G4\n")
+    assert s.host.ok("M30 Fish.gcode") == ["File deleted:Fish.gcode", "ok"]
+    assert s.host.ok("M30 Fish.gcode") == ["File deleted:ish.gcode", "ok"]
     assert not (folder / "ish.gcode").exists()

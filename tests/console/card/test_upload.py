@@ -72,9 +72,10 @@ def test_a_log_is_carried_out_as_well(s, folder):
 
 
 def test_an_upload_has_the_name_that_was_given(s, folder):
-    (folder / "ish.gcode").write_text("G4\n")
+    (folder / "Fold.gcode").write_text("G4\n")
     for name, path in (
-        ("Fish.gcode", "Fish.gcode"),
+        ("Fish.gcode", "ish.gcode"),
+        ("Fold.gcode", "Fold.gcode"),
         ("fish2.gcode", "fish2.gcode"),
         ("F/top.g", "top.g"),
         ("/abs.g", "abs.g"),
@@ -85,7 +86,7 @@ def test_an_upload_has_the_name_that_was_given(s, folder):
         s.host.ok("G1 X1")
         assert s.host.ok("M29")[0] == "Done saving file.", name
         assert (folder / path).read_text() == "G1 X1\n"
-    assert (folder / "ish.gcode").read_text() == "G4\n"
+    assert not (folder / "Fish.gcode").exists()
 
 
 @pytest.mark.parametrize("strict", [True, False])
