@@ -106,3 +106,32 @@ def test_an_emergency_stop_in_a_macro_ends_a_print(tmp_path):
     ) as s:
         printed(s, "a.g")
         assert s.printer.halted
+
+
+def test_a_print_follows_the_delayed_gcode_of_the_start(tmp_path):
+    """Macros keep their settings there. One that fails is a warning; a late one has not run."""
+    path = tmp_path / "a.g"
+    path.write_text("GO\n")
+    starts = {
+        "settings": ("SET_GCODE_VARIABLE MACRO=GO VARIABLE=x VALUE=30", 1),
+        "broken": ("{ printer.nothing.at.all }\\nG1 X99", 2),
+        "unhomed": ("G1 X99\\nSET_GCODE_VARIABLE MACRO=GO VARIABLE=x VALUE=40", 3),
+        "later": ("SET_GCODE_VARIABLE MACRO=GO VARIABLE=x VALUE=50", 3600),
+        "never": ("SET_GCODE_VARIABLE MACRO=GO VARIABLE=x VALUE=60", 0),
+    }
+    delayed = "".join(
+        f'[delayed_gcode.{name}]\ngcode = "{gcode}"\ninitial_duration_s = {after_s}.0\n'
+        for name, (gcode, after_s) in starts.items()
+    )
+    go = macro("GO", "G28\nG1 X{x} F6000", variables="{ x = 10 }")
+    machine = with_macros(go + delayed)
+    whole = Print(machine, Policy(checked=True)).run(path)
+    assert whole.final_position_mm["x"] == 30.0
+    assert [text.split(": ")[1] for text in whole.warnings] == [
+        "delayed_gcode.broken",
+        "delayed_gcode.unhomed",
+    ]
+    with Scenario(machine, card=str(tmp_path)) as s:
+        s.passes(10)
+        printed(s, "a.g")
+        assert s.positions()["x"] == 30

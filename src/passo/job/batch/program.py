@@ -23,6 +23,7 @@ from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves,
 _log = logging.getLogger(__name__)
 
 _MAX_MESSAGES = 1 << 15
+_STARTED_S = 60.0  # a print starts at least this long after its printer
 _OPTIONS = {  # options of the command line, by the field of Skips
     "clamp": "--out-of-range clamp",
     "ignore_tools": "--missing-tool ignore",
@@ -82,8 +83,27 @@ def read_program(
     number. `unsurveyed` are the commands that lines of macros may skip, because the survey does not
     read these lines.
     """
-    status = _core.JobStatus
     source = iter(pieces)
+    for found in _executed(job, commands, name, settle, unsurveyed):
+        if found == _core.JobStatus.NEED_INPUT:
+            data = next(source, b"")
+            if data:
+                job.feed(data)
+            else:
+                job.finish()
+        elif found == _core.JobStatus.END:
+            break
+        yield
+    job.flush()
+    yield
+
+
+def _executed(
+    job: _core.Job, commands: Commands, name: str, settle: Settle, unsurveyed: Skips
+) -> Iterator[_core.JobStatus]:
+    """Executes the commands of the lines that the job has; yields as `read_program`, with the
+    status of the job, also when the job needs more lines. Raises as `read_program`."""
+    status = _core.JobStatus
     while not commands.ended:
         found = job.advance(most=_MAX_MESSAGES)
         if found == status.MACRO:
@@ -103,20 +123,38 @@ def read_program(
                 continue
             if wait is not None:
                 _end(wait, command, commands, settle, name)
-        elif found == status.NEED_INPUT:
-            data = next(source, b"")
-            if data:
-                job.feed(data)
-            else:
-                job.finish()
         elif found == status.ERROR:
             raise InputError([with_option(commands.problem(name))])
-        elif found == status.END:
-            break
-        if found not in (status.EVENT, status.MACRO):
-            yield
-    job.flush()
-    yield
+        else:
+            yield found
+
+
+def start_up(
+    job: _core.Job, commands: Commands, settle: Settle, unsurveyed: Skips = ALL
+) -> Iterator[None]:
+    """Executes the delayed G-code that a printer has carried out soon after its start, before a
+    program: macros often keep their settings there. Yields as `read_program`. As on the printer,
+    an error ends only this G-code, and is a warning."""
+    soon = [
+        (delayed.initial_duration_s, name)
+        for name, delayed in commands.machine.delayed_gcode.items()
+        if 0 < delayed.initial_duration_s <= _STARTED_S
+    ]
+    for _, name in sorted(soon):
+        job.select(True)  # as a console: the modes of the file are its own
+        try:
+            text = commands.macros.delayed(name, commands.status(), _log.info)
+            job.insert(text.encode("utf-8", "surrogateescape"))
+            for found in _executed(job, commands, "", settle, unsurveyed):
+                if found == _core.JobStatus.NEED_INPUT:
+                    break
+                yield
+        except (CommandError, InputError) as error:
+            job.abandon()
+            job.forget_macros()
+            what = f"delayed_gcode.{name}: {error}"
+            commands.omitted.count(SkippedCommand.REFUSED, what, job.line)
+    job.select(False)
 
 
 def _end(wait: Wait, command: Command, commands: Commands, settle: Settle, name: str) -> None:
@@ -182,7 +220,10 @@ def run_open_program(
             raise InputError([with_option(problem) for problem in wrong])
         commands.skips = ALL
     text = chunks(source, name) if end is None else islice(lines(source), end - 1)
-    for _ in read_program(job, commands, text, name, settle or at_rest(job), unsurveyed):
+    settle = settle or at_rest(job)
+    for _ in start_up(job, commands, settle, unsurveyed):
+        yield 0.0
+    for _ in read_program(job, commands, text, name, settle, unsurveyed):
         yield min(job.offset / size, 1.0) if size else 0.0
     if end is not None:
         return

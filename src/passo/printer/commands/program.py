@@ -4,6 +4,7 @@ printing."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Self, cast
 
 from passo.errors import CommandError, Problem
@@ -172,7 +173,11 @@ class Commands:
         if self.macros.status is not None:
             return self.macros.status()
         targets_c, fans = self.set_points.targets_c, self.outputs.fans
-        return planned_status(self._machine, self._job, targets_c, fans)
+        return replace(
+            planned_status(self._machine, self._job, targets_c, fans),
+            shapers=self.filters.shaper_status(),
+            advances=self.filters.advance_status(),
+        )
 
     def run_at_once(self, command: Command, reply: Reply) -> Wait | None:
         """Executes an immediate command of `DECLARED`. Raises CommandError."""
