@@ -26,6 +26,7 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
         assert "echo:busy: heating" in answer
         found = s.host.ok("M301 H0")[0]
         assert found != before
+        assert not (tmp_path / "settings.json").exists()
         assert s.printer.connection.heaters["hotend"].target == 0
         s.host.ok("M109 S210", 600)
         hottest = 0.0
@@ -34,6 +35,10 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
             hottest = max(hottest, s.board.temperature("hotend"))
         assert hottest <= 212
         assert s.board.temperature("hotend") == pytest.approx(210, abs=0.5)
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert s.host.ok("M301 H0")[0] == before
+        s.host.ok(found)
+        s.host.ok("M500")
     with Scenario("i3", state=str(tmp_path)) as s:
         assert gains(s.host.ok("M301 H0")[0]) == pytest.approx(gains(found))
 
@@ -131,6 +136,7 @@ def test_a_model_is_found_by_its_step_response_and_stays(tmp_path):
         assert s.board.output_value("part") == 0
         line = s.host.ok("M307 H0")[0]
         assert line != first
+        s.host.ok("M500")
         assert line in s.host.ok("M503")
         s.host.ok("M502")
         assert s.host.ok("M307 H0")[0] == first

@@ -427,9 +427,9 @@ class Calibration:
         celsius: float,
         method: typing.Literal['pid', 'model'] = ...,
     ) -> passo.web.endpoints.console.Answer:
-        """Tunes a heater, applies the result, and stores it if the printer can store
-        settings (M303 with U1). This takes minutes; `console.end_wait` ends it. The heater
-        is switched off before the answer."""
+        """Tunes a heater and applies the result (M303 with U1); `settings.store` stores it.
+        This takes minutes; `console.end_wait` ends it. The heater is switched off before
+        the answer."""
         ...
     def fit_thermistor(
         self,
@@ -1140,9 +1140,9 @@ class AsyncCalibration:
         celsius: float,
         method: typing.Literal['pid', 'model'] = ...,
     ) -> passo.web.endpoints.console.Answer:
-        """Tunes a heater, applies the result, and stores it if the printer can store
-        settings (M303 with U1). This takes minutes; `console.end_wait` ends it. The heater
-        is switched off before the answer."""
+        """Tunes a heater and applies the result (M303 with U1); `settings.store` stores it.
+        This takes minutes; `console.end_wait` ends it. The heater is switched off before
+        the answer."""
         ...
     async def fit_thermistor(
         self,

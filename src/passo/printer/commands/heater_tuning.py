@@ -38,7 +38,7 @@ class TuneCommands:
         When.EXCLUSIVE,
         "H S(°C) C R(0-5) U",
         "Tunes heater H at temperature S: by relay oscillation in C cycles, R5 by a model. U"
-        " applies the result.",
+        " applies the result; M500 stores it.",
         kind=Kind.SERVED,
         bare="U",
     )
@@ -118,7 +118,7 @@ class TuneCommands:
 
     def _end(self, name: str, tune: RelayTune | StepTune, apply: bool) -> None:
         """Switches the heater off, unless another command has changed its target, and applies the
-        result if asked for. Raises CommandError if it cannot be stored."""
+        result if asked for, without storing it."""
         self._controls.take_back(name)
         if self._state.halted:
             return  # all heaters are off already
@@ -134,8 +134,6 @@ class TuneCommands:
             self._controls.set_control(name, with_gains(old, result))
         elif isinstance(result, _core.HeatModel) and isinstance(old, _core.ModelControl):
             self._controls.set_control(name, _core.ModelControl(result, old.horizon_s))
-        if self._state.store_settings is not None:
-            self._state.store_settings()
 
 
 def _inline(table: Mapping[str, str | float]) -> str:

@@ -113,9 +113,8 @@ class BedMap(Struct):
 
 @operation("calibration.tune_heater", "POST", "/calibration/heater", Role.OPERATOR, errors=_ERRORS)
 async def tune_heater(call: Call, body: HeaterTune) -> Answer:
-    """Tunes a heater, applies the result, and stores it if the printer can store settings (M303
-    with U1). This takes minutes; `console.end_wait` ends it. The heater is switched off before the
-    answer."""
+    """Tunes a heater and applies the result (M303 with U1); `settings.store` stores it. This takes
+    minutes; `console.end_wait` ends it. The heater is switched off before the answer."""
     number = _heater_number(call, body.heater)
     rule = _RULES[body.method]
     return Answer(list(await call.run(f"M303 H{number} S{numeral(body.celsius)} {rule} U1")))
