@@ -16,7 +16,7 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
   m.steps = m.commands = m.ahead0 = m.ahead1 = 0;
   if (m.kind == MoveKind::dwell) {
     m.d = m.vn2 = 0;
-    m.a = m.b = 1;
+    m.a = m.b = m.cruise_a = 1;
     m.cartesian = false;
     m.speed_limit = m.accel_limit = kDuration;
     return m.duration > 0;
@@ -53,6 +53,9 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
                                                           : limits.travel_accel,
                               kMaxAccel);
   double a = set * per_mm;
+  // The extruder alone has no acceleration of its own here, as in Klipper.
+  const double of_path = accel_id == kRetractAccel ? std::min(limits.print_accel, kMaxAccel) : set;
+  m.cruise_a = of_path * per_mm * (1 - limits.minimum_cruise_ratio);
   double inverse = 1 / m.d;
   const Bed bed = bed_below(m);
   // `bend`: second derivative of the row's position by path length.

@@ -21,6 +21,7 @@ struct Move : MoveOrigin {
   double start;                 // ticks since the start of the job
   double t_acc, t_cru, t_dec;   // ticks
   double vn2, vj2;              // caps of v²: within the move; at its start
+  double cruise_a;              // its highest speed is one that this acceleration reaches, too
   double deviation;             // of its corners, mm
   double duty;                  // laser's fraction of full power: at 1 mm/s, or in a dwell
   double feed, duration, radius, fastest;  // as requested, kept for replanning

@@ -230,7 +230,9 @@ inline void Planner::trapezoid(Move& m, double end2) {
     m.a = -braking;
   } else {
     const Limits& limits = rules_.of(m.rules).limits;
-    double room = reach * (1 - limits.minimum_cruise_ratio), faster2 = std::max(start2, end2);
+    const bool cruises = limits.minimum_cruise_ratio > 0;
+    double room = cruises ? std::min(reach, 2 * m.cruise_a * m.d) : reach;
+    double faster2 = std::max(start2, end2);
     double gain = 1 + limits.least_speed_gain;
     peak2 = std::max(std::min(m.vn2, 0.5 * (start2 + end2 + room)), faster2);
     if (peak2 < gain * gain * faster2) peak2 = faster2;

@@ -301,7 +301,8 @@ class Limits(Model):
     """The speed at a right angle of the law `square_corner`. Unlike the speed of the law
     `deviation`, it does not depend on the acceleration that M204 sets."""
     minimum_cruise_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    """At least this fraction of a move is at constant speed, as in Klipper."""
+    """At least this fraction of a move is at constant speed, as in Klipper. A move of Z or of the
+    extruder that accelerates with less than the rest of `print_accel_mm_s2` need not be."""
     least_speed_gain: Fraction = 0.0
     """A move that could exceed the speed at its ends by less than this fraction keeps that
     speed."""
