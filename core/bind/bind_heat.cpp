@@ -64,8 +64,11 @@ void bind_controls(nb::module_& m) {
       .def(nb::self == nb::self);
   nb::class_<RelayControl>(m, "RelayControl",
                            "Switches between two powers around the target, for autotuning.")
-      .def(nb::init<double>(), "half_cycle_s"_a = 5.0)
+      .def(nb::init<double, double>(), "half_cycle_s"_a = 5.0, "band_c"_a = 0.0,
+           "It switches `band_c` above the target and as far below it, and not before the half "
+           "cycle has passed.")
       .def_ro("half_cycle_s", &RelayControl::half_cycle_s)
+      .def_ro("band_c", &RelayControl::band_c)
       .def(nb::self == nb::self);
 }
 
@@ -265,11 +268,14 @@ void bind_heater(nb::module_& m) {
       .def_prop_ro("control", &held<&Heater::control>)
       .def("set_control", &held<&Heater::set_control, const Control&>, "control"_a,
            "Sets the controller, which acts at once. The protections also use the model.")
-      .def_prop_ro("model",
-                   [](Heater& h) {
-                     std::lock_guard lock(h.guard());
-                     return h.body() ? std::optional(h.body()->model()) : std::nullopt;
-                   })
+      .def_prop_rw(
+          "model",
+          [](Heater& h) {
+            std::lock_guard lock(h.guard());
+            return h.body() ? std::optional(h.body()->model()) : std::nullopt;
+          },
+          &held<&Heater::set_model, const std::optional<HeatModel>&>, nb::arg().none(),
+          "The thermal model that the protections use; None: they do without.")
       .def_prop_rw("limits", &held<&Heater::limits>,
                    &held<&Heater::set_limits, const heat::ProtectionLimits&>)
       .def_prop_rw("fan", &held<&Heater::fan>, &held<&Heater::set_fan, double>,

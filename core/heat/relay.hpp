@@ -9,6 +9,7 @@ namespace passo::heat {
 
 struct RelayControl {
   double half_cycle_s = 5;  // each half of a swing lasts at least this long
+  double band_c = 0;        // it switches this far beyond the target
   bool operator==(const RelayControl&) const = default;
 };
 
@@ -29,11 +30,12 @@ class Relay {
       started_ = heating_ = true;
       raised_ = time_ - o_.half_cycle_s;
     }
-    if (heating_ && r.celsius > r.target && time_ - raised_ >= o_.half_cycle_s) {
+    if (heating_ && r.celsius > r.target + o_.band_c && time_ - raised_ >= o_.half_cycle_s) {
       heating_ = false;
       high_s_ = time_ - raised_;
       lowered_ = time_;
-    } else if (!heating_ && r.celsius < r.target && time_ - lowered_ >= o_.half_cycle_s) {
+    } else if (!heating_ && r.celsius < r.target - o_.band_c &&
+               time_ - lowered_ >= o_.half_cycle_s) {
       heating_ = true;
       if (cycles_++ > 0) balance(time_ - lowered_, r.max_power);
       raised_ = time_;

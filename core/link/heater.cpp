@@ -37,11 +37,13 @@ void Heater::set_control(const heat::Control& control) {
     set_model(predictive->model);
 }
 
-void Heater::set_model(const heat::HeatModel& model) {
-  if (body_)
-    body_->set(model);
+void Heater::set_model(const std::optional<heat::HeatModel>& model) {
+  if (!model)
+    body_.reset();
+  else if (body_)
+    body_->set(*model);
   else
-    body_.emplace(model);
+    body_.emplace(*model);
 }
 
 void Heater::follow_fan(uint32_t value) {

@@ -94,7 +94,8 @@ class Heater {
 
   const heat::Control& control() const { return controller_.control(); }
   void set_control(const heat::Control& control);
-  void set_model(const heat::HeatModel& model);
+  // For the protections; without one they do without.
+  void set_model(const std::optional<heat::HeatModel>& model);
   const std::optional<heat::Observer>& body() const { return body_; }
   const heat::ProtectionLimits& limits() const { return protection_.limits(); }
   void set_limits(const heat::ProtectionLimits& limits) { protection_.set(limits); }

@@ -94,10 +94,16 @@ class ModelControl:
 class RelayControl:
     """Switches between two powers around the target, for autotuning."""
 
-    def __init__(self, half_cycle_s: float = 5.0) -> None: ...
+    def __init__(self, half_cycle_s: float = 5.0, band_c: float = 0.0) -> None:
+        """
+        It switches `band_c` above the target and as far below it, and not before the half cycle has passed.
+        """
 
     @property
     def half_cycle_s(self) -> float: ...
+
+    @property
+    def band_c(self) -> float: ...
 
     def __eq__(self, arg: RelayControl, /) -> bool: ...
 
@@ -361,7 +367,11 @@ class Heater:
         """
 
     @property
-    def model(self) -> HeatModel | None: ...
+    def model(self) -> HeatModel | None:
+        """The thermal model that the protections use; None: they do without."""
+
+    @model.setter
+    def model(self, arg: HeatModel | None, /) -> None: ...
 
     @property
     def limits(self) -> ProtectionLimits: ...

@@ -53,10 +53,10 @@ def sample(clock: int, celsius: float) -> _core.HeatSample:
     return _core.HeatSample(clock, celsius, 200.0, 1.0, terms)
 
 
-def relay(oven: Oven, target: float, **options: int) -> RelayTune:
+def relay(oven: Oven, target: float, *, count_c: float = 0.5, **options: int) -> RelayTune:
     limit = oven.machine.heaters[oven.name].max_c
     label = "BED" if oven.name == "bed" else "Hotend:0"
-    return RelayTune(label, target, **options, clock_hz=oven.hz, limit_c=limit)
+    return RelayTune(label, target, **options, clock_hz=oven.hz, limit_c=limit, count_c=count_c)
 
 
 def test_the_lines_of_a_relay_tune():
@@ -80,10 +80,37 @@ def test_the_lines_of_a_relay_tune():
 
 def test_a_bed_gets_the_same_lines_as_a_hotend():
     oven = Oven(name="bed")
-    tune = relay(oven, 60.0, cycles=3)
+    tune = relay(oven, 60.0, cycles=3, count_c=0.205)
     lines = tuned(oven, tune)
     assert lines[1] == "BED Temp:60 Cycles:3 Method:0"
+    assert [line for line in lines if "too small" in line] == [
+        " A swing of 0.21 C is too small to measure: 4 steps of the sensor are 0.82 C. The tune"
+        " goes on with a larger one"
+    ]
+    assert tune.control == _core.RelayControl(band_c=2.5 * 0.205)
     assert lines[-2:] == ["PID Autotune finished!", f" {tune.result}"]
+
+
+def cycle(tune: RelayTune, start: int, low: float, high: float) -> list[str]:
+    """A swing of ten seconds around 60 °C, with a clock of 1 Hz."""
+    down, up = (_core.HeatTerms(0.0, p=0.5, d=d, output=0.5 + d) for d in (-0.5, 0.5))
+    lines = tune.feed(_core.HeatSample(start, high, 60.0, 0.0, down))
+    return lines + tune.feed(_core.HeatSample(start + 10, low, 60.0, 1.0, up))
+
+
+def test_swing_that_stays_too_small_fails_the_tune():
+    tune = RelayTune("BED", 60.0, 3, clock_hz=1.0, limit_c=120.0, count_c=0.2)
+    lines: list[str] = []
+    for n in range(8):
+        lines += cycle(tune, 20 * n, 59.9, 60.1)
+        if tune.done:
+            break
+    assert tune.result is None
+    assert tune.control == _core.RelayControl(band_c=0.5)
+    assert lines[-1] == (
+        "Error:PID Autotune failed! A swing of 0.10 C is too small to measure: 4 steps of the"
+        " sensor are 0.80 C; R5 measures a rise in its place"
+    )
 
 
 @pytest.mark.parametrize("rule", range(5))

@@ -24,9 +24,9 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
         ]
         assert any("PID Autotune finished!" in line for line in answer)
         assert "echo:busy: heating" in answer
+        assert answer[-4] == "In use until a restart. M500 stores it"
         found = s.host.ok("M301 H0")[0]
         assert found != before
-        assert not (tmp_path / "settings.json").exists()
         assert s.printer.connection.heaters["hotend"].target == 0
         s.host.ok("M109 S210", 600)
         hottest = 0.0
@@ -36,7 +36,7 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
         assert hottest <= 212
         assert s.board.temperature("hotend") == pytest.approx(210, abs=0.5)
     with Scenario("i3", state=str(tmp_path)) as s:
-        assert s.host.ok("M301 H0")[0] == before
+        assert s.host.ok("M301 H0")[0] == before  # nobody has stored it
         s.host.ok(found)
         s.host.ok("M500")
     with Scenario("i3", state=str(tmp_path)) as s:
@@ -93,8 +93,34 @@ def test_m301_questions_gains_of_another_unit():
 def test_without_u_a_tune_only_reports():
     with Scenario("i3") as s:
         before = s.host.ok("M301 H-1")
-        s.host.ok("M303 H-1 S60 C3", 3600)
+        answer = s.host.ok("M303 H-1 S60 C3", 3600)
+        assert answer[-4] == "Not in use: the command has no U1"
         assert s.host.ok("M301 H-1") == before
+
+
+def test_result_for_another_control_is_not_used():
+    with Scenario("i3") as s:
+        before = model_of(s)
+        answer = s.host.ok("M303 H0 S200 R5 U1", 3600)
+        assert answer[-4].startswith('Not in use: the control of hotend is "pid"')
+        assert model_of(s) == before
+
+
+@pytest.mark.parametrize(("name", "celsius"), [("i3", 60), ("i3", 45), ("prusa-mk3s", 60)])
+def test_bed_swings_by_several_steps_of_its_sensor(name, celsius):
+    with Scenario(name) as s:
+        answer = s.host.ok(f"M303 H-1 S{celsius} C3 U1", 3600)
+        step_c = s.printer.controls.step_c("bed", celsius)
+        low, high = re.findall(r"min:([\d.]+) max:([\d.]+)", "\n".join(answer))[-1]
+        assert float(high) - float(low) >= 4 * step_c
+        s.host.ok(f"M190 S{celsius}", 3600)
+        s.passes(60)
+        powers: list[float] = []
+        for _ in range(120):
+            s.passes(1)
+            powers.append(s.printer.connection.heaters["bed"].power)
+        assert max(powers) - min(powers) < 0.7  # 1 with gains from a single step
+        assert s.board.temperature("bed") == pytest.approx(celsius, abs=0.4)
 
 
 def test_a_tune_can_be_ended():
@@ -136,8 +162,8 @@ def test_a_model_is_found_by_its_step_response_and_stays(tmp_path):
         assert s.board.output_value("part") == 0
         line = s.host.ok("M307 H0")[0]
         assert line != first
-        s.host.ok("M500")
         assert line in s.host.ok("M503")
+        s.host.ok("M500")
         s.host.ok("M502")
         assert s.host.ok("M307 H0")[0] == first
         s.host.ok("M501")
@@ -160,7 +186,7 @@ def test_r5_finds_the_model_of_a_heater_that_its_gains_control(tmp_path):
         settings = s.host.ok("M503")
         answer = s.host.ok("M303 H0 S200 R5 U", 3600)
         assert answer[:2] == ["MPC Autotune start", "Hotend:0 Temp:200"]
-        told = dict(re.findall(r"(\w[\w ]*):([\d.]+)", answer[-4]))
+        told = dict(re.findall(r"(\w[\w ]*):([\d.]+)", answer[-5]))
         assert float(told["rise"]) == pytest.approx(380, rel=0.01)
         assert float(told["time constant"]) == pytest.approx(120, rel=0.01)
         keys = tomllib.loads(answer[-2])["model"]

@@ -149,3 +149,10 @@ def share_at(table: Table, celsius: float) -> float:
         if celsius <= c1:
             return r0 + (r1 - r0) * (celsius - c0) / (c1 - c0)
     return table[-1][1]
+
+
+def step_c(table: Table, celsius: float, steps: int) -> float:
+    """How much the temperature changes from one reading to the next, °C, of a converter or ADC with
+    this number of steps at full scale."""
+    near = min(max(celsius, table[0][0] + 0.5), table[-1][0] - 0.5)
+    return 1 / (steps * abs(share_at(table, near + 0.5) - share_at(table, near - 0.5)))

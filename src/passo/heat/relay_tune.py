@@ -13,6 +13,8 @@ HEADROOM_C = 15.0  # minimum distance of a target from the heater's limit
 _OVERSHOOT_C = 20.0
 _TIMEOUT_S = 1200.0  # limit for the sum of the times since the last two switchings
 _FIRST_USED = 2  # cycles before it are not yet balanced
+_MIN_SWING_COUNTS = 4.0  # a smaller swing is the coarseness of the sensor, not the heater's
+_BAND_COUNTS = 2.5  # above and below the target, where the heater alone swings less
 
 
 class TuneError(ValueError):
@@ -24,9 +26,12 @@ class RelayTune:
     passes its samples to `feed`. The temperature oscillates around `target_c`; each cycle gives
     gains by rule number `rule`. When `done` is True, `result` has the gains of the last cycle, or
     `failed` has the reason. Then switch the heater off, or set a controller with these gains.
-    `label` is the name of the heater in the lines of the reply: `Hotend:0`, `BED` or `CHAMBER`."""
+    `label` is the name of the heater in the lines of the reply: `Hotend:0`, `BED` or `CHAMBER`.
 
-    control = _core.RelayControl(half_cycle_s=5.0)
+    A heater that swings by less than four counts of its sensor gets a wider relay, which switches
+    2.5 counts beyond the target, and the cycles begin again: the swing then measures the heater.
+    The owner reads `control` after each `feed`."""
+
     fan = 0.0
 
     def __init__(
@@ -38,14 +43,17 @@ class RelayTune:
         *,
         clock_hz: float,
         limit_c: float,
+        count_c: float = 0.0,
     ) -> None:
-        """`cycles` is clamped to 3 to 20. Raises TuneError for a target above `limit_c` - 15."""
+        """`cycles` is clamped to 3 to 20; `count_c` is one count of the sensor at the target, °C.
+        Raises TuneError for a target above `limit_c` - 15."""
         if target_c > limit_c - HEADROOM_C:
             raise TuneError("PID Autotune failed! Temperature too high")
         if not 0 <= rule < len(RULES):
             raise TuneError(f"PID Autotune failed! R is 0 to {len(RULES) - 1}")
         self.label = label
         self.target_c = target_c
+        self.control = _core.RelayControl()
         self.cycles = min(max(cycles, MIN_CYCLES), MAX_CYCLES)
         self.rule = rule
         self.result: Gains | None = None
@@ -58,6 +66,7 @@ class RelayTune:
         self._high_s = 0.0
         self._least_c = self._most_c = target_c
         self._gains: Gains | None = None
+        self._count_c = count_c
 
     @property
     def done(self) -> bool:
@@ -103,7 +112,13 @@ class RelayTune:
             )
             extremes = f"min:{self._least_c:.2f} max:{self._most_c:.2f}"
             lines.append(f" bias:{bias} d:{swing} {extremes}")
-        if self._count > _FIRST_USED:
+        if self._count > _FIRST_USED and self._is_coarse:
+            if self.control.band_c > 0:
+                return [*lines, *self._fail(f"{self._too_small}; R5 measures a rise in its place")]
+            self.control = _core.RelayControl(band_c=_BAND_COUNTS * self._count_c)
+            lines.append(f" {self._too_small}. The tune goes on with a larger one")
+            self._count = 0
+        elif self._count > _FIRST_USED:
             lines += self._compute_gains(self._high_s + now_s - self._switched_s[0])
         self._count += 1
         self._switched_s[1] = now_s
@@ -113,6 +128,18 @@ class RelayTune:
             self.result = self._gains
             lines += ["PID Autotune finished!", f" {self._gains}"]
         return lines
+
+    @property
+    def _is_coarse(self) -> bool:
+        return self._most_c - self._least_c < _MIN_SWING_COUNTS * self._count_c
+
+    @property
+    def _too_small(self) -> str:
+        swing, least = self._most_c - self._least_c, _MIN_SWING_COUNTS * self._count_c
+        return (
+            f"A swing of {swing:.2f} C is too small to measure: {_MIN_SWING_COUNTS:g} steps of the"
+            f" sensor are {least:.2f} C"
+        )
 
     def _compute_gains(self, tu_s: float) -> list[str]:
         """Ku = 4 d / (π a), for a relay of amplitude d and a temperature oscillation of amplitude

@@ -12,7 +12,7 @@ from passo.config.gains import doubt
 from passo.config.heat import HeatModel
 from passo.config.heater_numbers import KINDS, number_of
 from passo.config.model_findings import expected
-from passo.config.sensor_tables import reads_within, sensor_table
+from passo.config.sensor_tables import converter_of, reads_within, sensor_table, step_c
 from passo.config.sensors import Thermistor
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
@@ -48,7 +48,8 @@ class ControlCommands:
     def __init__(self, rig: LiveRig) -> None:
         self._rig = rig
         self._machine = rig.machine
-        self._borrowed: dict[str, Control] = {}  # the controllers to restore after a tune
+        # The controllers and models to restore after a tune.
+        self._borrowed: dict[str, tuple[Control, _core.HeatModel | None]] = {}
         self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
 
     # -- which heater, and its controller
@@ -74,12 +75,15 @@ class ControlCommands:
     def control(self, name: str) -> Control:
         """The controller of a heater; during a tune, the one that the heater gets back
         afterwards."""
-        return self._borrowed.get(name) or self._rig.connection.heaters[name].control
+        if name in self._borrowed:
+            return self._borrowed[name][0]
+        return self._rig.connection.heaters[name].control
 
     def set_control(self, name: str, control: Control) -> None:
         """Sets the controller at once or, during a tune of the heater, after the tune."""
         if name in self._borrowed:
-            self._borrowed[name] = control
+            model = control.model if isinstance(control, _core.ModelControl) else None
+            self._borrowed[name] = control, model or self._borrowed[name][1]
         else:
             self._rig.connection.heaters[name].set_control(control)
 
@@ -88,14 +92,29 @@ class ControlCommands:
         return name in self._borrowed
 
     def lend(self, name: str) -> None:
-        """Call this at the start of a tune: stores the heater's controller."""
-        self._borrowed[name] = self._rig.connection.heaters[name].control
+        """Call this at the start of a tune: stores the heater's controller and model."""
+        heater = self._rig.connection.heaters[name]
+        self._borrowed[name] = heater.control, heater.model
 
     def take_back(self, name: str) -> None:
-        """Call this at the end of a tune: restores the heater's controller."""
-        control = self._borrowed.pop(name, None)
-        if control is not None:
-            self._rig.connection.heaters[name].set_control(control)
+        """Call this at the end of a tune: restores the heater's controller and model."""
+        borrowed = self._borrowed.pop(name, None)
+        if borrowed is not None:
+            heater = self._rig.connection.heaters[name]
+            heater.model = borrowed[1]
+            heater.set_control(borrowed[0])
+
+    def step_c(self, name: str, celsius: float) -> float:
+        """How much the temperature of a heater changes from one reading of its sensor to the next,
+        near this temperature, °C."""
+        sensor = self.sensors[name]
+        converter = converter_of(sensor)
+        if converter == _core.Converter.NONE:
+            connection = self._rig.connection.connection_of("heaters", name)
+            steps = int(connection.dictionary.number("ADC_MAX", 1023))
+        else:
+            steps = _core.converter_full(converter)
+        return step_c(sensor_table(sensor), celsius, steps)
 
     # -- gains ------------------------------------------------------------------------------------
 

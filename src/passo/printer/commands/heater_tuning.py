@@ -37,8 +37,8 @@ class TuneCommands:
         Subject.HEATERS,
         When.EXCLUSIVE,
         "H S(°C) C R(0-5) U",
-        "Tunes heater H at temperature S: by relay oscillation in C cycles, R5 by a model. U"
-        " applies the result; M500 stores it.",
+        "Tunes heater H at temperature S: by relay oscillation in C cycles, R5 by a model. R is the"
+        " rule for the gains. With U1 the result is in use until a restart; M500 stores it.",
         kind=Kind.SERVED,
         bare="U",
     )
@@ -64,7 +64,11 @@ class TuneCommands:
                 )
                 fits = config.control.kind == "model"
             else:
-                tune = RelayTune(label, target, cycles, rule, clock_hz=hz, limit_c=config.max_c)
+                step = self._controls.step_c(name, target)
+                limit = config.max_c
+                tune = RelayTune(
+                    label, target, cycles, rule, clock_hz=hz, limit_c=limit, count_c=step
+                )
                 fits = config.control.kind == "pid"
         except TuneError as error:
             reply.fail(str(error))
@@ -74,12 +78,24 @@ class TuneCommands:
         apply = asked and fits
         for line in tune.begin(" Apply result" if apply else ""):
             reply.say(line)
+        use = self._use(name, asked=asked, fits=fits)
         return WaitForTuning(
-            lambda: self._run(name, tune, reply), lambda: self._end(name, tune, apply)
+            lambda: self._run(name, tune, use, reply), lambda: self._end(name, tune, apply)
         )
 
-    def _run(self, name: str, tune: RelayTune | StepTune, reply: Reply) -> bool:
-        """Feeds the readings of the sensor since the last call; True when the tune is over."""
+    def _use(self, name: str, *, asked: bool, fits: bool) -> str:
+        """The line that says whether the result of a tune is in use."""
+        if not asked:
+            return "Not in use: the command has no U1"
+        if not fits:
+            kind = self._machine.heaters[name].control.kind
+            return f'Not in use: the control of {name} is "{kind}", which this result is not for'
+        stores = self._state.store_settings is not None
+        return f"In use until a restart{'. M500 stores it' if stores else ''}"
+
+    def _run(self, name: str, tune: RelayTune | StepTune, use: str, reply: Reply) -> bool:
+        """Feeds the readings of the sensor since the last call; True when the tune is over. `use`
+        is the line before its result."""
         heater = self._rig.connection.heaters[name]
         if not self._controls.lent(name):
             self._controls.lend(name)
@@ -99,6 +115,7 @@ class TuneCommands:
             if fan is not None and isinstance(tune, StepTune):
                 self._rig.set_fan(fan, tune.fan)
         if tune.result is not None:
+            reply.say(use)
             for line in self._keys(name, tune.result):
                 reply.say(line)
         return tune.done or heater.fault is not None
@@ -117,8 +134,8 @@ class TuneCommands:
             yield f"model = {_inline({key: getattr(result, key) for key in keys})}"
 
     def _end(self, name: str, tune: RelayTune | StepTune, apply: bool) -> None:
-        """Switches the heater off, unless another command has changed its target, and applies the
-        result if asked for, without storing it."""
+        """Switches the heater off, unless another command has changed its target, and uses the
+        result if asked for."""
         self._controls.take_back(name)
         if self._state.halted:
             return  # all heaters are off already
