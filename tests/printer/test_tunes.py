@@ -82,8 +82,8 @@ def test_gains_of_the_machine_file_are_those_of_m301_and_m503():
 def test_m301_questions_gains_of_another_unit():
     with Scenario("i3") as s:
         assert s.host.ok("M301 H0 P0.0844 I0.00417") == [
-            "echo:P is 0.0844: a hotend has 1.5 to 1000, where full power is 255. Did you mean"
-            " kp = 21.52, ki = 1.063 (multiplied by 255)?",
+            "echo:The gains are in force, but P is 0.0844: a hotend has 1.5 to 1000, where full"
+            " power is 255. Did you mean kp = 21.52, ki = 1.063 (multiplied by 255)?",
             "ok",
         ]
         assert s.host.ok("M301 H0")[0] == "M301 H0 P0.0844 I0.00417 D0"

@@ -162,7 +162,8 @@ class ControlCommands:
         keys = {f"k{letter.lower()}": value for letter, value in given.items()}
         if asked := doubt(self._machine.heaters[name].kind, keys):
             letter = asked.key[-1].upper()
-            reply.say(f"echo:{letter} is {asked.value:g}: {asked.usual}. {asked.hint}".rstrip())
+            value = f"{letter} is {asked.value:g}: {asked.usual}. {asked.hint}".rstrip()
+            reply.say(f"echo:The gains are in force, but {value}")
         return None
 
     def gain_lines(self, *names: str) -> Iterator[str]:
