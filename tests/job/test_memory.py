@@ -49,7 +49,7 @@ def plans() -> int:
 
 
 JOBS = {
-    "done": "G28\nM104 S60\nM109 S60\nM106 S99\nG1 X20 E1 F3000\nM400\n",
+    "done": "G28\nM104 S60\nM109 S60\nM106 S99\nG1 X20 F3000\nM400\n",
     "beyond a limit": "G28\nG1 X10 F3000\nG1 X9999\n",
     "stopped": "G28\nG1 X10 F3000\nM112\n",
     "without a number": "G28\nM104 S\n",
