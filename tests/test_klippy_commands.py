@@ -3,8 +3,11 @@
 import asyncio
 from contextlib import suppress
 
+import pytest
+
 import passo
 from passo.errors import PassoError
+from passo.gcode.registry import table
 from passo.web.klippy.objects import PrinterObjects
 
 # They end the printer or what follows on the console; other tests send them.
@@ -17,9 +20,7 @@ def test_each_command_runs_or_reports_why_not(tmp_path):
     async def main():
         async with passo.Printer("i3", card=str(tmp_path)) as printer:
             bridge = printer._bridge
-            known = PrinterObjects(bridge).lookup()("gcode")["commands"]
-            assert {"G28", "PAUSE", "SAVE_GCODE_STATE", "SET_HEATER_TEMPERATURE"} <= known.keys()
-            for code in sorted(known.keys() - LEFT_OUT):
+            for code in sorted(table().keys() - LEFT_OUT):
                 with suppress(PassoError, TimeoutError):  # a wait for the user is ended
                     await asyncio.wait_for(bridge.run(code), 2)
                 if printer.status.halted:
@@ -28,3 +29,30 @@ def test_each_command_runs_or_reports_why_not(tmp_path):
 
     passo.run(main(), clock="virtual")
     assert wrong == []
+
+
+ALWAYS = {"G28", "PAUSE", "SAVE_GCODE_STATE", "M112", "FORCE_MOVE"}
+PROBED = {"PROBE", "BED_MESH_CALIBRATE", "PROBE_CALIBRATE", "G29", "Z_OFFSET_APPLY_PROBE"}
+WARM = {"SET_HEATER_TEMPERATURE", "PID_CALIBRATE", "SET_PRESSURE_ADVANCE"}
+
+
+@pytest.mark.parametrize(
+    ("machine", "has", "lacks"),
+    [
+        ("i3", WARM, PROBED | {"Z_TILT_ADJUST", "TEST_RESONANCES", "DELTA_CALIBRATE", "SET_PIN"}),
+        ("i3-probe", PROBED | WARM, {"Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL", "BLTOUCH_DEBUG"}),
+        ("i3-two-z", {"Z_TILT_ADJUST"}, {"QUAD_GANTRY_LEVEL"}),
+        ("voron-2-4", {"QUAD_GANTRY_LEVEL"}, {"Z_TILT_ADJUST", "SET_FAN_SPEED"}),
+        ("delta-probe", {"DELTA_CALIBRATE"}, {"Z_TILT_ADJUST"}),
+        ("cnc", set(), WARM | PROBED | {"SET_FAN_SPEED"}),
+    ],
+)
+def test_clients_see_the_commands_that_the_machine_has(machine, has, lacks):
+    async def main():
+        async with passo.Printer(machine) as printer:
+            objects = PrinterObjects(printer._bridge)
+            known = objects.lookup()("gcode")["commands"].keys()
+            assert has | ALWAYS <= known
+            assert known.isdisjoint(lacks)
+
+    passo.run(main(), clock="virtual")

@@ -195,7 +195,8 @@ class LiveBridge:
     @property
     def commands(self) -> Sequence[Declaration]:
         """Like `Bridge.commands`."""
-        return tuple(table().values())
+        has = self._printer.dispatch.has
+        return tuple(row for row in table().values() if has(row))
 
     def latest(self) -> Snapshot:
         """Like `Bridge.latest`."""

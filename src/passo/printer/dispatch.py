@@ -10,11 +10,12 @@ from passo import _core
 from passo.board.ports import LinkLostError
 from passo.errors import CommandError, InputError
 from passo.gcode.command import Command, alone, forced
-from passo.gcode.registry import Kind, Role, When, commands_of, row_of
+from passo.gcode.registry import Declaration, Kind, Role, When, commands_of, row_of
 from passo.motion.motion_queue import MAX_QUEUED
 from passo.printer.commands.program import DECLARED
 from passo.printer.live_rig import LiveRig
 from passo.printer.macros import EmergencyStop
+from passo.printer.needed_parts import NEEDS
 from passo.printer.state import State
 from passo.printer.unfit_commands import Skips, unfit
 from passo.printer.wait_requests import (
@@ -67,6 +68,16 @@ class Dispatch:
                 assert row is not None
                 at_once = role is Role.DECLARED and row.when in (When.IMMEDIATE, When.AHEAD)
                 (self.immediate if at_once else self.planned)[code] = getattr(part, method)
+
+    def has(self, row: Declaration) -> bool:
+        """Whether the machine has the parts that this command needs."""
+        needs = NEEDS.get(row.code)
+        served = row.code in self.planned or row.code in self.immediate
+        return (
+            row.kind is not Kind.NOT_BUILT
+            and (served or not row.lacks)
+            and (needs is None or needs(self._rig.machine))
+        )
 
     def begin(self) -> None:
         """Call this after the boards and the job have been replaced."""

@@ -121,7 +121,7 @@ class Bridge(Protocol):
 
     @property
     def commands(self) -> Sequence[Declaration]:
-        """The declarations of all commands of the printer."""
+        """The declarations of the commands that the printer has the parts for."""
         ...
 
     def latest(self) -> Snapshot:

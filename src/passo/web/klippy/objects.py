@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from passo.config.exporting.settings import Sections
-from passo.gcode.registry import Kind, When
+from passo.gcode.registry import When
 from passo.printer.klipper.machine import webhooks
 from passo.printer.klipper.objects import Object, Objects, objects
 
@@ -60,11 +60,7 @@ class PrinterObjects:
         ready = webhooks(self._bridge.latest().status)["state"] == "ready"
         rows = self._bridge.commands
         macros = self._bridge.machine.macros
-        commands = {
-            row.code: {"help": row.text}
-            for row in rows
-            if row.kind is not Kind.NOT_BUILT and (ready or row.when in _HALTED)
-        }
+        commands = {row.code: {"help": row.text} for row in rows if ready or row.when in _HALTED}
         own = {name.upper(): {"help": macro.description} for name, macro in macros.items()}
         return {"commands": commands | (own if ready else {})}
 

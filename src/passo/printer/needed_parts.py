@@ -1,0 +1,48 @@
+"""The parts that a machine needs for a command whose handler every printer has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from passo.config.klipper_names import fan_object
+from passo.probes.bltouch import BLTouch
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_Needs = Callable[["MachineConfig"], bool]
+
+
+def _has_heaters(machine: MachineConfig) -> bool:
+    return bool(machine.heaters)
+
+
+def _has_filament(machine: MachineConfig) -> bool:
+    return bool(machine.extruders)
+
+
+def _has_gantry(machine: MachineConfig) -> bool:
+    """Whether four motors move a gantry, as Klipper's quad_gantry_level needs it."""
+    motors = machine.levelling.motors
+    return motors is not None and len(motors.pivots) == 4
+
+
+def _has_named_fan(machine: MachineConfig) -> bool:
+    return any(fan_object(machine, name).startswith("fan_generic ") for name in machine.fans)
+
+
+NEEDS: Mapping[str, _Needs] = {
+    "QUAD_GANTRY_LEVEL": _has_gantry,
+    "Z_TILT_ADJUST": lambda machine: not _has_gantry(machine),
+    "BLTOUCH_DEBUG": lambda machine: isinstance(machine.probe, BLTouch),
+    "SET_FAN_SPEED": _has_named_fan,
+    "SET_HEATER_TEMPERATURE": _has_heaters,
+    "TURN_OFF_HEATERS": _has_heaters,
+    "TEMPERATURE_WAIT": _has_heaters,
+    "PID_CALIBRATE": _has_heaters,
+    "ACTIVATE_EXTRUDER": _has_filament,
+    "SET_PRESSURE_ADVANCE": _has_filament,
+    "SET_RETRACTION": _has_filament,
+}
+"""Whether a machine has what the command needs, by its code."""
