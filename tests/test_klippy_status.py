@@ -6,6 +6,7 @@ import pytest
 
 import passo
 from passo.config.exporting.settings import Sections
+from passo.errors import CommandError
 from passo.live_bridge import LiveBridge
 from passo.printer.klipper.objects import objects
 
@@ -186,5 +187,39 @@ def test_load_of_a_board_is_what_its_firmware_reports(tmp_path):
         assert stats["mcu_task_avg"] == pytest.approx(25e-6)
         assert stats["mcu_task_stddev"] == pytest.approx(5e-6)
         assert stats["bytes_write"] > 0
+
+    on_printer(test, tmp_path)
+
+
+LAYERS = """M83
+SET_PRINT_STATS_INFO TOTAL_LAYER=12
+G28
+SET_PRINT_STATS_INFO CURRENT_LAYER=3
+G1 X50 F1200
+SET_PRINT_STATS_INFO CURRENT_LAYER=99
+G1 X90 F60
+"""
+
+
+def test_layers_of_the_slicer_are_kept_until_the_next_print(tmp_path):
+    async def test(bridge: LiveBridge):
+        def layers():
+            info = shown(bridge, "print_stats")[0]["info"]
+            return info["current_layer"], info["total_layer"]
+
+        (tmp_path / "card" / "layers.gcode").write_text(LAYERS)
+        await bridge.start_print("/layers.gcode")
+        await _until(lambda: layers() == (12, 12))  # at most the total
+        await bridge.run("SET_PRINT_STATS_INFO CURRENT_LAYER=4")
+        await asyncio.sleep(1)
+        assert layers() == (4, 12)
+        await bridge.cancel_print()
+        await asyncio.sleep(1)
+        assert layers() == (4, 12)
+        with pytest.raises(CommandError, match="CURRENT_LAYER is x: expected a whole number"):
+            await bridge.run("SET_PRINT_STATS_INFO CURRENT_LAYER=x")
+        await bridge.start_print("/part.gcode")
+        await asyncio.sleep(1)
+        assert layers()[0] == 0
 
     on_printer(test, tmp_path)

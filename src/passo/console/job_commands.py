@@ -138,6 +138,19 @@ class JobCommands:
         return None
 
     @command(
+        "SET_PRINT_STATS_INFO",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "TOTAL_LAYER CURRENT_LAYER",
+        "Sets the layers that a slicer has counted, in place of those of the file.",
+        kind=Kind.QUIET,
+        bare=None,
+    )
+    def _tell_layers(self, command: Command, _: Reply) -> Wait | None:
+        self._progress.told_layers.set(command.pairs())
+        return None
+
+    @command(
         "M73",
         Subject.PRINTS,
         When.IMMEDIATE,

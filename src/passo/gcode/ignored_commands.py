@@ -31,7 +31,6 @@ _declare(
         "The command checks that the printer is a Prusa.",
     ),
     ("M907", "M906 and the machine file set motor currents."),
-    ("SET_PRINT_STATS_INFO", "Layers are counted from the file itself."),
     ("CLEAR_PAUSE", "A pause is over when its print is."),
 )
 _declare(

@@ -33,10 +33,18 @@ def print_stats(status: Status) -> Object:
         "total_duration": max(job.elapsed_s, job.printed_s) if job else 0.0,
         "filament_used": job.filament_mm if job else 0.0,
         "message": message,
-        "info": {
-            "total_layer": job.layers if job else None,
-            "current_layer": job.layer if job else None,
-        },
+        "info": _layers(job),
+    }
+
+
+def _layers(job: JobStatus | None) -> Object:
+    """The layers that the slicer has told, or else those that are counted."""
+    if job is None:
+        return {"total_layer": None, "current_layer": None}
+    total, current = job.told_layers, job.told_layer
+    return {
+        "total_layer": job.layers if total is None else total,
+        "current_layer": job.layer if current is None else current,
     }
 
 
