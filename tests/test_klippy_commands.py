@@ -6,7 +6,8 @@ from contextlib import suppress
 import pytest
 
 import passo
-from passo.errors import PassoError
+from passo import config
+from passo.errors import CommandError, PassoError
 from passo.gcode.registry import table
 from passo.web.klippy.objects import PrinterObjects
 
@@ -54,5 +55,56 @@ def test_clients_see_the_commands_that_the_machine_has(machine, has, lacks):
             known = objects.lookup()("gcode")["commands"].keys()
             assert has | ALWAYS <= known
             assert known.isdisjoint(lacks)
+
+    passo.run(main(), clock="virtual")
+
+
+MACROS = '[macros.LIGHTS]\ngcode = "SET_LED LED=a RED=1\\nM117 lit"\n'
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("SET_PIN PIN=light VALUE=1", "SET_PIN does nothing here: Passo has no free outputs"),
+        ("SET_LED LED=a RED=1", "SET_LED does nothing here: Passo has no light"),
+        ("SET_FILAMENT_SENSOR SENSOR=a ENABLE=0", "Passo has no filament sensor yet"),
+        ("PROBE", "PROBE does nothing here: "),
+        ("SYNC_EXTRUDER_MOTION EXTRUDER=extruder MOTION_QUEUE=", "MOTION is not there yet: One"),
+        ("SDCARD_LOOP_BEGIN COUNT=3", "SDCARD_LOOP_BEGIN is not there yet: Files are read once"),
+        ("INIT_TMC STEPPER=stepper_x", "STEPPER is stepper_x: expected a motor whose driver"),
+    ],
+)
+def test_script_without_its_part_fails_but_macros_continue(line, told):
+    async def main():
+        machine = config.load_text(config.shipped_text("i3") + MACROS, "mine.toml")
+        async with passo.Printer(machine) as printer:
+            bridge = printer._bridge
+            with pytest.raises(CommandError, match=told):
+                await bridge.run(line)
+            await bridge.run("SDCARD_LOOP_DESIST")
+            await bridge.run("LIGHTS")
+            await asyncio.sleep(0.5)
+            assert bridge.latest().status.message == "lit"
+
+    passo.run(main(), clock="virtual")
+
+
+def test_tilt_of_the_bed_is_measured_with_the_method_linear():
+    text = config.shipped_text("i3-probe")
+
+    async def run(method):
+        machine = config.load_text(text.replace('method = "quadratic"', method), "mine.toml")
+        async with passo.Printer(machine) as printer:
+            bridge = printer._bridge
+            await bridge.run("G28")
+            await bridge.run("BED_TILT_CALIBRATE")
+            await asyncio.sleep(0.5)
+            return bridge.latest().status.bed
+
+    async def main():
+        bed = await run('method = "linear"')
+        assert (bed.on, bed.method, len(bed.points)) == (True, "linear", 9)
+        with pytest.raises(CommandError, match="is mesh, and only linear corrects a tilt"):
+            await run('method = "mesh"')
 
     passo.run(main(), clock="virtual")

@@ -57,6 +57,16 @@ COMMAND: Mapping[str, Entry] = {
         "the board is stopped and reports nothing: {value}",
         "Make the printer safe, then send M999",
     ),
+    "command.not-yet": bad_input(
+        "command",
+        "{axis} is not there yet: {value}",
+        "Take the command out of the file or the macro",
+    ),
+    "command.no-part": bad_input(
+        "command",
+        "{axis} does nothing here: {value}",
+        "Leave the command out, or add the part to the machine file",
+    ),
     "command.aside": bad_input(
         "command",
         "{value} would change steps per mm or the geometry while a print is paused",

@@ -99,6 +99,11 @@ class Client(Session):
         found = list(problems) or [Problem("command.failed", values={"value": text.rstrip(".")})]
         self._failure = CommandError(found)
 
+    def no_part(self, code: str, why: str) -> None:
+        """An error, so that a script can distinguish it from success."""
+        problem = Problem("command.no-part", values={"axis": code, "value": why.rstrip(".")})
+        self.fail(problem.sentence, [problem])
+
     def warming(self, text: str) -> None:
         """Does nothing, because the status has the temperatures."""
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.console.session import Session
 from passo.errors import InputError, Problem
+from passo.printer.wait_requests import without_effect
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -28,6 +29,10 @@ class AllConsoles:
         if again or about not in self._noted:
             self._noted.add(about)
             self._printer.tell(f"echo:{text}")
+
+    def no_part(self, code: str, why: str) -> None:
+        """As a note."""
+        self.note(code, without_effect(code, why))
 
     def with_ok(self, text: str) -> None:
         """Sends the text as a line, because a file receives no `ok`."""

@@ -20,7 +20,7 @@ from passo.gcode.line_protocol import Line, LineProtocol, Refusal, decoded
 from passo.motion.motion_queue import MAX_QUEUED
 from passo.printer.printer import Printer
 from passo.printer.unfit_commands import unfit
-from passo.printer.wait_requests import Stopped, Wait
+from passo.printer.wait_requests import Stopped, Wait, without_effect
 
 _log = logging.getLogger(__name__)
 
@@ -216,6 +216,10 @@ class Session:
         if again or about not in self._noted:
             self._noted.add(about)
             self.say(f"echo:{text}")
+
+    def no_part(self, code: str, why: str) -> None:
+        """As a note: a host's print continues."""
+        self.note(code, without_effect(code, why))
 
     def with_ok(self, text: str) -> None:
         """Sets the text after this command's `ok`."""

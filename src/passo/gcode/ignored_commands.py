@@ -31,6 +31,7 @@ _declare(
         "The command checks that the printer is a Prusa.",
     ),
     ("M907", "M906 and the machine file set motor currents."),
+    ("SDCARD_LOOP_DESIST", "Files have no loops."),
     ("CLEAR_PAUSE", "A pause is over when its print is."),
 )
 _declare(
@@ -38,6 +39,12 @@ _declare(
     None,
     ("G12", "Passo has no nozzle wiper."),
     ("SET_PIN", "Passo has no free outputs; SET_FAN_SPEED sets fans, M3 the laser."),
+    ("SET_SERVO", "The servo of a probe moves with it; Passo has no other servo."),
+    ("SET_LED SET_LED_TEMPLATE", "Passo has no light."),
+    ("SET_DISPLAY_GROUP", "Passo has no display yet."),
+    ("SET_FILAMENT_SENSOR QUERY_FILAMENT_SENSOR", "Passo has no filament sensor yet."),
+    ("SET_TEMPERATURE_FAN_TARGET", "A fan has no temperature of its own; it may follow a heater."),
+    ("MANUAL_STEPPER", "Passo has no motors beside axes and extruders."),
     ("BED_MESH_OFFSET", "The correction of the bed follows the nozzle of the tool in use (M218)."),
     ("G27 M125", "M25 and M601 park the head."),
     ("M111", "Passo has no debug levels; see passo serve --log."),

@@ -12,7 +12,7 @@ from passo.config.part_names import found_name
 from passo.errors import CommandError, PassoError, Problem
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
-from passo.printer.wait_requests import Reply, Stopped
+from passo.printer.wait_requests import Reply, Stopped, without_effect
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -38,6 +38,10 @@ class _ToAllConsoles:
         if again or about not in self._noted:
             self._noted.add(about)
             self._state.tell(f"echo:{text}")
+
+    def no_part(self, code: str, why: str) -> None:
+        """As a note."""
+        self.note(code, without_effect(code, why))
 
     def with_ok(self, text: str) -> None:
         """Sends the text as a line, because there is no `ok`."""

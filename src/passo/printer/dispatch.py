@@ -26,6 +26,7 @@ from passo.printer.wait_requests import (
     WaitForMoves,
     WaitForQueue,
     WaitForUser,
+    without_effect,
 )
 from passo.printer.wait_runner import WaitRunner
 
@@ -292,9 +293,7 @@ class Dispatch:
             reply.fail(problem.sentence if levels else unknown)
             return wait
         if handler is None:
-            _note(command.code, reply)
-        if handler is None and not self._rig.commands.knows(command):
-            reply.say(f'echo:Unknown command: "{command.code}"')
+            self._note(command, row, reply)
         return wait
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
@@ -311,6 +310,20 @@ class Dispatch:
         for listener in self._state.command_listeners:
             listener(command, reply)
         return wait
+
+    def _note(self, command: Command, row: Declaration | None, reply: Reply) -> None:
+        """Reports why a command without a handler has no effect. Macros that are written for other
+        printers go on; for a script that sends the line itself it is an error."""
+        itself = self._from_console and self._rig.job.macro_depth == 0
+        if row is None:
+            if not self._rig.commands.knows(command):
+                reply.say(f'echo:Unknown command: "{command.code}"')
+        elif row.kind in _IDLE_KINDS:
+            why = row.lacks or row.text
+            if itself and row.kind is not Kind.QUIET:
+                reply.no_part(row.code, why)
+            else:
+                reply.note(row.code, without_effect(row.code, why))
 
     def _go_on(self, reply: Reply) -> Wait | None:
         rig, status = self._rig, _core.JobStatus
@@ -345,10 +358,3 @@ def _respond(reply: Reply, text: str) -> None:
     """Sends the answer of a macro with Klipper's prefix."""
     for line in text.splitlines():
         reply.say(f"// {line}")
-
-
-def _note(code: str, reply: Reply) -> None:
-    """Reports why a command has no effect."""
-    row = row_of(code)
-    if row is not None and row.kind in _IDLE_KINDS:
-        reply.note(row.code, f"{row.code} does nothing here. {row.lacks or row.text}")

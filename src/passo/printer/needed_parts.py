@@ -35,6 +35,8 @@ def _has_named_fan(machine: MachineConfig) -> bool:
 NEEDS: Mapping[str, _Needs] = {
     "QUAD_GANTRY_LEVEL": _has_gantry,
     "Z_TILT_ADJUST": lambda machine: not _has_gantry(machine),
+    "BED_TILT_CALIBRATE": lambda machine: machine.levelling.method == "linear",
+    "INIT_TMC": lambda machine: any(stepper.tmc for stepper in machine.steppers.values()),
     "BLTOUCH_DEBUG": lambda machine: isinstance(machine.probe, BLTouch),
     "SET_FAN_SPEED": _has_named_fan,
     "SET_HEATER_TEMPERATURE": _has_heaters,

@@ -22,11 +22,11 @@ _MOVES = {5, 6, 13, 16, 26, 33, *range(35, 40), 41, 42, 46, 47, 51, 52, 65, 66, 
     *range(81, 90),
 }
 _CALLS = {96, 97, 98}  # M codes that call a sub-program
-PROBING = frozenset({"G29", "G32", "G80", "BED_MESH_CALIBRATE"})
+PROBING = frozenset({"G29", "G32", "G80", "BED_MESH_CALIBRATE", "BED_TILT_CALIBRATE"})
 PROBE_MOVES = frozenset({"G38.2", "G38.3", "G38.4", "G38.5"})
 OF_DELTAS = frozenset({"G33", "DELTA_CALIBRATE", "DELTA_ANALYZE"})
 OF_Z_MOTORS = frozenset({"G34", "Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"})
-LEVELLING = PROBING | OF_DELTAS | OF_Z_MOTORS | {"BED_TILT_CALIBRATE"}
+LEVELLING = PROBING | OF_DELTAS | OF_Z_MOTORS
 # Klipper's commands and common macros of its users that neither move the machine nor change a
 # position.
 _STILL = re.compile(

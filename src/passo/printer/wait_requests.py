@@ -98,6 +98,10 @@ class Reply(Protocol):
     def note(self, about: str, text: str, *, again: bool = False) -> None:
         """Sends a line of the answer, once for each subject `about`, or each time if `again`."""
 
+    def no_part(self, code: str, why: str) -> None:
+        """Reports that a line of this source has no effect, because the machine does not have the
+        part; `why` is a sentence."""
+
     def with_ok(self, text: str) -> None:
         """Sends a text after `ok` in the same line."""
 
@@ -112,6 +116,11 @@ class Reply(Protocol):
 Handler: TypeAlias = Callable[[Command, Reply], Wait | None]
 
 
+def without_effect(code: str, why: str) -> str:
+    """The note about a command that has no effect."""
+    return f"{code} does nothing here. {why}"
+
+
 class NullReply:
     """No console listens: answers are dropped."""
 
@@ -120,6 +129,10 @@ class NullReply:
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
         """Drops the text."""
+
+    def no_part(self, code: str, why: str) -> None:
+        """As a note."""
+        self.note(code, without_effect(code, why))
 
     def with_ok(self, text: str) -> None:
         """Drops the text."""

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from passo.board.drivers import DriverState
 from passo.board.trinamic import DriverSettings, findings, open_coils, threshold_of
+from passo.config.klipper_names import stepper_object
+from passo.config.part_names import found_name
 from passo.config.trinamic import largest_current_ma, least_current_ma
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
@@ -67,6 +69,27 @@ class DriverCommands:
             raise CommandError.bad_value(letter, milliampere, limit)
         run_a = milliampere / 1000
         return replace(settings, run_a=run_a, hold_a=run_a * share)
+
+    @command(
+        "INIT_TMC",
+        Subject.MOTORS,
+        When.PLANNED,
+        "STEPPER",
+        "Writes the settings of a driver with registers again, as after its power was off.",
+        kind=Kind.SERVED,
+        bare=None,
+    )
+    def _initialise(self, command: Command, _: Reply) -> Wait | None:
+        named = {stepper_object(motor): motor for motor in self._watch.states}
+        written = command.pairs().get("STEPPER", "")
+        found = found_name(named, written)
+        if found is None:
+            limit = ", ".join(named) or "a motor whose driver has registers: none here"
+            raise CommandError.of(
+                "command.value", axis="STEPPER", value=written or "missing", limit=limit
+            )
+        self._watch.initialise(named[found])
+        return None
 
     @command(
         "M350",

@@ -109,6 +109,24 @@ class LevellingCommands:
 
         return self._run(places, done, reply, report)
 
+    @command(
+        "BED_TILT_CALIBRATE",
+        Subject.LEVELLING,
+        When.EXCLUSIVE,
+        "",
+        "Measures all enabled points and corrects the tilt of the bed, as G32 with the method"
+        " linear.",
+        kind=Kind.PROBED,
+        bare=None,
+        lacks=NO_PROBE,
+    )
+    def _measure_tilt(self, command: Command, reply: Reply) -> Wait | None:
+        method = self._config.method
+        if method != "linear":
+            why = f"levelling.method is {method}, and only linear corrects a tilt"
+            raise CommandError.of("command.no-part", axis=command.code, value=why)
+        return self._measure_points(command, reply)
+
     def _correct_by(
         self,
         left: Sequence[tuple[float, float, float]],

@@ -14,6 +14,7 @@ from passo.printer.commands.backlash import BacklashCommands
 from passo.printer.commands.klipper_commands import KlipperCommands
 from passo.printer.commands.limits import Limits
 from passo.printer.commands.motion_filters import MotionFilters
+from passo.printer.commands.not_yet import NotYet
 from passo.printer.commands.outputs import Outputs
 from passo.printer.commands.plan import Plan, PlanAhead
 from passo.printer.commands.program_flow import ProgramFlow, by_interpreter
@@ -53,6 +54,7 @@ _PARTS = {
     "klipper": KlipperCommands,
     "tower": TuningTower,
     "macros": Macros,
+    "not_yet": NotYet,
 }
 _METHODS: dict[Role, dict[str, tuple[str, str]]] = {role: {} for role in Role}
 for _name, _part in _PARTS.items():
@@ -116,6 +118,7 @@ class Commands:
         self.factors = SpeedAndFlow(machine, job, plan)
         self.klipper = KlipperCommands(machine, job)
         self.tower = TuningTower(machine, job)
+        self.not_yet = NotYet()
         # For a command that needs a probe: its wait, or None if it is skipped.
         self.probing: Callable[[Command], Wait | None] = lambda command: None
         self.skips = ALL  # the commands that a print without consoles may skip

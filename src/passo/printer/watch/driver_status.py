@@ -90,6 +90,10 @@ class DriverWatch:
             self._set[motor] = settings
             self._of(motor).begin_configure(motor, settings)
 
+    def initialise(self, motor: str) -> None:
+        """Writes the settings of a driver again, without waiting for the exchange with it."""
+        self._of(motor).begin_configure(motor, self.states[motor].settings)
+
     def failures(self) -> Iterator[Problem]:
         """The drivers that do not answer."""
         for state in self.states.values():
