@@ -81,7 +81,9 @@ class Park:
         top = printer.machine.axes["z"].max_mm
         self._away = True
         self._push(-self._retracted_mm, park.retract_mm_s)
-        queue.move({Z: min(at[Z] + lift_mm, max(top, at[Z]))}, math.inf)
+        # A macro that pauses the print may have lifted the nozzle higher.
+        lifted = max(min(at[Z] + lift_mm, max(top, at[Z])), printer.job.machine_position[Z])
+        queue.move({Z: lifted}, math.inf)
         place = dict(zip((X, Y), park.position_mm or (), strict=False))
         place |= {slot: words[letter] for slot, letter in ((X, "X"), (Y, "Y")) if letter in words}
         if place and not queue.move(place, park.speed_mm_s):
