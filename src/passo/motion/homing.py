@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from passo._core import Within
 from passo.config.motor_roles import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError, MachineError, PassoError, Problem
 from passo.geometry.base import Point, Unreachable
 from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
 from passo.motion.endstops import (
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 _FULL_TURN = 360.0  # range of an arm without limits
 _OVERRUN = 1.2  # the search for an endstop covers this multiple of the range of the axis
+_LOST = "machine.switch-lost"  # boards have lost each other
 SLOW_OVERRUN = 2.0  # and the slow approach this multiple of the retraction
 
 
@@ -331,10 +332,13 @@ class Homer:
             await self._seek(ways, travel, speeds)
             if not once:
                 await self._again(ways, behind)
-        except BaseException:
+        except BaseException as failure:
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
             try:
-                self._keep_count(real, [way for way in ways if way.name in names])
+                # Boards that have lost each other may not answer for their counts.
+                lost = isinstance(failure, PassoError) and failure.problems[0].code == _LOST
+                if not lost and not isinstance(failure, MachineError):
+                    self._keep_count(real, [way for way in ways if way.name in names])
             finally:
                 rig.lock([*of_arms, *names])
             raise
@@ -427,7 +431,7 @@ class Homer:
         for way in ways:
             for switch in way.switches:
                 if switch.name in self._endstops.expired:
-                    raise self._problem("machine.switch-lost", switch, 0.0)
+                    raise self._problem(_LOST, switch, 0.0)
                 if switch.name not in self._endstops.hit:
                     far = travel[list(ways).index(way)]
                     raise self._problem("machine.switch-missed", switch, far)
