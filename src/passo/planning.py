@@ -14,10 +14,9 @@ from contextlib import suppress
 from io import BufferedReader, BytesIO, RawIOBase
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any, BinaryIO, Generic, Protocol, TypeVar, cast
+from typing import Any, BinaryIO, Generic, Protocol, TypeVar, cast
 
-if TYPE_CHECKING:
-    from _typeshed import WriteableBuffer
+from passo.card.api import Reader
 
 _T = TypeVar("_T")
 _R = TypeVar("_R", covariant=True)
@@ -95,36 +94,6 @@ class Planning(Generic[_T]):
                 return cast("_T", value)
 
 
-class _Source(RawIOBase):
-    """The file, in the process that plans it."""
-
-    def __init__(self, host: Connection, size: int) -> None:
-        super().__init__()
-        self._host, self._size, self._at = host, size, 0
-
-    def readable(self) -> bool:
-        return True
-
-    def seekable(self) -> bool:
-        return True
-
-    def tell(self) -> int:
-        return self._at
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._size}[whence]
-        self._at = min(max(base + offset, 0), self._size)
-        return self._at
-
-    def readinto(self, buffer: WriteableBuffer) -> int:
-        view = memoryview(buffer).cast("B")
-        self._host.send(("read", (self._at, len(view))))
-        data = self._host.recv_bytes()
-        view[: len(data)] = data
-        self._at += len(data)
-        return len(data)
-
-
 def _serve(host: Connection) -> None:
     work, size = host.recv()
 
@@ -132,12 +101,16 @@ def _serve(host: Connection) -> None:
         host.send(("path", None))
         host.send_bytes(path)
 
+    def fetch(offset: int, into: memoryview) -> None:
+        host.send(("read", (offset, len(into))))
+        into[:] = host.recv_bytes()
+
     answer: tuple[str, Any]
     try:
-        with BufferedReader(_Source(host, size), _PIECE) as source:
+        with BufferedReader(Reader(size, fetch, lambda: None), _PIECE) as source:
             answer = "done", work(source, size, take_path)
     except (EOFError, BrokenPipeError, ConnectionResetError):
-        return  # nobody waits for it any more
+        return  # the result is no longer wanted
     except Exception as error:
         answer = "failed", error
     host.send(answer)

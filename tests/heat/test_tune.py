@@ -85,7 +85,7 @@ def test_a_bed_gets_the_same_lines_as_a_hotend():
     assert lines[1] == "BED Temp:60 Cycles:3 Method:0"
     assert [line for line in lines if "too small" in line] == [
         " A swing of 0.21 C is too small to measure: 4 steps of the sensor are 0.82 C. The tune"
-        " goes on with a larger one"
+        " continues with a larger one"
     ]
     assert tune.control == _core.RelayControl(band_c=2.5 * 0.205)
     assert lines[-2:] == ["PID Autotune finished!", f" {tune.result}"]

@@ -36,7 +36,7 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
         assert hottest <= 212
         assert s.board.temperature("hotend") == pytest.approx(210, abs=0.5)
     with Scenario("i3", state=str(tmp_path)) as s:
-        assert s.host.ok("M301 H0")[0] == before  # nobody has stored it
+        assert s.host.ok("M301 H0")[0] == before  # nothing is stored
         s.host.ok(found)
         s.host.ok("M500")
     with Scenario("i3", state=str(tmp_path)) as s:

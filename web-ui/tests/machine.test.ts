@@ -63,7 +63,7 @@ test("the text is edited, undone, and a machine of the library copied", async ({
   await page.getByRole("button", { name: "Discard" }).click();
 });
 
-testOf({ shipped: true, state: true })("a shipped machine is saved as one's own, and goes on with it", async ({ served, visit }) => {
+testOf({ shipped: true, state: true })("a shipped machine is saved as one's own, which is used from then on", async ({ served, visit }) => {
   const { page } = visit;
   await page.getByRole("link", { name: "Machine" }).click();
   await page.getByRole("button", { name: "axes.x" }).click();

@@ -211,7 +211,7 @@ class Connection(Exchange):
 
     def reading(self, heater: str, now: int) -> Reading:
         """The last reading of a heater's sensor, with its age at the time `now`. A board that is
-        shut down goes on measuring. Raises KeyError if there is no such heater."""
+        shut down still measures. Raises KeyError if there is no such heater."""
         loop = self.heaters[heater]
         if (clock := loop.reported) is None:
             return Reading(None)

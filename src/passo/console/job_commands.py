@@ -147,7 +147,7 @@ class JobCommands:
         bare=None,
     )
     def _tell_layers(self, command: Command, _: Reply) -> Wait | None:
-        self._progress.told_layers.set(command.pairs())
+        self._progress.slicer_layers.set(command.pairs())
         return None
 
     @command(

@@ -116,7 +116,7 @@ class RelayTune:
             if self.control.band_c > 0:
                 return [*lines, *self._fail(f"{self._too_small}; R5 measures a rise in its place")]
             self.control = _core.RelayControl(band_c=_BAND_COUNTS * self._count_c)
-            lines.append(f" {self._too_small}. The tune goes on with a larger one")
+            lines.append(f" {self._too_small}. The tune continues with a larger one")
             self._count = 0
         elif self._count > _FIRST_USED:
             lines += self._compute_gains(self._high_s + now_s - self._switched_s[0])

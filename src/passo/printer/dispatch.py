@@ -313,7 +313,7 @@ class Dispatch:
 
     def _note(self, command: Command, row: Declaration | None, reply: Reply) -> None:
         """Reports why a command without a handler has no effect. Macros that are written for other
-        printers go on; for a script that sends the line itself it is an error."""
+        printers continue; for a script that sends the line itself it is an error."""
         itself = self._from_console and self._rig.job.macro_depth == 0
         if row is None:
             if not self._rig.commands.knows(command):

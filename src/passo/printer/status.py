@@ -73,8 +73,8 @@ class JobStatus:
     `objects`. `path` is its path on the card; `offset` of its `size` bytes are read and planned;
     `elapsed_s` is host time since the start, with pauses; `filament_mm` is the filament of all
     extruders for this print, without moves in pauses; `extruding_s` is the part of `printed_s`
-    since the first extrusion, or `printed_s` on a machine without filament. `told_layer` and
-    `told_layers` are those of SET_PRINT_STATS_INFO; None without it."""
+    since the first extrusion, or `printed_s` on a machine without filament. `slicer_layer` and
+    `slicer_layers` are those of SET_PRINT_STATS_INFO; None without it."""
 
     file: str
     fraction: float
@@ -91,8 +91,8 @@ class JobStatus:
     elapsed_s: float = 0.0
     filament_mm: float = 0.0
     extruding_s: float = 0.0
-    told_layer: int | None = None
-    told_layers: int | None = None
+    slicer_layer: int | None = None
+    slicer_layers: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

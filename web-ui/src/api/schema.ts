@@ -461,7 +461,7 @@ export interface InterruptedPrint {
  * `path` is its path on the card; `offset` of its `size` bytes are read and planned; `elapsed_s`
  * is host time since the start, with pauses; `filament_mm` is the filament of all extruders for
  * this print, without moves in pauses; `extruding_s` is the part of `printed_s` since the first
- * extrusion, or `printed_s` on a machine without filament. `told_layer` and `told_layers` are
+ * extrusion, or `printed_s` on a machine without filament. `slicer_layer` and `slicer_layers` are
  * those of SET_PRINT_STATS_INFO; None without it. */
 export interface JobStatus {
   file: string;
@@ -479,8 +479,8 @@ export interface JobStatus {
   elapsed_s: number;
   filament_mm: number;
   extruding_s: number;
-  told_layer?: number | null;
-  told_layers?: number | null;
+  slicer_layer?: number | null;
+  slicer_layers?: number | null;
 }
 
 /** The distances of axes, or of the extruder `e`, from the end of the last move, in mm, and the

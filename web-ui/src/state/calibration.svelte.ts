@@ -47,7 +47,7 @@ class Calibration {
     ]);
   }
 
-  /** Runs a task: afterwards `changes` has what it has set. `step`: the user goes on with it. */
+  /** Runs a task: afterwards `changes` has what it has set. `step`: the user continues with it. */
   async run(task: TaskName, action: () => Promise<unknown>, { step = false } = {}): Promise<void> {
     if (this.running) return;
     this.task = task;
@@ -75,7 +75,7 @@ class Calibration {
   }
 
   async cancel(): Promise<void> {
-    this.cancelled = true; // before the task goes on with its next step
+    this.cancelled = true; // before the next step of the task
     if (!(await attempt(call("POST", "console/end-wait")))) this.cancelled = false;
   }
 

@@ -65,7 +65,7 @@ class MachineEditor {
     await attempt(call("POST", "machine/restart"));
   }
 
-  /** Saves the text as the user's file of a shipped machine, and goes on with it. */
+  /** Saves the text as the user's file of a shipped machine, and restarts with it. */
   async saveOwn(): Promise<void> {
     const done = await attempt(
       call<SavedMachine>("POST", "machine/own", { text: this.text }).then(({ path }) => {

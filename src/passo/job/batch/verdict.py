@@ -24,7 +24,7 @@ _ON_A_DESK = {"linux-test", "stm32f407-discovery", "stm32f429-discovery"}
 class Verdict:
     """`problems` are the reasons why a printer refuses the file; empty if it prints it. `allow` are
     the fields of Skips that let it be printed in spite of them; empty if nothing does. `estimate`
-    is the plan of that print, None if there is none."""
+    is the plan of that print, or None."""
 
     estimate: Estimate | None
     problems: tuple[Problem, ...] = ()

@@ -12,8 +12,8 @@ from passo.errors import PassoError
 from passo.job.batch.forecast import Forecast, forecast
 from passo.job.live.job_state import JobState
 from passo.job.live.runner import Runner
+from passo.job.live.slicer_layers import SlicerLayers
 from passo.job.live.statistics import Print, Statistics
-from passo.job.live.told_layers import ToldLayers
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -79,7 +79,7 @@ class Progress:
         self._from_host: Print | None = None  # the print of a host that reports its start and end
         self.percent: float | None = None
         self.minutes_left: float | None = None
-        self.told_layers = ToldLayers()
+        self.slicer_layers = SlicerLayers()
         runner.watchers.append(self._job_changed)
         printer.state.stop_listeners.append(self._stopped)
         printer.closers.append(self._close)
@@ -117,7 +117,7 @@ class Progress:
         if failed is not None and failed.name == name and self._runner.offset > 0:
             return self._statistics.goes_on(failed)
         self.percent = self.minutes_left = None
-        self.told_layers = ToldLayers()
+        self.slicer_layers = SlicerLayers()
         meant, self._from_host = self._from_host, None  # a host has announced this print
         self._watch.reset()
         self._extrusion.reset()

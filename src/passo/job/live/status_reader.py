@@ -208,8 +208,8 @@ class StatusReader:
             elapsed_s=progress.elapsed_s,
             filament_mm=progress.filament_mm,
             extruding_s=progress.extruding_s,
-            told_layer=progress.told_layers.current,
-            told_layers=progress.told_layers.total,
+            slicer_layer=progress.slicer_layers.current,
+            slicer_layers=progress.slicer_layers.total,
         )
 
 

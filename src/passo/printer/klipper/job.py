@@ -41,7 +41,7 @@ def _layers(job: JobStatus | None) -> Object:
     """The layers that the slicer has told, or else those that are counted."""
     if job is None:
         return {"total_layer": None, "current_layer": None}
-    total, current = job.told_layers, job.told_layer
+    total, current = job.slicer_layers, job.slicer_layer
     return {
         "total_layer": job.layers if total is None else total,
         "current_layer": job.layer if current is None else current,

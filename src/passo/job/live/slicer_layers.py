@@ -9,7 +9,7 @@ from passo.errors import CommandError
 _MAX_LAYERS = 1_000_000
 
 
-class ToldLayers:
+class SlicerLayers:
     """The current layer and the number of layers that SET_PRINT_STATS_INFO has given for a print;
     None before that."""
 
