@@ -212,3 +212,19 @@ def test_the_library_checks_unless_it_is_to_assume(program):
         machine.print(full, skip_unknown=True)
     result = machine.print(full, skip_unknown=True, skip_levelling=True)
     assert result.final_position_mm["x"] == 10
+
+
+def test_temperature_wait_lets_a_print_heat(capsys, program):
+    """A macro M109 of the community waits so: in 3 °C of the target, not until it is stable."""
+    wait = "M104 S200\nTEMPERATURE_WAIT SENSOR=extruder MINIMUM=197 MAXIMUM=203\n"
+    text = f"G28\n{wait}G1 X10 E5 F3000\n"
+    status, wrong, result = outcome(capsys, program(text))
+    assert (status, wrong) == (0, [])
+    assert 60 < result["heat_time_s"] < 200
+    with Scenario("i3") as s:
+        s.host.ok("G28", 60)
+        s.host.ok("M104 S200")
+        begun_s = s.printer.queue.now_s
+        s.host.ok("TEMPERATURE_WAIT SENSOR=extruder MINIMUM=197 MAXIMUM=203", 300)
+        assert result["heat_time_s"] == pytest.approx(s.printer.queue.now_s - begun_s, abs=30)
+        assert s.printer.connection.heaters["hotend"].celsius > 196

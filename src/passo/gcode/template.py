@@ -38,9 +38,10 @@ _METHODS: Mapping[type, str] = {
     " isspace isupper join ljust lower lstrip partition removeprefix removesuffix replace rfind"
     " rindex rjust rpartition rsplit rstrip split splitlines startswith strip swapcase title"
     " upper zfill",
-    list: "append count index",
+    list: "__delitem__ __setitem__ append clear copy count extend index insert pop remove reverse"
+    " sort",
     tuple: "count index",
-    dict: "get items keys values",
+    dict: "__delitem__ __setitem__ clear copy get items keys pop popitem setdefault update values",
     int: "",
     float: "is_integer",
 }
@@ -245,9 +246,18 @@ class _Environment(SandboxedEnvironment):
         elif isinstance(owner, str):
             args = self._of_text(obj.__name__, owner, args)
         elif isinstance(owner, list) and args:
-            self._sized(cast("object", args[0]))
-            self._fit(len(cast("list[object]", owner)) + 1, MAX_ITEMS, "items in a list")
+            self._grow(cast("list[object]", owner), args)
+        elif isinstance(owner, dict) and (args or kwargs):
+            self._grow(cast("dict[object, object]", owner), (*args, kwargs))
         return self._sized(super().call(context, obj, *args, **kwargs))
+
+    def _grow(self, owner: Sized, args: tuple[Any, ...]) -> None:
+        """Checks that a list or a table may grow by its arguments."""
+        added = 1
+        for arg in args:
+            self._sized(arg)
+            added += len(cast("Sized", arg)) if isinstance(arg, list | tuple | dict) else 0
+        self._fit(len(owner) + added, MAX_ITEMS, "items in a list")
 
     def wrap_str_format(self, value: Any) -> Callable[..., str] | None:
         """See SandboxedEnvironment."""

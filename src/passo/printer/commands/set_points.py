@@ -1,7 +1,9 @@
-"""M104 to M191, M116, M145 and G10 P: temperatures that a program sets and waits for."""
+"""M104 to M191, M116, M145, G10 P, TEMPERATURE_WAIT: temperatures that a program sets and waits
+for."""
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
@@ -9,6 +11,7 @@ from passo.config.heater_numbers import heater_of
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Subject, When, command, in_program
+from passo.printer.commands.klipper_commands import heater_named, number
 from passo.printer.commands.material_presets import Presets
 from passo.printer.wait_requests import Reply, Wait, WaitForTemperatures
 
@@ -213,6 +216,17 @@ class SetPoints:
             reply.note("M145", note, again=True)
         for line in () if "S" in words else self.presets.lines():
             reply.say(line)
+
+    @in_program("TEMPERATURE_WAIT")
+    def _await(self, command: Command, _: Reply) -> Wait | None:
+        """Waits for the target, if it is within the limits: no other temperature lasts."""
+        words = command.pairs()
+        name = heater_named(self._machine, words, "SENSOR")
+        low, high = number(words, "MINIMUM", -inf), number(words, "MAXIMUM", inf)
+        target = self.targets_c.get(name, 0.0)
+        if target <= 0 or not low <= target <= high:
+            return None
+        return WaitForTemperatures((name,), cooling=high < inf)
 
     @in_program("G10")
     def _tool_temperatures(self, command: Command, _: Reply) -> None:

@@ -72,7 +72,6 @@ class HeatCommands:
         When.EXCLUSIVE,
         "SENSOR MINIMUM(°C) MAXIMUM(°C)",
         "Waits until the temperature of a heater is within these limits.",
-        kind=Kind.QUIET,
         bare=None,
     )
     def _await(self, command: Command, _: Reply) -> Wait | None:
