@@ -32,10 +32,10 @@ class Advance {
   }
   double earliest() const { return delay_[0]; }  // as Taps::earliest
   double t() const { return t_; }
-  double count() const { return count_; }
+  double q() const { return q_ + g_; }
 
   // Passes on each interval in which there may be a step, as a cubic on 0..1 from the last count:
-  // Sink: cubic(begin clock, ticks, c0, c1, c2, end, net steps). `last`: see Taps.
+  // sink.counted(begin clock, ticks, c0, c1, c2, end, net steps). `last`: see Taps.
   template <class Sink>
   void advance(double limit, bool last, Sink& sink) {
     const Phases& p = *phases_;
@@ -75,8 +75,8 @@ class Advance {
       settle(sink);
     }
   }
-  size_t needed() const { return k_[2]; }
-  void dropped(size_t k) {
+  size_t needed(const Phases*) const { return k_[2]; }
+  void dropped(const Phases*, size_t k) {
     for (size_t& i : k_) i -= k;
     last_ -= std::min(last_, k);
   }
@@ -124,7 +124,7 @@ class Advance {
     // If the four Bezier values are within one step, the interval has no step.
     const double b1 = c0_ + c1_ * (1.0 / 3), b2 = c0_ + (2 * c1_ + c2_) * (1.0 / 3);
     if ((n == 0) & (b1 < 0.5) & (b2 < 0.5) & (b1 > -0.5) & (b2 > -0.5)) return;
-    sink.cubic(t_ - d_, d_, c0_, c1_, c2_, end, n);
+    sink.counted(t_ - d_, d_, c0_, c1_, c2_, end, n);
     count_ += n;
   }
   // g and its derivatives, summed again from the phases of the whole width.

@@ -101,6 +101,19 @@ class Backlash {
     void add(double t, double q, double v0, double v1, double a) {
       backlash.pass(t, q, v0, v1, a, sink);
     }
+    // Motors of an extruder, and those that follow the nozzle, keep the lead that they have.
+    template <class... Parts>
+    void bent(const Parts&... parts) {
+      sink.bent(parts...);
+    }
+    template <class... Parts>
+    void counted(const Parts&... parts) {
+      sink.counted(parts...);
+    }
+    template <class Piece>
+    void piece(const Piece& piece) {
+      sink.piece(piece);
+    }
   };
 
  private:

@@ -14,19 +14,13 @@ bool NozzleLaw::needed() const {
 // At rest: filters may have changed since.
 void NozzleLaw::begin(const Move& m) {
   const Filters& filters = machine_.filters;
-  const bool boxes = filters.boxed();
-  phases_.assign(3, Phases(false));
-  taps_.assign(boxes ? 0 : 3, Taps());
-  smooth_.assign(boxes ? 3 : 0, SmoothLaw());
-  track_.cubic = boxes;
-  earliest_ = filters.delay(hz_);
+  track_.cubic = filters.boxed();
+  earliest_ = filters.delay(machine_.clock_hz);
   for (int i = 0; i < 3; ++i) {
-    Phases& phases = phases_[size_t(i)];
-    phases.begin(m.p0[i], filters.memory(hz_));
-    with_law(size_t(i), [&](auto& law) {
-      add_to(law, filters, hz_, i, &phases);
-      earliest_ = std::min(earliest_, law.earliest());
-    });
+    Law& law = laws_[i];
+    law.follow_axis(filters, i);
+    law.begin(m);
+    earliest_ = std::min(earliest_, law.earliest());
   }
   going_ = true;
 }
@@ -34,14 +28,14 @@ void NozzleLaw::begin(const Move& m) {
 void NozzleLaw::add(const Move& m, double until) {
   if (m.kind == MoveKind::dwell) {
     if (going_)
-      for (Phases& p : phases_) p.resume(std::min(m.end(), until));
+      for (Law& law : laws_) law.resume(std::min(m.end(), until));
     return;
   }
   if (!going_) {
     begin(m);
     start(m.start);
   }
-  for (int i = 0; i < 3; ++i) phases_[size_t(i)].add(m, m.p0[i], m.p1[i], hz_, 0, until);
+  for (Law& law : laws_) law.add(m, until);
 }
 
 void NozzleLaw::start(double clock) {
@@ -49,10 +43,8 @@ void NozzleLaw::start(double clock) {
   track_.n = 0;
   track_.t[0] = clock;
   for (size_t i = 0; i < 3; ++i) {
-    with_law(i, [&](auto& law) {
-      law.start(clock);
-      track_.p[i][0] = axes_[i].q = law.q();
-    });
+    laws_[i].start(clock);
+    track_.p[i][0] = axes_[i].q = laws_[i].q();
   }
   track_.finish();
 }
@@ -61,7 +53,7 @@ void NozzleLaw::restart(double clock, const std::vector<Move>& past) {
   going_ = false;
   for (const Move& m : past) add(m, clock);
   if (!going_) return;
-  for (Phases& p : phases_) p.resume(clock);
+  for (Law& law : laws_) law.resume(clock);
   start(clock);
 }
 
@@ -75,15 +67,8 @@ void NozzleLaw::solve(const std::vector<Move>& moves, double known, bool last) {
   for (const Move& m : moves) add(m, kNeverTicks);
   if (!going_) return;
   if (last)
-    for (Phases& p : phases_) p.stand();
-  const double limit = last ? kAllTicks : known + earliest_;
-  for (size_t i = 0; i < 3; ++i) {
-    Phases& p = phases_[i];
-    with_law(i, [&](auto& law) {
-      law.advance(limit, last, axes_[i]);
-      law.dropped(&p, p.drop(law.needed(&p)));
-    });
-  }
+    for (Law& law : laws_) law.stand();
+  for (size_t i = 0; i < 3; ++i) laws_[i].advance(known + earliest_, last, axes_[i]);
   merge();
   going_ = !last;
 }

@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "filters/planned_laws.hpp"
-#include "filters/smooth_law.hpp"
-#include "filters/taps.hpp"
+#include "filters/law.hpp"
 #include "geometry/track.hpp"
 #include "machine/machine.hpp"
 #include "plan/move.hpp"
@@ -15,7 +13,7 @@ namespace passo {
 
 class NozzleLaw {
  public:
-  explicit NozzleLaw(const Machine& machine) : machine_(machine), hz_(machine.clock_hz) {}
+  explicit NozzleLaw(const Machine& machine) : machine_(machine) {}
 
   // A motor of the machine needs this path.
   bool needed() const;
@@ -44,12 +42,15 @@ class NozzleLaw {
       all.push_back({t + ticks, begin, speed, accel, jerk});
       q = position;
     }
+    // No axis has such parts.
+    template <class... Parts>
+    void bent(const Parts&...) {}
+    template <class... Parts>
+    void counted(const Parts&...) {}
+    void piece(const Piece&) {}
   };
   const Machine& machine_;
-  double hz_;
-  std::vector<Phases> phases_;
-  std::vector<Taps> taps_;
-  std::vector<SmoothLaw> smooth_;  // replace the above if jerk is limited
+  Law laws_[3] = {Law(machine_.clock_hz), Law(machine_.clock_hz), Law(machine_.clock_hz)};
   Intervals axes_[3];
   double earliest_ = 0;
   bool going_ = false;
@@ -59,14 +60,6 @@ class NozzleLaw {
   void add(const Move& m, double until);
   void start(double clock);
   void merge();
-  // Calls use(law of axis i).
-  template <class Use>
-  void with_law(size_t i, Use&& use) {
-    if (smooth_.empty())
-      use(taps_[i]);
-    else
-      use(smooth_[i]);
-  }
 };
 
 }  // namespace passo

@@ -45,6 +45,7 @@ class PlannedLaws {
 
   // At most three. Laws of filters refer to them.
   std::vector<Phases>& all() { return all_; }
+  const std::vector<Phases>& all() const { return all_; }
   // The filament is advanced.
   bool advances() const { return advances_; }
   // Filters that only a SmoothLaw has: a limit of jerk, or an advance that is shaped.

@@ -123,27 +123,4 @@ class CubicSolver {
   }
 };
 
-// The steps of a motor's law that consists of cubics.
-class CubicSteps {
- public:
-  explicit CubicSteps(CubicSolver& solver) : solver_(solver) {}
-
-  void begin(double q) { count_ = std::floor(q + 0.5); }
-  int64_t count() const { return int64_t(count_); }
-  // From the clock t on for d ticks, to the position `end`; see SmoothLaw::advance.
-  void cubic(double t, double d, double q, double v, double a, double, double end, double) {
-    const double c0 = q - count_, c1 = v * d, c2 = 0.5 * a * d * d, to = end - count_;
-    const double n = std::floor(to + 0.5);
-    // If the four Bezier values are within one step, the interval has no step.
-    const double b1 = c0 + c1 * (1.0 / 3), b2 = c0 + (2 * c1 + c2) * (1.0 / 3);
-    if ((n == 0) & (b1 < 0.5) & (b2 < 0.5) & (b1 > -0.5) & (b2 > -0.5)) return;
-    solver_.cubic(t, d, c0, c1, c2, to, n);
-    count_ += n;
-  }
-
- private:
-  CubicSolver& solver_;
-  double count_ = 0;
-};
-
 }  // namespace passo

@@ -1,0 +1,71 @@
+// The law of a motor whose position is no fixed sum of X, Y and Z: along the filtered path of the
+// nozzle, by the geometry.
+#pragma once
+#include <deque>
+
+#include "filters/phases.hpp"
+#include "geometry/track.hpp"
+#include "machine/machine.hpp"
+
+namespace passo {
+
+class FollowedNozzle {
+ public:
+  FollowedNozzle(const Machine& machine, const StepperSpec& spec, const Track& track)
+      : machine_(machine), spec_(spec), track_(track) {}
+
+  void start(double) {}  // at the begin of the track
+  double t() const { return track_.t[track_.n]; }
+  double q() const {
+    const double at[3] = {track_.p[0][0], track_.p[1][0], track_.p[2][0]};
+    return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
+  }
+  double earliest() const { return 0; }
+
+  // Passes on the whole track: sink.bent as in law.hpp.
+  template <class Sink>
+  void advance(double, bool, Sink& sink) {
+    fit(track_, fit_);
+    pass_on(track_, fit_, 0, sink);
+  }
+  // It has no phases of its own.
+  size_t needed(const Phases*) const { return 0; }
+  void dropped(const Phases*, size_t) {}
+
+ private:
+  static constexpr size_t kParts = 4, kDeepest = 20;
+  // Quadratics with bends (IntervalSolver) that are near the motor's law, in steps and ticks.
+  struct Fit {
+    Track track;  // of parts of an interval
+    Followed law;
+    UnsetDoubles accel, odd, even;
+  };
+  const Machine& machine_;
+  const StepperSpec& spec_;
+  const Track& track_;
+  Fit fit_;
+  std::deque<Fit> parts_;  // by depth
+
+  // Fits quadratics to the motor's law along a track.
+  void fit(const Track& track, Fit& to) const;
+  // Passes them on; splits those that are too far from the law.
+  template <class Sink>
+  void pass_on(const Track& track, const Fit& fits, size_t depth, Sink& sink) {
+    const Followed& law = fits.law;
+    for (size_t i = 0; i < track.n; ++i) {
+      // Not a number at a singular point: smaller parts would be as bad.
+      if (!(law.error[i] > 0) || depth == kDeepest) [[likely]] {
+        sink.bent(track.t[i + 1], law.q[i + 1], law.v0[i], law.v1[i], fits.accel[i], fits.odd[i],
+                  fits.even[i]);
+        continue;
+      }
+      if (parts_.size() == depth) parts_.emplace_back();
+      Fit& parts = parts_[depth];
+      parts.track.divide(track, i, kParts);
+      fit(parts.track, parts);
+      pass_on(parts.track, parts, depth + 1, sink);
+    }
+  }
+};
+
+}  // namespace passo
