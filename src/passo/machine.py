@@ -86,17 +86,26 @@ class Machine:
             yield from (tick / hz for tick in ticks)
 
     def estimate(
-        self, path: str | os.PathLike[str], *, clamp: bool = False, ignore_tools: bool = False
+        self,
+        path: str | os.PathLike[str],
+        *,
+        clamp: bool = False,
+        ignore_tools: bool = False,
+        assume_ready: bool = False,
+        skip_unknown: bool = False,
+        skip_levelling: bool = False,
     ) -> Estimate:
         """Time and filament of a file, without a board and without steps: see `Estimate`.
 
-        `clamp` moves targets beyond the machine's limits to the limit. `ignore_tools` continues
-        with the current tool if the machine lacks one. Without them such a file is an error. Raises
-        InputError.
+        It fails at the errors that stop the print of the file, see `print`. `clamp` moves targets
+        beyond the machine's limits to the limit. `ignore_tools` continues with the current tool if
+        the machine lacks one. The others are those of `print`. Raises InputError, MachineError.
         """
         from passo.job.batch.estimate import estimate
+        from passo.printer.unfit_commands import Skips
 
-        return estimate(self.config, path, clamp=clamp, ignore_tools=ignore_tools)
+        skips = Skips(skip_unknown, skip_levelling, clamp=clamp, ignore_tools=ignore_tools)
+        return estimate(self.config, path, skips=skips, checked=not assume_ready)
 
     def trace(
         self,

@@ -87,20 +87,30 @@ def test_estimates_of_several_files_at_once(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("text", "cold"),
     [
-        ("G28\nM302 P0\nG1 X9 E2 F300\n", True),
-        ("G28\nM104 S100\nG1 X9 E2 F300\n", True),
-        ("G28\nM104 S200\nG1 X9 E2 F300\n", False),
-        ("G28\nM302 P1\nG1 X9 E2 F300\n", False),
-        ("G28\nM302 S150\nM104 S160\nG1 X9 E2 F300\n", False),
-        ("G28\nM302 S210\nM104 S200\nG1 X9 E2 F300\n", True),
-        ("G28\nG1 X9 F300\n", False),
+        ("G28\nM302 P0\nG1 X9 E2 F300\n", 3),
+        ("G28\nM104 S100\nG1 X9 E2 F300\n", 3),
+        ("G28\nM104 S200\nG1 X9 E2 F300\n", 3),  # it does not wait until the hotend is warm
+        ("G28\nM104 S200\nG4 S300\nG1 X9 E2 F300\n", 0),
+        ("G28\nM109 S200\nG1 X9 E2 F300\nM104 S0\nG4 S600\nG1 E5\n", 6),
+        ("G28\nM302 P1\nG1 X9 E2 F300\n", 0),
+        ("G28\nM302 S150\nM109 S160\nG1 X9 E2 F300\n", 0),
+        ("G28\nM302 S210\nM109 S200\nG1 X9 E2 F300\n", 4),
+        ("G28\nG1 X9 F300\n", 0),
+        ("G1 X9 F300\n", 1),
+        ("G28\nM112\n", 2),
     ],
 )
-def test_an_estimate_warns_of_filament_that_nothing_heats(tmp_path, text, cold):
+def test_an_estimate_ends_at_the_line_of_the_print(tmp_path, text, cold):
     path = tmp_path / "cold.gcode"
     path.write_text(text)
-    warnings = Machine.load("i3").estimate(path).warnings
-    assert any("no hotend is heated" in warning for warning in warnings) is cold
+    machine, lines = Machine.load("i3"), []
+    for run in (machine.estimate, machine.print):
+        try:
+            run(path)
+            lines.append(0)
+        except PassoError as error:
+            lines.append(error.problems[0].line)
+    assert lines == [cold, cold]
 
 
 def test_layers_of_an_estimate_are_those_of_the_print(capsys, tmp_path):

@@ -193,6 +193,10 @@ def test_a_pipe_stops_at_its_unknown_command(program):
 def test_estimate_and_steps_accept_partial_files(capsys, program, tmp_path, command):
     path = program("PRINT_START\nG29\nG1 X10 E5 F600\n")
     words = ["--output", str(tmp_path / "out.npz")] if command in ("steps", "report") else []
+    if command == "estimate":
+        assert main([command, str(path)]) == 4  # as its print
+        assert "--unknown skip" in capsys.readouterr().err
+        words = ["--assume-ready", "--unknown", "skip", "--levelling", "skip"]
     file = f"{path}:3" if command == "explain" else str(path)
     assert main([command, file, *words]) == 0
     told = capsys.readouterr().err

@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 
-from passo.cli.machine_option import add_machine, add_policy
+from passo.cli.machine_option import add_assume_ready, add_machine, add_policy, add_skips, skips_of
 from passo.errors import ExitStatus, PassoError
 
 
@@ -15,6 +15,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", metavar="file", help="a G-code file, or several")
     add_machine(parser)
     add_policy(parser)
+    add_skips(parser)
+    add_assume_ready(parser)
     parser.add_argument(
         "--json",
         action="store_true",
@@ -25,23 +27,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Plans the files and prints a table for each, or JSON. If a file fails, the others are still
     planned; the exit status is that of the first failure."""
-    from passo.job.batch.estimate import Estimate
-    from passo.machine import Machine
+    from passo import config
+    from passo.job.batch.estimate import Estimate, estimate
 
     status, results = ExitStatus.DONE, list[Estimate]()
     machine, name = None, arguments.machine
     for path in arguments.files:
         try:
-            machine = machine or Machine.load(name)
-            result = machine.estimate(
-                path,
-                clamp=arguments.out_of_range == "clamp",
-                ignore_tools=arguments.missing_tool == "ignore",
+            machine = machine or config.load(name)
+            result = estimate(
+                machine, path, skips=skips_of(arguments), checked=not arguments.assume_ready
             )
         except PassoError as error:
             status = status or error.status
             problems = [str(problem) for problem in error.problems]
-            known = name if machine is None else machine.config.name
+            known = name if machine is None else machine.name
             results.append(Estimate(path, known, errors=problems))
             _report(problems)
             if machine is None and not arguments.json:

@@ -56,6 +56,16 @@ def add_skips(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_assume_ready(parser: argparse.ArgumentParser) -> None:
+    """`--assume-ready`."""
+    parser.add_argument(
+        "--assume-ready",
+        action="store_true",
+        help="the machine is homed and its hotends are warm: for a piece of G-code that does"
+        " neither itself",
+    )
+
+
 def skips_of(arguments: argparse.Namespace) -> Skips:
     """What a print may do in place of a failure, by the options of `add_policy` and `add_skips`."""
     from passo.printer.unfit_commands import Skips

@@ -8,7 +8,14 @@ import sys
 from dataclasses import replace
 
 from passo.cli.clock import Pace, add_clock
-from passo.cli.machine_option import add_machine, add_policy, add_skips, policy_of, skips_of
+from passo.cli.machine_option import (
+    add_assume_ready,
+    add_machine,
+    add_policy,
+    add_skips,
+    policy_of,
+    skips_of,
+)
 from passo.errors import ExitStatus, PassoError
 
 
@@ -19,12 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_clock(parser)
     add_policy(parser)
     add_skips(parser)
-    parser.add_argument(
-        "--assume-ready",
-        action="store_true",
-        help="the machine is homed and its hotends are warm: for a piece of G-code that does"
-        " neither itself",
-    )
+    add_assume_ready(parser)
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"
     )

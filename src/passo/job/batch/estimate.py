@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from passo import _core
+from passo.errors import InputError, Problem
 from passo.job.batch.board_load import BudgetUse, budget_use
 from passo.job.batch.heating import Heating
-from passo.job.batch.program import run_open_program
+from passo.job.batch.program import refuse_stop, run_open_program, with_option
+from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.source import open_source
 from passo.job.batch.toolpath import encoded_toolpath
-from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.program import Commands
-from passo.printer.unfit_commands import ALL, Skips
+from passo.printer.unfit_commands import NOTHING, Skips
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
-    from passo.gcode.command import Command
-    from passo.printer.wait_requests import Reply, Wait
+    from passo.printer.wait_requests import Wait
 
-
-_COLD = (
-    "filament moves, and no hotend is heated. Heat the hotend before the print (M109), or the print"
-    " stops at its first extrusion."
-)
+_LOOK_S = 0.5  # interval of the checks of filament that may be cold
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,39 +58,45 @@ class Estimate:
         return asdict(self)
 
 
-class _Commands(Commands):
-    """The commands of a plan; `cold` has the settings of M302."""
+class _FilamentCheck:
+    """Ends an estimate at filament that moves before its hotend is warm, as a print ends there."""
 
-    def __init__(self, machine: MachineConfig, job: _core.Job, heating: Heating) -> None:
-        super().__init__(machine, job, heating, [1] * len(machine.timed_outputs))
-        self.cold = ColdExtrusion(machine)
+    def __init__(self, commands: RehearsedCommands, heating: Heating, job: _core.Job) -> None:
+        self._commands, self._heating, self._job = commands, heating, job
+        self._hz = commands.machine.board.clock_hz
+        self._filament_mm: list[float] | None = None  # None while the hotend is warm enough
 
-    def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
-        """Like `Commands.run`."""
-        if command.code == "M302":
-            self.cold.set(command.words())
-        return super().run(command, reply)
+    def horizon(self) -> float:
+        """The clock of the plan at which `look` is due."""
+        return self._job.clock + _LOOK_S * self._hz if self._commands.unsure else inf
 
-    def stays_cold(self, hottest_c: Mapping[str, float]) -> bool:
-        """Whether there are hotends, and no filament may move with these highest targets, °C."""
-        hotends = self.cold.hotends
-        return bool(hotends) and all(
-            hottest_c.get(name, 0.0) < self.cold.min_c_of(name) for name in hotends
-        )
+    def look(self, name: str) -> None:
+        """Raises InputError, with `name` as the file."""
+        commands = self._commands
+        if not commands.unsure:
+            self._filament_mm = None
+            return
+        self._heating.catch_up()
+        moved = self._job.statistics()["filament_mm"]
+        cold = not commands.cold.warm(self._heating.heaters, self._job.tool)
+        if cold and self._filament_mm not in (None, moved):
+            raise InputError([with_option(Problem("input.cold", name, self._job.line or None))])
+        self._filament_mm = moved
+        commands.guard(self._job.clock)
 
 
 def estimate(
     machine: MachineConfig,
     path: str | os.PathLike[str],
     *,
-    clamp: bool = False,
-    ignore_tools: bool = False,
+    skips: Skips = NOTHING,
+    checked: bool = True,
 ) -> Estimate:
-    """Plans the file on the machine, without steps. Raises InputError."""
+    """Plans the file on the machine, without steps, by the rule of its print. See `estimate_open`.
+    Raises InputError and MachineError."""
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
-        skips = ALL._replace(clamp=clamp, ignore_tools=ignore_tools)
-        return estimate_open(machine, source, size, str(path), skips=skips)
+        return estimate_open(machine, source, size, str(path), skips=skips, checked=checked)
 
 
 def estimate_open(
@@ -102,29 +105,42 @@ def estimate_open(
     size: int,
     name: str,
     *,
-    skips: Skips = ALL,
+    skips: Skips = NOTHING,
+    checked: bool = True,
     take_path: Callable[[bytes], None] | None = None,
 ) -> Estimate:
     """Like `estimate`, for an open file of `size` bytes, which is at its beginning. `skips` is what
-    it may do in place of a failure. `take_path` is called with the planned path, see toolpath.py.
+    it may do in place of a failure; without `checked` the machine counts as homed and warm, and
+    refused commands are warnings. `take_path` is called with the planned path, see toolpath.py.
     Also raises the errors of reading."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, skips.clamp, skips.ignore_tools)
     if take_path:
         job.keep_toolpath()
     heating = Heating(machine, job)
-    commands = _Commands(machine, job, heating)
+    full = [1] * len(machine.timed_outputs)
+    if checked:
+        commands = RehearsedCommands(machine, job, heating, full, heating.heaters)
+        heating.on_target = commands.target_set
+        check = _FilamentCheck(commands, heating, job)
+        commands.guard(0)
+    else:
+        commands, check = Commands(machine, job, heating, full), None
     commands.skips = skips.on(machine)
-    for _ in run_open_program(
-        job, commands, source, size, name, lambda wait: heating.settle(wait, commands)
-    ):
-        pass
+
+    def settle(wait: Wait) -> None:
+        if checked:
+            refuse_stop(wait, name)
+        heating.settle(wait, commands)
+
+    horizon = check.horizon if check else lambda: inf
+    for _ in run_open_program(job, commands, source, size, name, settle, horizon=horizon):
+        if check:
+            check.look(name)
     if take_path:
-        heating.finish()
+        heating.catch_up()
         take_path(encoded_toolpath(job, heating.targets))
     plan = job.statistics()
-    moves_cold = any(plan["filament_mm"]) and commands.stays_cold(heating.hottest_c)
-    cold = [f"{name}: {_COLD}"] if moves_cold else []
     layers, layers_s = plan["layers"], plan["layer_s"]
     # If a file has layer marks, moves before the first mark belong to no layer.
     counted_s = layers_s[1 : layers + 1]
@@ -145,5 +161,5 @@ def estimate_open(
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
         budget=budget_use(plan, machine),
-        warnings=commands.warnings(name) + heating.warnings(name) + cold,
+        warnings=commands.warnings(name) + heating.warnings(name),
     )

@@ -3,6 +3,7 @@ file."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -45,29 +46,30 @@ class Heating:
             )
             for name, heater in machine.heaters.items()
         }
+        self.heaters = {name: body.heater for name, body in self._bodies.items()}
+        # Called with each target that waits for the moves before it.
+        self.on_target: Callable[[str, float], None] = lambda heater, celsius: None
         self._now_s = 0.0  # time of the plan without waits for heaters
         self.seconds = 0.0
         self.unreached: dict[str, float] = {}
-        self.hottest_c: dict[str, float] = {}
-        """The highest target of each heater so far, °C."""
         self.targets: list[tuple[float, str, float]] = []
         """The targets so far: the time of the plan in s, the heater, the target in °C."""
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a target when the moves so far are done, or at once."""
-        self.hottest_c[heater] = max(celsius, self.hottest_c.get(heater, 0.0))
         if at_once:
             self._bodies[heater].heater.target = celsius
             self.targets.append((self._now_s, heater, celsius))
         else:
+            self.on_target(heater, celsius)
             self._job.mark(self._names.index(heater), round(celsius * 100))
 
     def settle(self, wait: Wait, commands: Commands) -> None:
         """Ends a wait of the plan, after the simulated time that its temperatures need."""
         heated(self._job, lambda heaters: self._wait(heaters, commands))(wait)
 
-    def finish(self) -> None:
-        """Call this when the plan is complete: lets the rest of its time pass."""
+    def catch_up(self) -> None:
+        """Lets the time of the settled plan pass."""
         self._pass()
 
     def warnings(self, file: str) -> list[str]:

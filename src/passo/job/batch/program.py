@@ -7,10 +7,11 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
+from math import inf
 from typing import BinaryIO
 
 from passo import _core
-from passo.errors import CommandError, InputError, Problem, WordError
+from passo.errors import CommandError, InputError, MachineError, Problem, WordError
 from passo.gcode.command import Command
 from passo.job.batch.source import chunks, lines, open_source
 from passo.job.preflight import prepare, survey
@@ -36,6 +37,8 @@ _HINTS = {code: _OPTIONS[field] for code, field in ALLOWED_BY.items()} | {
     "input.no-macro": "it to be left out by --unknown skip",
     "input.call": "it to be left out, if the sub-program is missing, by --unknown skip",
 }
+
+_STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
 Settle = Callable[[Wait], None]
 
@@ -68,6 +71,12 @@ def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
     return settle
 
 
+def refuse_stop(wait: Wait, file: str) -> None:
+    """Raises MachineError for a command of `file` that stops the machine."""
+    if isinstance(wait, Stop):
+        raise MachineError.of(_STOPS[wait.code], file, wait.line)
+
+
 def read_program(
     job: _core.Job,
     commands: Commands,
@@ -75,16 +84,17 @@ def read_program(
     name: str,
     settle: Settle,
     unsurveyed: Skips = ALL,
+    horizon: Callable[[], float] = lambda: inf,
 ) -> Iterator[None]:
     """Feeds all pieces to the job, and executes its commands. It yields when the job has made
-    progress or its message queue is full; then the caller must take the messages. At the last
-    yield, the job is flushed. Refused commands become warnings if `commands` allows it. Raises
-    InputError with `name` as the file for a refused command otherwise, and for words without a
-    number. `unsurveyed` are the commands that lines of macros may skip, because the survey does not
-    read these lines.
+    progress, when the plan has reached the clock of `horizon`, or when its message queue is full;
+    then the caller must take the messages. At the last yield, the job is flushed. Refused commands
+    become warnings if `commands` allows it. Raises InputError with `name` as the file for a refused
+    command otherwise, and for words without a number. `unsurveyed` are the commands that lines of
+    macros may skip, because the survey does not read these lines.
     """
     source = iter(pieces)
-    for found in _executed(job, commands, name, settle, unsurveyed):
+    for found in _executed(job, commands, name, settle, unsurveyed, horizon):
         if found == _core.JobStatus.NEED_INPUT:
             data = next(source, b"")
             if data:
@@ -99,13 +109,18 @@ def read_program(
 
 
 def _executed(
-    job: _core.Job, commands: Commands, name: str, settle: Settle, unsurveyed: Skips
+    job: _core.Job,
+    commands: Commands,
+    name: str,
+    settle: Settle,
+    unsurveyed: Skips,
+    horizon: Callable[[], float] = lambda: inf,
 ) -> Iterator[_core.JobStatus]:
     """Executes the commands of the lines that the job has; yields as `read_program`, with the
     status of the job, also when the job needs more lines. Raises as `read_program`."""
     status = _core.JobStatus
     while not commands.ended:
-        found = job.advance(most=_MAX_MESSAGES)
+        found = job.advance(horizon(), _MAX_MESSAGES)
         if found == status.MACRO:
             _expand(job, commands, name, settle)
         elif found == status.EVENT:
@@ -210,6 +225,7 @@ def run_open_program(
     name: str,
     settle: Settle | None = None,
     end: int | None = None,
+    horizon: Callable[[], float] = lambda: inf,
 ) -> Iterator[float]:
     """Like `run_program`, for an open file of `size` bytes, which is at its beginning."""
     unsurveyed = commands.skips
@@ -223,7 +239,7 @@ def run_open_program(
     settle = settle or at_rest(job)
     for _ in start_up(job, commands, settle, unsurveyed):
         yield 0.0
-    for _ in read_program(job, commands, text, name, settle, unsurveyed):
+    for _ in read_program(job, commands, text, name, settle, unsurveyed, horizon):
         yield min(job.offset / size, 1.0) if size else 0.0
     if end is not None:
         return

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,6 @@ from passo.printer.wait_requests import Reply, Wait, WaitForHoming, WaitForMoves
 
 if TYPE_CHECKING:
     from passo import _core
-    from passo.board.boards import Boards
     from passo.config.machine import MachineConfig
 
 
@@ -47,13 +46,13 @@ class RehearsedCommands(Commands):
         job: _core.Job,
         heat: Heat,
         full_scale: list[int],
-        boards: Boards,
+        heaters: Mapping[str, _core.Heater],
     ) -> None:
         super().__init__(machine, job, heat, full_scale)
-        self._boards = boards
+        self._heaters = heaters
         self.cold = ColdExtrusion(machine)
         self._targets = {name: _Target() for name in machine.heaters}
-        self._unsure = False  # whether lines since the last check may move cold filament
+        self.unsure = False  # whether lines since the last check may move cold filament
         self._now = 0.0
         self.unsure_until = -1.0  # clock of the plan up to which this was so
         self.catch_up: Callable[[], None] = lambda: None  # lets the board execute the plan so far
@@ -102,10 +101,10 @@ class RehearsedCommands(Commands):
         """Allows later lines to move filament only if its hotend is warm, or may become warm. `now`
         is the board's clock within the job."""
         self._now = now
-        if self._unsure:
+        if self.unsure:
             self.unsure_until = self._plan_end
-        heaters, cold = self._boards.heaters, self.cold
-        self._unsure = False
+        heaters, cold = self._heaters, self.cold
+        self.unsure = False
 
         def holds(heater: str | None) -> bool:
             if heater is None or cold.allows(heater):
@@ -113,7 +112,7 @@ class RehearsedCommands(Commands):
             melts, target = cold.melts(heater, heaters), self._targets[heater]
             warms = max(target.celsius, heaters[heater].target) >= cold.cold_c
             warms = warms or now < target.warm_until
-            self._unsure = self._unsure or melts != (target.celsius >= cold.cold_c)
+            self.unsure = self.unsure or melts != (target.celsius >= cold.cold_c)
             return not (melts or warms)
 
         self._job.cold = bool(cold.hotends) and holds(cold.hotend(self._job.tool))
@@ -122,7 +121,7 @@ class RehearsedCommands(Commands):
 
     def cold_filament(self) -> list[tuple[str, bool]]:
         """For each motor of an extruder, whether its filament is too cold to move now."""
-        machine, heaters, cold = self._machine, self._boards.heaters, self.cold
+        machine, heaters, cold = self._machine, self._heaters, self.cold
         of_extruder: dict[str, list[str]] = {}
         for number, tool in enumerate(machine.all_tools if cold.hotends else ()):
             if tool.extruder:

@@ -17,14 +17,14 @@ from passo.gcode.registry import Kind, table
 from passo.job.batch.bed_probing import BedProbing
 from passo.job.batch.first_layer import FirstLayerWatch
 from passo.job.batch.policy import Policy
-from passo.job.batch.program import heated, run_program, with_option
+from passo.job.batch.program import heated, refuse_stop, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_s
 from passo.printer.commands.motion_filters import MotionFilters
 from passo.printer.commands.program import FILTER_COMMANDS, Commands
 from passo.printer.macros import Macros
 from passo.printer.setup.boards import connect_simulated, nozzle_gap
-from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves
+from passo.printer.wait_requests import Wait, WaitForHoming, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -37,7 +37,6 @@ _LOOK_S = 0.5  # interval of the checks of filament that may be cold
 _SLICE_S = 0.5  # interval of temperature readings during a wait
 _TIMEOUT_S = 3600.0  # a heater that takes longer is broken
 _TOO_EARLY = 0.01  # smaller fractions of a file cannot predict the rest
-_STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +132,7 @@ class Print:
         self._checks: RehearsedCommands | None = None
         if self._policy.checked:
             self._checks = RehearsedCommands(
-                machine, self.job, self._targets, full, self.connection
+                machine, self.job, self._targets, full, self.connection.heaters
             )
         self._commands = self._checks or Commands(machine, self.job, self._targets, full)
         self._commands.skips = self._policy.skips.on(machine)
@@ -248,8 +247,7 @@ class Print:
         warm = heated(self.job, self.wait_for)
 
         def settle(wait: Wait) -> None:
-            if isinstance(wait, Stop):
-                raise MachineError.of(_STOPS[wait.code], str(path), wait.line)
+            refuse_stop(wait, str(path))
             start = self.job.machine_position
             warm(wait)
             if isinstance(wait, WaitForHoming):
