@@ -149,7 +149,10 @@ def test_a_stop_in_a_file_ends_its_print(capsys, tmp_path, line, sentence):
     assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"{path}:3: {sentence}. ")
     code = sentence.split()[-1]
-    assert main(["estimate", str(path), "--json"]) == 0  # it tells how long the file would be
+    assert main(["estimate", str(path), "--json"]) == 5
+    assert f"{path}:3: {sentence}. " in capsys.readouterr().out
+    # a piece: it tells how long the file would be
+    assert main(["estimate", str(path), "--assume-ready", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["moves"] == 2
     assert result["warnings"] == [

@@ -10,6 +10,7 @@ from tests.support.print_result import printed
 from passo import Machine, config
 from passo.cli.main import main
 from passo.config.load import shipped_text
+from passo.errors import PassoError
 
 
 def test_an_estimate_agrees_with_the_print(capsys, unpacked):

@@ -24,12 +24,12 @@ def test_policies(capsys, tmp_path):
         "X 300.000 mm is beyond the limit of 250.000 mm; such targets were moved to the limit"
         " (1 time)",
     ]
-    assert main(["estimate", str(path), "--json", *words]) == 0
+    assert main(["estimate", str(path), "--assume-ready", "--json", *words]) == 0
     estimate = json.loads(capsys.readouterr().out)
     assert estimate["warnings"] == result["warnings"]
     assert estimate["moving_s"] == result["move_time_s"] > 0
     for lacking in (words[:2], words[2:]):
-        assert main(["estimate", str(path), *lacking]) == 4
+        assert main(["estimate", str(path), "--assume-ready", *lacking]) == 4
 
 
 def test_clamp_is_reported_once_for_each_axis(capsys, tmp_path):

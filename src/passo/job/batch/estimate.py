@@ -66,9 +66,15 @@ class _FilamentCheck:
         self._hz = commands.machine.board.clock_hz
         self._filament_mm: list[float] | None = None  # None while the hotend is warm enough
 
+    def guard(self) -> None:
+        """Allows later lines to move filament only if its hotend is warm, or may become warm."""
+        self._commands.guard(self._job.clock)
+
     def horizon(self) -> float:
         """The clock of the plan at which `look` is due."""
-        return self._job.clock + _LOOK_S * self._hz if self._commands.unsure else inf
+        if not self._commands.unsure:
+            return inf
+        return self._job.clock + self._job.queued_ticks + _LOOK_S * self._hz
 
     def look(self, name: str) -> None:
         """Raises InputError, with `name` as the file."""
@@ -82,7 +88,7 @@ class _FilamentCheck:
         if cold and self._filament_mm not in (None, moved):
             raise InputError([with_option(Problem("input.cold", name, self._job.line or None))])
         self._filament_mm = moved
-        commands.guard(self._job.clock)
+        self.guard()
 
 
 def estimate(
@@ -123,15 +129,17 @@ def estimate_open(
         commands = RehearsedCommands(machine, job, heating, full, heating.heaters)
         heating.on_target = commands.target_set
         check = _FilamentCheck(commands, heating, job)
-        commands.guard(0)
+        check.guard()
     else:
         commands, check = Commands(machine, job, heating, full), None
     commands.skips = skips.on(machine)
 
     def settle(wait: Wait) -> None:
-        if checked:
+        if check:
             refuse_stop(wait, name)
         heating.settle(wait, commands)
+        if check:
+            check.guard()
 
     horizon = check.horizon if check else lambda: inf
     for _ in run_open_program(job, commands, source, size, name, settle, horizon=horizon):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
@@ -27,7 +28,7 @@ class _Target:
     target applies."""
 
     celsius: float = 0.0
-    warm_until: float = 0.0
+    warm_until: float = -inf
 
 
 class RehearsedCommands(Commands):
