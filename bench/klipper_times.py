@@ -18,6 +18,7 @@ from pathlib import Path
 from passo import config
 from passo.config.exporting.klipper import exported
 from passo.job.batch.estimate import estimate
+from passo.printer.unfit_commands import ALL
 
 _BEGIN_S = 0.25  # Klipper's clock at the first move (BUFFER_TIME_START)
 _MOVES = re.compile(
@@ -74,7 +75,7 @@ def main() -> None:
             moves = [found[0] for line in lines if (found := _MOVES.match(line.strip()))]
             reduced = folder / "moves.gcode"
             reduced.write_text(_HEAD + "\n".join(moves) + "\n")
-            ours = estimate(machine, reduced, clamp=True).total_s
+            ours = estimate(machine, reduced, skips=ALL._replace(clamp=True)).total_s
             words = [arguments.python, klipper / "klippy/klippy.py", "printer.cfg", "-i", reduced]
             words += ["-d", klipper / "out/klipper.dict", "-o", "serial", "-l", "log"]
             subprocess.run(words, check=True, cwd=folder, capture_output=True)

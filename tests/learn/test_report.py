@@ -228,7 +228,7 @@ def test_table_splits_the_print_time(page):
 
 def test_report_and_estimate_count_the_same_layers(page, tmp_path, capsys):
     shown = page(PRINTED)
-    assert main(["estimate", str(tmp_path / "a.gcode")]) == 0
+    assert main(["estimate", str(tmp_path / "a.gcode"), "--assume-ready"]) == 0
     assert re.search(r"moves, layers +9, 2\n", capsys.readouterr().out)
     assert shown.result()["Layers"] == "2"
     # Heights of the layers, and when their moves begin and end; none of the lift to 0.6 mm.
