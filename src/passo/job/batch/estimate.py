@@ -142,9 +142,12 @@ def estimate_open(
             check.guard()
 
     horizon = check.horizon if check else lambda: inf
-    for _ in run_open_program(job, commands, source, size, name, settle, horizon=horizon):
-        if check:
-            check.look(name)
+    try:
+        for _ in run_open_program(job, commands, source, size, name, settle, horizon=horizon):
+            if check:
+                check.look(name)
+    finally:
+        heating.part()
     if take_path:
         heating.catch_up()
         take_path(encoded_toolpath(job, heating.targets))

@@ -47,13 +47,18 @@ class Heating:
             for name, heater in machine.heaters.items()
         }
         self.heaters = {name: body.heater for name, body in self._bodies.items()}
-        # Called with each target that waits for the moves before it.
-        self.on_target: Callable[[str, float], None] = lambda heater, celsius: None
+        self.part()
         self._now_s = 0.0  # time of the plan without waits for heaters
         self.seconds = 0.0
         self.unreached: dict[str, float] = {}
         self.targets: list[tuple[float, str, float]] = []
         """The targets so far: the time of the plan in s, the heater, the target in °C."""
+
+    def part(self) -> None:
+        """Removes the reference to the listener, which would keep the plan in memory until the
+        garbage collector runs."""
+        # Called with each target that waits for the moves before it.
+        self.on_target: Callable[[str, float], None] = lambda heater, celsius: None
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a target when the moves so far are done, or at once."""
