@@ -1,6 +1,7 @@
 """A file that was stopped by one of its lines goes on behind it: no line is left out."""
 
 import pytest
+from tests.support.macro_machine import macro, with_macros
 from tests.support.scenario import Scenario
 
 from passo.job.live.journal import Journal
@@ -115,6 +116,52 @@ def test_a_print_that_is_given_up_is_not(tmp_path, end):
         s.host.ok(end)
         s.passes(3)
         assert Journal(tmp_path / "state").read() is None
+
+
+def heat(s):
+    heaters = s.printer.connection.heaters
+    return {
+        name: heater.target for name, heater in heaters.items()
+    }, s.printer.commands.outputs.fans
+
+
+@pytest.mark.parametrize("bad", ["G1 X990", "T7", "M104 SX", "RAISES", "M23 none.g"])
+def test_failed_print_cools_until_it_continues(tmp_path, bad):
+    """As a cancelled print. The second heater was set anew in the meantime, and stays as it is."""
+    machine = with_macros(macro("RAISES", "{ action_raise_error('no') }"))
+    lines = ["G28", "M104 S60", "M140 S40", "M109 S60", "M106 S255", "G1 Z5 F3000", bad, "G1 X9"]
+    (tmp_path / "a.g").write_text("\n".join(lines) + "\n")
+    with Scenario(machine, card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Print of a.g stopped: a.g:7: ", 100)
+        s.host.expect("Heaters and fans are off; M24 sets them again")
+        s.passes(1)
+        assert heat(s) == ({"hotend": 0.0, "bed": 0.0}, {"part": 0.0})
+        s.passes(100)
+        cold_c = s.board.temperature("hotend")
+        assert cold_c < 50
+        s.host.ok("M140 S45")
+        s.host.ok("M24")
+        s.host.expect("The print warms up before it continues")
+        s.passes(0.5)
+        assert heat(s) == ({"hotend": 60.0, "bed": 45.0}, {"part": 1.0})
+        assert s.positions()["x"] == 0.0
+        s.host.expect("Done printing file", 100)
+        assert s.board.temperature("hotend") > 57
+        assert s.positions()["x"] == 9.0
+
+
+def test_failed_print_that_begins_again_stays_cold(tmp_path):
+    (tmp_path / "a.g").write_text("M104 S60\nT7\nG4 P100\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        for again in ("M26 S0", "M23 a.g"):
+            s.host.ok("M32 a.g")
+            s.host.expect("Print of a.g stopped: a.g:2: ", 10)
+            s.host.ok(again)
+            s.host.ok("M26 S12")
+            s.host.ok("M24")
+            s.host.expect("Done printing file", 10)
+            assert heat(s)[0] == {"hotend": 0.0, "bed": 0.0}
 
 
 def test_print_that_did_nothing_does_not_block_the_next(tmp_path):

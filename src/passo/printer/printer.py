@@ -417,7 +417,7 @@ class Printer:
         if self.state.halted:
             return
         self.state.halt(cause, reason)
-        self.targets.cooled_c.clear()
+        self.targets.plan_forgotten()
         self.connection.switch_heaters_off()
         self.connection.emergency_stop()
         self.queue.await_answer()
@@ -472,7 +472,7 @@ class Printer:
         self.queue.stop()
         self.commands.outputs.plan_forgotten()
         self.commands.set_points.follow_tool()
-        self.targets.cooled_c.clear()
+        self.targets.plan_forgotten()
         self.beeper.forget()
         self.laser.off()
         self.state.ended = True

@@ -16,6 +16,7 @@ class Targets:
         self._require_power = require_power  # raises CommandError while the power supply is off
         self._heaters = list(rig.machine.heaters)
         self.cooled_c: dict[str, float] = {}
+        self._commanded_c: dict[str, float] = {}  # the last targets, including queued ones
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a heater's target when the moves so far are done, or at once. Raises CommandError if
@@ -23,6 +24,7 @@ class Targets:
         if celsius > 0:
             self._require_power()
         self.cooled_c.pop(heater, None)
+        self._commanded_c[heater] = celsius
         if at_once:
             self._rig.connection.set_target(heater, celsius)
             return
@@ -48,6 +50,25 @@ class Targets:
         """Switches all heaters off at once, at standstill."""
         for name in self._heaters:
             self.set_target(name, 0.0, at_once=True)
+
+    def wanted_c(self) -> dict[str, float]:
+        """The targets above 0 after the moves so far, °C by heater; those of heaters that are off
+        until the print resumes are included."""
+        set_c = {name: loop.target for name, loop in self._rig.connection.heaters.items()}
+        now_c = set_c | self._commanded_c | self.cooled_c
+        return {name: celsius for name, celsius in now_c.items() if celsius > 0}
+
+    def heat_again(self, targets_c: dict[str, float]) -> None:
+        """Sets targets at once, for a print that continues; it waits for them before its next
+        move."""
+        for name, celsius in targets_c.items():
+            self.set_target(name, celsius, at_once=True)
+        self.cooled_c |= targets_c
+
+    def plan_forgotten(self) -> None:
+        """Call this when the plan is discarded, and its targets with it."""
+        self.cooled_c.clear()
+        self._commanded_c.clear()
 
     def cool(self, heater: str) -> None:
         """Switches a heater off until the print resumes."""

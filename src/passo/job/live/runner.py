@@ -14,6 +14,7 @@ from passo import _core
 from passo.config.motor_roles import axis_order
 from passo.errors import CardError, CommandError, InputError, PassoError, Problem, in_words
 from passo.gcode.command import Command
+from passo.job.live.cooling import Cooling
 from passo.job.live.job_state import TRANSITIONS, JobState
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
@@ -43,6 +44,7 @@ class Runner:
     def __init__(self, printer: Printer, reply: Reply) -> None:
         self._printer, self._reply = printer, reply
         self.park = Park(printer)
+        self._cooling = Cooling(printer)
         self._park_words: Mapping[str, float] = {}
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
@@ -230,6 +232,7 @@ class Runner:
         self.problems = ()
         self._suspended = False
         self._waits_for = None
+        self._cooling.switch_on()
         # Create the task before the watchers are called; it runs only afterwards.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
@@ -296,7 +299,7 @@ class Runner:
             if self.state is JobState.APPROACHING:
                 printer.stop_all("cancelled")
             elif self.state is JobState.FAILED and not printer.halted:
-                self._cool()
+                self._cooling.switch_off()
                 self._enter(JobState.READY)
                 self._rewind(0)
             return
@@ -304,19 +307,11 @@ class Runner:
         self._enter(JobState.READY)
         if not printer.halted:
             printer.stop()
-            self._cool()
+            self._cooling.switch_off()
         if printer.job.suspended:
             printer.job.forget_suspended()
         self._resumed.set()
         self._rewind(0)
-
-    def _cool(self) -> None:
-        """Switches heaters and fans off."""
-        printer = self._printer
-        printer.targets.switch_off(printer.machine.heaters)
-        printer.queue.before_moves()
-        printer.commands.outputs.fans_off()
-        printer.queue.after_moves()
 
     def _refuse_if_active(self) -> None:
         if self.engaged:
@@ -326,6 +321,7 @@ class Runner:
         with self._printer.dispatch.file_selected() as job:
             job.restart(line)
         self._begin, self.first_line = offset, line
+        self._cooling.forget()
         if self._reader:
             self._reader.seek(offset)
 
@@ -335,6 +331,7 @@ class Runner:
         printer = self._printer
         try:
             await self._look_through()
+            await self._cooling.warm_up()
             while self.active:
                 if self.state is JobState.PAUSED:
                     await self._pause_print()
@@ -352,7 +349,10 @@ class Runner:
         except (Stopped, PassoError) as error:
             self._failed = str(error)
             self.problems = error.problems if isinstance(error, PassoError) else ()
+        stops = self.active and bool(self._failed) and not printer.halted
         self._end()
+        if stops:
+            self._cooling.until_resumed()
 
     async def _look_through(self) -> None:
         """Scans the file for its sub-programs. Raises InputError, before any move, for a file that
