@@ -16,9 +16,8 @@ from passo.card.unheld import Unheld
 from passo.console.client import Client
 from passo.console.session import command_of
 from passo.errors import CommandError, ConfigError, PassoError
-from passo.gcode.command import forced
 from passo.gcode.line_protocol import uncommented
-from passo.gcode.registry import When, row_of, table
+from passo.gcode.registry import table
 from passo.planning import Planning
 from passo.planning_work import find_explanation, find_fitting, find_verdict
 from passo.web.bridge import BedState, PastPrint, SettingValue, SimulatedPart, Snapshot
@@ -60,6 +59,7 @@ class LiveBridge:
         self._scripts = Client(self._printer)
         self._overtaking = Client(self._printer)
         self._turn = asyncio.Lock()  # scripts run one after the other
+        self._in_turn = 0  # scripts that run or wait for their turn
         self._listeners: dict[asyncio.AbstractEventLoop, list[Listener]] = {}
         self._planner = ThreadPoolExecutor(1, "plan")  # waits for the process that plans
         self._plannings: set[Planning[Any]] = set()
@@ -126,19 +126,36 @@ class LiveBridge:
 
     async def _carry_out(self, script: str, heard: Hearer | None, sender: str) -> tuple[str, ...]:
         lines = script.splitlines()
-        if len(lines) == 1 and _acts_at_once(lines[0]):
-            self._overtaking.sender = sender
-            return (await self._overtaking.send(lines[0], heard)).lines
+        if self._overtakes(lines):
+            return await self._send(self._overtaking, lines, heard, sender)
+        self._in_turn += 1
+        try:
+            async with self._turn:
+                return await self._send(self._scripts, lines, heard, sender)
+        finally:
+            self._in_turn -= 1
+
+    async def _send(
+        self, client: Client, lines: Sequence[str], heard: Hearer | None, sender: str
+    ) -> tuple[str, ...]:
+        client.sender = sender
         answers: list[str] = []
-        async with self._turn:
-            self._scripts.sender = sender
-            for number, line in enumerate(lines, 1):
-                try:
-                    answers += (await self._scripts.send(line, heard)).lines
-                except PassoError:
-                    await self._restore_states(lines[number:])
-                    raise
+        for number, line in enumerate(lines, 1):
+            try:
+                answers += (await client.send(line, heard)).lines
+            except PassoError:
+                await self._restore_states(lines[number:])
+                raise
         return tuple(answers)
+
+    def _overtakes(self, lines: Sequence[str]) -> bool:
+        """Whether each line of a script acts at once, so that the script need not wait for the one
+        before. Heaters and fans that are set while a command moves the machine by itself do not
+        overtake scripts that wait for its end."""
+        dispatch = self._printer.dispatch
+        commands = [command_of(text) for line in lines if (text := uncommented(line))]
+        waits = self._in_turn > 1 and any(map(dispatch.sets_meanwhile, commands))
+        return bool(commands) and not waits and all(map(dispatch.overtakes, commands))
 
     async def _restore_states(self, lines: Sequence[str]) -> None:
         """After a failed line, carries out the later lines that restore modes without a move, so
@@ -424,12 +441,6 @@ def _does(snapshot: Snapshot) -> tuple[PrinterState, bool]:
 
 def _name(path: str) -> str:
     return path.rpartition("/")[2]
-
-
-def _acts_at_once(line: str) -> bool:
-    command = command_of(line)
-    row = row_of(command.code)
-    return forced(command) or (row is not None and row.when in (When.IMMEDIATE, When.AHEAD))
 
 
 def _tell_each(listeners: list[Listener], tell: Callable[[Listener], None]) -> None:

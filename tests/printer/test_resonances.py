@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import re
+import sys
 import tempfile
 from pathlib import Path
 
 import pytest
 from tests.support.edited_machine import answers, at_home, edited
-from tests.support.scenario import Scenario
+from tests.support.scenario import Host, Scenario
 
+import passo
 from passo.config.machine import MachineConfig
+from passo.gcode.registry import table
 from passo.printer.setup.boards import head_dynamics
 
 SPI = 'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"'
@@ -222,3 +226,79 @@ def test_a_chip_on_i2c_that_does_not_answer_is_told(firmware: str) -> None:
         (text,) = answers(s, "ACCELEROMETER_QUERY")
         assert "overflowed 200 times in 6400 samples, of at most 2%" in text
         assert "Lower rate_hz" in text
+
+
+SWEEP = "FREQ_START=20 FREQ_END=40 HZ_PER_SEC=2"
+SHAKING = [f"TEST_RESONANCES AXIS=X {SWEEP}", f"SHAPER_CALIBRATE {SWEEP}", "MEASURE_AXES_NOISE"]
+
+
+@pytest.mark.parametrize("line", SHAKING)
+def test_missing_package_is_reported_before_the_first_move(
+    line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = line.split()[0]
+    with at_home(machine(50, 35)) as s:
+        row = table()[code]
+        assert s.printer.dispatch.has(row)
+        monkeypatch.setitem(sys.modules, "numpy", None)
+        assert not s.printer.dispatch.has(row)
+        before_s, place = s.printer.queue.now_s, s.positions()
+        said = "\n".join(s.host.ok(line, 1))
+        assert f"{code} needs the Python package numpy, which is not installed. Inst" in said
+        assert s.printer.queue.now_s - before_s < 1
+        s.passes(1)
+        assert s.positions() == place
+        assert "accelerometer values" in "\n".join(answers(s, "ACCELEROMETER_QUERY"))
+
+
+HEATERS = "SET_HEATER_TEMPERATURE HEATER={} TARGET={}"
+
+
+@pytest.mark.parametrize("line", SHAKING)
+def test_other_consoles_do_not_wait_for_a_measurement(line: str) -> None:
+    with at_home(machine(50, 35)) as s:
+        other = Host(s)
+        s.host.send(line)
+        s.passes(1)
+        before_s = s.printer.queue.now_s
+        heaters = s.printer.connection.heaters
+        for code, heater, celsius in [
+            ("M104 S60", "hotend", 60),
+            ("M140 S40", "bed", 40),
+            (HEATERS.format("extruder", 70), "hotend", 70),
+            (HEATERS.format("heater_bed", 0), "bed", 0),
+            ("TURN_OFF_HEATERS", "hotend", 0),
+        ]:
+            other.ok(code, 0.1)
+            assert heaters[heater].target == celsius
+        for code in ("M106 S128", "M105", "HELP", "STATUS", "M114", "M119", "M115"):
+            other.ok(code, 0.1)
+        assert s.printer.commands.outputs.fans["part"] == pytest.approx(128 / 255)
+        assert "HEATER is no: expected" in other.ok(HEATERS.format("no", 1), 0.1)[0]
+        assert s.printer.queue.now_s - before_s < 0.5
+        s.host.expect("^ok", 60)
+
+
+def test_scripts_of_clients_do_not_wait_for_a_measurement() -> None:
+    async def main() -> None:
+        async with passo.Printer(machine(50, 35)) as printer:
+            bridge, loop = printer._bridge, asyncio.get_running_loop()
+            await bridge.run("G28\nM400")
+            shaking = asyncio.create_task(bridge.run(SHAKING[0]))
+            await asyncio.sleep(1)
+            began_s = loop.time()
+            await bridge.run("M106 S128")
+            await bridge.run("M104 S60\n" + HEATERS.format("heater_bed", 40))
+            (report,) = await bridge.run("M105")
+            assert "/60.00" in report and "/40.00" in report
+            assert loop.time() - began_s < 0.5
+            # these two are one program: the heater goes off after the move
+            moves = asyncio.create_task(bridge.run("G1 X50 F6000\nM400"))
+            await asyncio.sleep(0.1)
+            off = asyncio.create_task(bridge.run("M104 S0"))
+            await asyncio.sleep(1)
+            assert not (shaking.done() or moves.done() or off.done())
+            await off
+            assert shaking.done() and moves.done()
+
+    passo.run(main(), clock="virtual")

@@ -67,6 +67,11 @@ COMMAND: Mapping[str, Entry] = {
         "{axis} does nothing here: {value}",
         "Leave the command out, or add the part to the machine file",
     ),
+    "command.no-package": bad_input(
+        "command",
+        "{axis} needs the Python package {value}, which is not installed",
+        "Install it with pip, in the environment of Passo",
+    ),
     "command.aside": bad_input(
         "command",
         "{value} would change steps per mm or the geometry while a print is paused",

@@ -58,10 +58,6 @@ RESONANCE: Mapping[str, Entry] = {
         "the measurement has only {value} samples (minimum {limit})",
         "Measure a wider range of frequencies, or more slowly (HZ_PER_SEC)",
     ),
-    "resonance.no-numpy": _resonance(
-        "the calculation of spectra needs the Python package numpy, which is not installed",
-        "Install it: pip install 'passo[resonance]'",
-    ),
     "resonance.failed": _resonance(
         "the calculation of spectra failed: {value}", "Report this text as an error of Passo"
     ),

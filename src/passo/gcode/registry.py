@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from importlib.util import find_spec
 from typing import Any, TypeVar
 
 _Method = TypeVar("_Method", bound=Callable[..., Any])
@@ -79,6 +80,12 @@ class Declaration:
     in_turn: bool = False  # immediate on a console, but in a file it acts after the moves before it
     only_during_print: bool = False  # immediate only during a print; otherwise planned
     while_halted: bool = True  # if immediate, it also acts while the printer is halted
+    package: str = ""  # a Python package that the command needs, and that may not be installed
+
+    @property
+    def lacks_package(self) -> bool:
+        """Whether the Python package that the command needs is not installed."""
+        return bool(self.package) and find_spec(self.package) is None
 
 
 class Role(Enum):
@@ -117,13 +124,14 @@ def command(
     in_turn: bool = False,
     only_during_print: bool = False,
     while_halted: bool = True,
+    package: str = "",
 ) -> Callable[[_Method], _Method]:
     """Declares a command, and marks the method that executes it; the arguments are the fields of
     Declaration. Raises ValueError for a code that is declared already."""
     declare(
         Declaration(
             *(code, subject, when, parameters, text, kind, bare, nan, repeats, lacks),
-            *(forced, in_turn, only_during_print, while_halted),
+            *(forced, in_turn, only_during_print, while_halted, package),
         )
     )
     return _marked(Role.DECLARED, code)

@@ -9,9 +9,10 @@ from functools import partial
 from passo import _core
 from passo.board.ports import LinkLostError
 from passo.errors import CommandError, InputError
-from passo.gcode.command import Command, alone, forced
+from passo.gcode.command import Command, alone, forced, letters_of
 from passo.gcode.registry import Declaration, Kind, Role, When, commands_of, row_of
 from passo.motion.motion_queue import MAX_QUEUED
+from passo.printer.commands.klipper_commands import TRANSLATED
 from passo.printer.commands.program import DECLARED
 from passo.printer.live_rig import LiveRig
 from passo.printer.macros import EmergencyStop
@@ -75,7 +76,7 @@ class Dispatch:
         needs = NEEDS.get(row.code)
         served = row.code in self.planned or row.code in self.immediate
         return (
-            row.kind is not Kind.NOT_BUILT
+            not (row.kind is Kind.NOT_BUILT or row.lacks_package)
             and (served or not row.lacks)
             and (needs is None or needs(self._rig.machine))
         )
@@ -88,6 +89,9 @@ class Dispatch:
         """Executes a command from the source `reply` if it acts at once; else returns False."""
         if self._rig.macros.calls(command.code):
             return False
+        if self.sets_meanwhile(command):
+            self._set_meanwhile(command, reply)
+            return True
         handler, row = self.immediate.get(command.code), row_of(command.code)
         in_order = (
             row is not None and row.only_during_print and not self._state.is_other_source(reply)
@@ -99,6 +103,37 @@ class Dispatch:
         handler = handler or self.planned.get(command.code)
         self._carried_out(handler, command, reply)
         return True
+
+    def overtakes(self, command: Command) -> bool:
+        """Whether the command acts at once, so that it need not wait for lines that were sent
+        before."""
+        if self._rig.macros.calls(command.code):
+            return False
+        row = row_of(command.code)
+        at_once = row is not None and row.when in (When.IMMEDIATE, When.AHEAD)
+        return at_once or forced(command) or self.sets_meanwhile(command)
+
+    def sets_meanwhile(self, command: Command) -> bool:
+        """Whether the command only sets heaters or fans, while a command of another source moves
+        the machine by itself, as for a probing or a measurement: then nothing has to wait."""
+        row = row_of(command.code)
+        if row is None or not self._waits.in_procedure or self._rig.macros.calls(row.code):
+            return False
+        if row.code in TRANSLATED:
+            return True
+        return row.forced and alone(command) and ("F" not in command.letters() or forced(command))
+
+    def _set_meanwhile(self, command: Command, reply: Reply) -> None:
+        try:
+            lines = self._rig.commands.klipper.lines_of(command)
+        except CommandError as error:
+            reply.fail(str(error), error.problems)
+            return
+        for line in lines:
+            code, _, text = line.partition(" ")
+            text = text if "F" in letters_of(text) else f"{text} F"
+            one = Command(command.line, code[0], int(code[1:]), 0, "", text)
+            self._carried_out(None, one, reply)
 
     def answers_halted(self, code: str) -> bool:
         """Whether a halted printer executes such a command. It must act at once, not change the
@@ -303,6 +338,7 @@ class Dispatch:
                 wait = self._rig.commands.run(command, reply)
             else:
                 command.check()
+                _require_package(command.code)
                 wait = handler(command, reply)
         except (CommandError, LinkLostError) as error:
             reply.fail(str(error), error.problems)
@@ -352,6 +388,13 @@ class Dispatch:
             raise
         finally:
             rig.queue.after_moves()
+
+
+def _require_package(code: str) -> None:
+    """Raises CommandError if a command needs a Python package that is not installed."""
+    row = row_of(code)
+    if row is not None and row.lacks_package:
+        raise CommandError.of("command.no-package", axis=code, value=row.package)
 
 
 def _respond(reply: Reply, text: str) -> None:

@@ -76,6 +76,7 @@ class WaitRunner:
         self.person = False  # a command waits for the user
         self.temperatures: Callable[[], str] = str  # gives the temperatures as a line
         self.busy = False  # a command waits
+        self.in_procedure = False  # a command moves the machine by itself, as for a probing
         self.for_room = False  # a line waits for free space in the plan
         self._skip_moves = False  # after M108: do not wait for queued moves either
         self._uninterruptible = False  # M108 does not end the current wait
@@ -171,7 +172,7 @@ class WaitRunner:
         if isinstance(wait, WaitForTemperatures):
             await self._reach(wait, reply)
         elif isinstance(wait, WaitForProcedure):
-            await wait.run()
+            await self._procedure(wait)
         elif isinstance(wait, WaitForTuning):
             await self._tune(wait)
         elif isinstance(wait, WaitForUser):
@@ -180,6 +181,13 @@ class WaitRunner:
             rig.job.abandon()
             letters = wait.letters
             await self._moves.around_homing(letters, lambda: self._homer.home(letters))
+
+    async def _procedure(self, wait: WaitForProcedure) -> None:
+        within_another, self.in_procedure = self.in_procedure, True
+        try:
+            await wait.run()
+        finally:
+            self.in_procedure = within_another
 
     def _raise_if_ended(self) -> None:
         if self._state.ended:

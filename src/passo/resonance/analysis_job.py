@@ -26,10 +26,6 @@ def main() -> int:
     answer: dict[str, Any]
     try:
         answer = _answer(sys.stdin.buffer)
-    except ModuleNotFoundError as error:
-        if error.name != "numpy":
-            raise
-        answer = {"error": "resonance.no-numpy", "values": {}}
     except OSError as error:
         values = {"axis": str(error.filename), "value": error.strerror or str(error)}
         answer = {"error": "resonance.no-file", "values": values}

@@ -3,7 +3,7 @@ like the lines of a macro."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import TYPE_CHECKING
@@ -127,9 +127,7 @@ class KlipperCommands:
         bare=None,
     )
     def _heat(self, command: Command, _: Reply) -> None:
-        words = command.pairs()
-        target = numeral(number(words, "TARGET", 0.0))
-        self._become([f"{self._setting(heater_named(self._machine, words, 'HEATER'))} S{target}"])
+        self._become(self.lines_of(command))
 
     @command(
         "TURN_OFF_HEATERS",
@@ -139,8 +137,8 @@ class KlipperCommands:
         "Switches all heaters off.",
         bare=None,
     )
-    def _all_off(self, _: Command, __: Reply) -> None:
-        self._become(f"{self._setting(name)} S0" for name in self._machine.heaters)
+    def _all_off(self, command: Command, _: Reply) -> None:
+        self._become(self.lines_of(command))
 
     @command(
         "PID_CALIBRATE",
@@ -177,14 +175,35 @@ class KlipperCommands:
         bare=None,
     )
     def _fan(self, command: Command, _: Reply) -> None:
-        words, fans = command.pairs(), self._machine.fans
+        self._become(self.lines_of(command))
+
+    def lines_of(self, command: Command) -> list[str]:
+        """The numbered commands that set the heaters or the fan of a command of `TRANSLATED`; any
+        other command is its own line. Raises CommandError."""
+        lines = TRANSLATED.get(command.code)
+        if lines is None:
+            return [f"{command.code} {command.text}"]
+        return lines(self, command.pairs())
+
+    def heater_lines(self, words: _Words) -> list[str]:
+        """The lines of SET_HEATER_TEMPERATURE. Raises CommandError."""
+        target = numeral(number(words, "TARGET", 0.0))
+        return [f"{self._setting(heater_named(self._machine, words, 'HEATER'))} S{target}"]
+
+    def off_lines(self, _: _Words) -> list[str]:
+        """The lines of TURN_OFF_HEATERS."""
+        return [f"{self._setting(name)} S0" for name in self._machine.heaters]
+
+    def fan_lines(self, words: _Words) -> list[str]:
+        """The lines of SET_FAN_SPEED. Raises CommandError."""
+        fans = self._machine.fans
         named = {
             fan_object(self._machine, name).removeprefix("fan_generic "): name
             for name, fan in fans.items()
             if fan.commanded
         }
         index = fans[_one_of(words, "FAN", named)].number
-        self._become([f"M106 P{index} S{numeral(_FULL_FAN * number(words, 'SPEED', 0.0))}"])
+        return [f"M106 P{index} S{numeral(_FULL_FAN * number(words, 'SPEED', 0.0))}"]
 
     @command(
         "ACTIVATE_EXTRUDER",
@@ -236,6 +255,14 @@ class KlipperCommands:
     )
     def _store(self, _: Command, __: Reply) -> None:
         self._become(["M500"])
+
+
+TRANSLATED: Mapping[str, Callable[[KlipperCommands, _Words], list[str]]] = {
+    "SET_HEATER_TEMPERATURE": KlipperCommands.heater_lines,
+    "TURN_OFF_HEATERS": KlipperCommands.off_lines,
+    "SET_FAN_SPEED": KlipperCommands.fan_lines,
+}
+"""Commands that set heaters and fans by their names, as numbered commands."""
 
 
 def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, float]:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from passo.resonance.measurement import Measurement
 
 NO_ACCELEROMETER = "The machine file has no [accelerometer]."
+_NUMPY = "numpy"  # calculates the spectra
 _QUERY_S, _NOISE_S = 0.5, 2.0
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _OUTPUTS = ("resonances", "raw_data")
@@ -74,6 +75,7 @@ class ResonanceCommands:
         kind=Kind.SERVED,
         bare=None,
         lacks=NO_ACCELEROMETER,
+        package=_NUMPY,
     )
     def _noise(self, _: Command, reply: Reply) -> Wait | None:
         async def run() -> None:
@@ -94,6 +96,7 @@ class ResonanceCommands:
         kind=Kind.SERVED,
         bare=None,
         lacks=NO_ACCELEROMETER,
+        package=_NUMPY,
     )
     def _measure(self, command: Command, reply: Reply) -> Wait | None:
         pairs = command.pairs()
@@ -135,6 +138,7 @@ class ResonanceCommands:
         kind=Kind.SERVED,
         bare=None,
         lacks=NO_ACCELEROMETER,
+        package=_NUMPY,
     )
     def _calibrate(self, command: Command, reply: Reply) -> Wait | None:
         pairs = command.pairs()
