@@ -29,6 +29,7 @@ void Interpreter::run_line(const char* p, const char* end) {
     const char* after = q + 1;
     if (read_number(after, q + text.size(), number)) {
       size_t star = last_star(text);
+      if (star == std::string::npos && begins_message(after)) star = text.rfind('*');
       if (star != std::string::npos) {
         uint8_t sum = 0;
         for (size_t i = 0; i < star; ++i) sum ^= uint8_t(text[i]);

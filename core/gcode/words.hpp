@@ -58,6 +58,17 @@ inline std::string unknown_name(std::string_view text, const Word& word) {
   return name;
 }
 
+// Whether a line begins with M117 or M118, whose text goes up to the end of the line: as in Klipper,
+// neither ';' nor a parenthesis begins a comment in it.
+inline bool begins_message(std::string_view text) {
+  size_t i = 0;
+  while (i < text.size() && (text[i] == ' ' || text[i] == '\t')) ++i;
+  if (i + 3 >= text.size() || (text[i] != 'M' && text[i] != 'm')) return false;
+  const std::string_view code = text.substr(i + 1, 3);
+  return (code == "117" || code == "118") &&
+         (i + 4 == text.size() || !std::isdigit(uint8_t(text[i + 4])));
+}
+
 // Where the last '*' outside of comments is: npos if there is none.
 inline size_t last_star(std::string_view text) {
   size_t depth = 0, star = std::string_view::npos;
@@ -101,6 +112,7 @@ inline size_t closing_quote(std::string_view text, size_t at) {
 // (SHAPER_TYPE=ei(v_tol=0.02)) is not one either.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();
+  if (begins_message(text)) return;
   const bool named = has_name(text);
   size_t depth = 0;
   for (size_t i = 0; i < text.size(); ++i) {

@@ -334,6 +334,31 @@ def test_free_text_is_left_alone():
     ]
 
 
+@pytest.mark.parametrize(
+    "line", ["M117 hello; world", "M118 E1 a (1/2); b", "M117 ; x", "m117 (50%)"]
+)
+def test_message_goes_up_to_the_end_of_the_line(line):
+    kept = [line.replace("m117", "M117")]
+    assert run(f"{line}\n").commands == kept
+    numbered = f"N5 {line}"
+    checksum = reduce(xor, numbered.encode())
+    assert run(f"{numbered}*{checksum}\n").commands == kept
+
+
+@pytest.mark.parametrize(
+    ("line", "kept"),
+    [
+        ("RESPOND MSG='hello; world' ; all", "RESPOND MSG='hello; world'"),
+        ('RESPOND MSG="it\'s; here" TYPE=echo', 'RESPOND MSG="it\'s; here" TYPE=echo'),
+        ("RESPOND MSG=hello; world", "RESPOND MSG=hello"),
+        ("M1170 a; b", "M1170 a"),
+        ("M104 S2 M117 a; b", "M104 S2"),
+    ],
+)
+def test_text_of_other_commands_ends_at_a_comment(line, kept):
+    assert run(f"{line}\n").commands[0] == kept
+
+
 def test_extended_commands():
     out = run("SET_VELOCITY_LIMIT ACCEL=500\nset_fan_speed FAN=a SPEED=.5 ; c\n_CUSTOM A=1\n")
     assert out.commands == [

@@ -52,6 +52,21 @@ def test_a_macro_in_place_of_an_immediate_command_comes_in_turn():
         ]
 
 
+def test_message_of_a_macro_and_of_a_file_keeps_its_semicolon(tmp_path):
+    """As in Klipper; the value of RESPOND keeps it in quotes only."""
+    lines = "M117 hello; world\nM118 a (1/2); b\nRESPOND MSG='c; d' ; e\nRESPOND MSG=f;g"
+    told = ["// action:notification hello; world", "a (1/2); b", "echo: c; d", "echo: f"]
+    (tmp_path / "a.g").write_text(lines)
+    with Scenario(with_macros(macro("TALK", lines)), card=str(tmp_path)) as s:
+        assert answers(s, "TALK") == told
+        assert [answers(s, line) for line in lines.split("\n")] == [[text] for text in told]
+        s.host.ok("M32 a.g")
+        before = len(s.host.heard)
+        s.host.expect("Done printing file")
+        assert [x for x in s.host.heard[before - 4 :] if x in told] == told
+        assert s.printer.prompts.message == "hello; world"
+
+
 def test_variables_keep_what_calls_have_set():
     gcode = "SET_GCODE_VARIABLE MACRO=COUNT VARIABLE=n VALUE={n + 1}\nM118 {n} {variables.n}"
     other = "M118 {printer['gcode_macro COUNT'].n}"

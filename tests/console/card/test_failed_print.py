@@ -78,6 +78,9 @@ def test_failed_print_reports_next_action_once(s, folder):
     )
     s.passes(1)
     bed = s.printer.connection.heaters["bed"]
+    assert (bed.target, s.board.output_value("part")) == (0, 0)
+    s.host.ok("M24")
+    s.passes(1)
     assert (bed.target, s.board.output_value("part")) == (50, 1600000)
     s.host.ok("M524")
     s.passes(1)
@@ -85,9 +88,9 @@ def test_failed_print_reports_next_action_once(s, folder):
     s.host.ok("M24")
     s.host.expect("stopped", 5)  # from its beginning
     s.passes(1)
-    assert bed.target == 50
+    assert bed.target == 0
     s.host.ok("M24")
-    printed(s)
+    s.host.expect("Done printing file", 600)
     s.host.ok("M524")
     assert bed.target == 50  # nothing was left to cancel
 
