@@ -58,8 +58,8 @@ inline std::string unknown_name(std::string_view text, const Word& word) {
   return name;
 }
 
-// Whether a line begins with M117 or M118, whose text goes up to the end of the line: as in Klipper,
-// neither ';' nor a parenthesis begins a comment in it.
+// Whether a line begins with M117 or M118, whose text goes up to the end of the line: as in
+// Klipper, neither ';' nor a parenthesis begins a comment in it.
 inline bool begins_message(std::string_view text) {
   size_t i = 0;
   while (i < text.size() && (text[i] == ' ' || text[i] == '\t')) ++i;
