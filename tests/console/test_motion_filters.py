@@ -45,7 +45,7 @@ def test_machine_file_sets_shapers_and_advance(machine):
             "SET_INPUT_SHAPER SHAPER_FREQ_Y=35.5 SHAPER_TYPE_Y=mzv DAMPING_RATIO_Y=0.1",
             OFF.format("Z"),
             "SET_JERK_LIMIT JERK=0",
-            "SET_PRESSURE_ADVANCE ADVANCE=0.05 SMOOTH_TIME=0.04",
+            "SET_PRESSURE_ADVANCE ADVANCE=0.05 SMOOTH_TIME=0.02",
         ]
 
 
@@ -112,7 +112,7 @@ REFUSED = {
     "M900 K-1": "K is -1: expected 0 to 10 s",
     "M900 K30": "M900: K30 is of Linear Advance 1.0 and has no effect",
     "M572 D3 S0.1": "D is 3: expected an extruder below 1",
-    "SET_PRESSURE_ADVANCE SMOOTH_TIME=0.5": "SMOOTH_TIME is 0.5: expected 0.005 to 0.2 s",
+    "SET_PRESSURE_ADVANCE SMOOTH_TIME=0.5": "SMOOTH_TIME is 0.5: expected 0 to 0.2 s",
     "SET_PRESSURE_ADVANCE ADVANCE=much": "ADVANCE is much: expected a number",
     "SET_PRESSURE_ADVANCE EXTRUDER=e7 ADVANCE=0": "EXTRUDER is e7: expected extruder",
 }
@@ -138,7 +138,7 @@ def test_m500_keeps_filters_that_differ_from_the_file(machine, tmp_path):
         assert "SHAPER_FREQ_X=52 SHAPER_TYPE_X=zvd" in kept[0]
         assert kept[3:] == [
             "SET_JERK_LIMIT JERK=150000",
-            "SET_PRESSURE_ADVANCE ADVANCE=0.08 SMOOTH_TIME=0.04",
+            "SET_PRESSURE_ADVANCE ADVANCE=0.08 SMOOTH_TIME=0.02",
         ]
         s.host.ok("M502")
         assert "SHAPER_FREQ_X=47" in settings(s)[0]
@@ -200,3 +200,16 @@ def test_shapers_changed_in_mid_print_shift_nothing():
 
     changes = ("M593 F45", "M593 X F30", 'M593 Y P"ei"', "M900 K0.1", "M593 F0", "M593 Z F60")
     assert ends(*changes) == ends(*["M400"] * len(changes))
+
+
+def test_a_short_smoothing_time_is_taken_with_its_cost():
+    """5000 mm/s² of filament, divided by 0.06 mm a mm and 1 + 2 * 0.05 / 0.001."""
+    with Scenario("i3") as s:
+        assert s.host.ok("SET_PRESSURE_ADVANCE ADVANCE=0.05 SMOOTH_TIME=0.02") == ["ok"]
+        (said, _) = s.host.ok("SET_PRESSURE_ADVANCE SMOOTH_TIME=0")
+        assert said.startswith("echo:SMOOTH_TIME 0: it counts as 0.001 s; the extruder's accel")
+        assert f"a line of 0.5 x 0.3 mm {5000 / 0.06 / 101:.0f} mm/s2 of the 3000" in said
+        assert s.host.ok("SET_PRESSURE_ADVANCE")[1] == "pressure_advance_smooth_time: 0.001000"
+        (said, _) = s.host.ok("SET_PRESSURE_ADVANCE SMOOTH_TIME=0.002")
+        assert "SMOOTH_TIME 0.002: the extruder's accel_mm_s2 of 5000 then allows" in said
+        assert s.host.ok("SET_PRESSURE_ADVANCE ADVANCE=0 SMOOTH_TIME=0.001") == ["ok"]

@@ -100,6 +100,28 @@ def test_advance_makes_lines_even_around_a_corner(tmp_path):
     assert 0.3 < width_error_mm(stiff(extruders=advanced(0.05, 0.04)), tmp_path) < 0.5
 
 
+def test_lines_are_most_even_with_the_default_law(tmp_path):
+    """Unshaped and smoothed over 0.02 s, on a machine that vibrates, with mzv."""
+    text = "G92 E0\nG91\nG1 X20 Y20 F6000\n"
+    text += "".join(
+        f"G1 {'XY'[i % 2]}{(9 - i) * (-1) ** (i // 2) * 3} E{(9 - i) * 0.12:.3f}\n"
+        for i in range(8)
+    )
+    default = Setting("mzv", advance=True).on(_I3)
+    errors = {}
+    for name, update in {
+        "default": {},
+        "shaped": {"shaped": True},
+        "slow": {"advance_smooth_s": 0.04},
+        "both": {"shaped": True, "advance_smooth_s": 0.04},
+    }.items():
+        extruder = default.extruders["e"].model_copy(update=update)
+        machine = default.model_copy(update={"extruders": {"e": extruder}})
+        errors[name] = measured(machine, tmp_path, text).quality.width_error
+    assert errors["default"] < 0.9 * min(errors["shaped"], errors["slow"])
+    assert max(errors["shaped"], errors["slow"]) < errors["both"]
+
+
 def test_each_setting_has_one_filter_and_the_values_of_the_machine():
     shaped = _I3.model_copy(update={"shaping": {"x": Shaping(type="ei", frequency_hz=41.0)}})
     names = [setting.name for setting in settings_for(shaped)]

@@ -38,8 +38,14 @@ def test_effects_of_filters_on_a_line_are_shown(path):
     assert f"while X speeds up by {accel:.0f} mm/s² it is {off_um:.0f} µm off the plan" in shown
     speed = told.moves[0].cruise_speed / 20
     assert f"E: an advance of 0.05 s pushes {0.05 * speed:.4f} mm of filament ahead" in shown
+    assert "follows the shapers" not in shown
+    assert f"all motors follow the plan {max(10, mean * 1e3):.2f} ms later" in shown
+
+
+def test_filament_that_follows_shapers_is_shown(path):
+    text = shipped_text("i3").replace("[extruders.e]\n", "[extruders.e]\nshaped = true\n") + SHAPED
+    shown = explanation_text(explain(config.load_text(text), path, 5, Policy()))
     assert "E: the filament follows the shapers of X and Y" in shown
-    assert f"all motors follow the plan {20 + mean * 1e3:.2f} ms later" in shown
 
 
 def test_knees_below_the_speed_of_the_filament_are_shown(path):
@@ -53,8 +59,8 @@ def test_knees_below_the_speed_of_the_filament_are_shown(path):
 
 
 def test_only_filters_of_axes_that_move_are_shown(path):
-    assert explained(path, 7).filters == ("all motors follow the plan 26.50 ms later",)
-    assert explained(path, 7, "").filters == ("all motors follow the plan 20.00 ms later",)
+    assert explained(path, 7).filters == ("all motors follow the plan 10.00 ms later",)
+    assert explained(path, 7, "").filters == ("all motors follow the plan 10.00 ms later",)
 
 
 def test_limit_of_jerk_and_its_corners_are_shown(path):
@@ -74,4 +80,4 @@ def test_steps_are_those_of_the_filtered_line(path):
     by_motor = {one.motor: one for one in shaped.steps}
     for one in plain.steps:
         assert by_motor[one.motor].count == one.count
-    assert by_motor["y"].first_s > shaped.moves[0].start_s + 0.02
+    assert by_motor["y"].first_s > shaped.moves[0].start_s + 0.01

@@ -107,9 +107,11 @@ def test_shaped_steps_are_those_of_the_oracle(kind):
         executed.assert_within_bound(executed.executed_ticks(messages, slot), wanted)
 
 
-def test_advanced_steps_are_those_of_the_oracle():
-    motion, moves = plan(filtered(smooth=0.04, advance=0.05), print_path(3, 25))
-    law = oracle.advanced(oracle.Planned(moves, 3, advance_of(0.05)), 0.02, 0.02 * HZ)
+@pytest.mark.parametrize("smooth", [0.04, 0.02, 0.001])
+def test_advanced_steps_are_those_of_the_oracle(smooth):
+    motion, moves = plan(filtered(smooth=smooth, advance=0.05), print_path(3, 25))
+    half = smooth / 2
+    law = oracle.advanced(oracle.Planned(moves, 3, advance_of(0.05)), half, half * HZ)
     wanted = oracle.steps(law, 0, motion.clock, SCALES[3], 4000)
     assert len(wanted) > 200
     executed.assert_within_bound(executed.executed_ticks(motion.take_messages(), 3), wanted)

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from passo.config.accelerometer import Accelerometer
+from passo.config.advance import PathLimits, half_smooth_s
 from passo.config.board import Board, Socket
 from passo.config.electronics import Beeper, Fans, Laser, PowerSupply
 from passo.config.heat import Heaters
@@ -15,7 +16,6 @@ from passo.config.homing import Homing
 from passo.config.jerk import box_s
 from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import (
-    SMOOTH_TIME_S,
     Axis,
     Backlash,
     Extruder,
@@ -272,6 +272,16 @@ class MachineConfig(Model):
         """The largest acceleration limit of X, Y and Z."""
         return max(self.axes[name].accel_mm_s2 for name in "xyz")
 
+    @property
+    def path_limits(self) -> PathLimits:
+        """The limits of prints until M204 and M205 set others."""
+        accel_mm_s2 = self.limits.print_accel_mm_s2 or self._plane_accel_mm_s2
+        return PathLimits(accel_mm_s2, self.limits.square_corner_mm_s)
+
+    @property
+    def _plane_accel_mm_s2(self) -> float:
+        return min(self.axes["x"].accel_mm_s2, self.axes["y"].accel_mm_s2)
+
     def allows(self, point: Point) -> bool:
         """Whether the motors reach a point of the nozzle, mm, within their limits."""
         try:
@@ -403,7 +413,7 @@ class MachineConfig(Model):
         extruders = self.extruders.values()
         return {
             "shapers": [impulses(s.type, s.frequency_hz, s.damping) if s else [] for s in shapers],
-            "smooth_s": [half_smooth_s(extruder) for extruder in extruders],
+            "smooth_s": [half_smooth_s(self.path_limits, extruder) for extruder in extruders],
             "advance_s": [extruder.advance_s or 0.0 for extruder in extruders],
             "knees": [
                 [(speed, advance / (extruder.advance_s or 1.0)) for speed, advance in knees]
@@ -416,11 +426,11 @@ class MachineConfig(Model):
 
     def _limits_spec(self) -> dict[str, Any]:
         limits = self.limits
-        plane = min(self.axes["x"].accel_mm_s2, self.axes["y"].accel_mm_s2)
+        plane = self._plane_accel_mm_s2
         pushing = [*self.extruders.values(), *(a for a in self.axes.values() if a.extruder)]
         fastest = max((part.accel_mm_s2 for part in pushing), default=plane)
         return {
-            "print_accel": limits.print_accel_mm_s2 or plane,
+            "print_accel": self.path_limits.accel_mm_s2,
             "travel_accel": limits.travel_accel_mm_s2 or plane,
             "retract_accel": limits.retract_accel_mm_s2 or fastest,
             "speed": limits.speed_mm_s or inf,
@@ -430,13 +440,6 @@ class MachineConfig(Model):
             "minimum_cruise_ratio": limits.minimum_cruise_ratio,
             "least_speed_gain": limits.least_speed_gain,
         }
-
-
-def half_smooth_s(extruder: Extruder) -> float:
-    """Half of the smoothing time of an extruder's pressure advance, s; 0 if the file gives no
-    advance."""
-    given = extruder.advance_s is not None or extruder.advance_smooth_s is not None
-    return (extruder.advance_smooth_s or SMOOTH_TIME_S) / 2 if given else 0.0
 
 
 def _first(*values: float | None, default: float) -> float:

@@ -33,9 +33,10 @@ from passo.config.types import (
 )
 
 MICROSTEPS = 16
-MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S = 10.0, 0.04, (0.005, 0.2)
+MAX_ADVANCE_S = 10.0
+MIN_SMOOTH_S, MAX_SMOOTH_S = 0.001, 0.2  # of the advance; a shorter one counts as the minimum
 Advance = Annotated[float, Field(ge=0, le=MAX_ADVANCE_S)]
-SmoothTime = Annotated[float, Field(ge=SMOOTH_TIMES_S[0], le=SMOOTH_TIMES_S[1])]
+SmoothTime = Annotated[float, Field(ge=0, le=MAX_SMOOTH_S)]
 Knee = Annotated[list[NotNegative], Field(min_length=2, max_length=2)]
 Knees = Annotated[list[Knee], Field(max_length=4)]
 JerkLimit = Annotated[float, Field(gt=0, le=MAX_JERK)]
@@ -95,10 +96,13 @@ class Extruder(Model):
     print waits until the moves before it are done."""
     advance_smooth_s: SmoothTime | None = None
     """The time over which the advance is smoothed, as Klipper's smooth time: the width of a
-    triangle. If not given, 0.04 s."""
-    shaped: bool = True
-    """Whether the filament follows the input shapers of X and Y, so that it is laid down where the
-    head is. If X and Y have different shapers, each move is divided by its direction squared."""
+    triangle. If not given, 0.02 s where `accel_mm_s2` allows it, otherwise as little as it allows,
+    at most 0.04 s; `passo check` says which. Below 0.001 s it is 0.001 s. A short time makes lines
+    more even, and costs acceleration: `passo check` says how much."""
+    shaped: bool = False
+    """Whether the filament follows the input shapers of X and Y. The head follows the plan more
+    closely than its motors do, so that lines are more even without it. If X and Y have different
+    shapers, each move is divided by its direction squared."""
 
     advance_knees: Knees = []
     """Less advance at high flow: from each speed of the filament (mm/s) on, a further mm/s leads by

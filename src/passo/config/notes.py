@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from passo.config.advance import smoothing_note
 from passo.config.board_files import known_pins
 from passo.config.findings import key_text
 from passo.config.heat import AMBIENT_C
@@ -52,6 +53,9 @@ def notes(machine: MachineConfig) -> Iterator[str]:
                 f"heaters.{name} is taken to be a {heater.kind} that full power heats to"
                 f" {hottest_c:.0f} °C, and its readings are not compared with a model{tune}"
             )
+    for name, extruder in machine.extruders.items():
+        if (note := smoothing_note(machine.path_limits, name, extruder)) is not None:
+            yield note
     if machine.limits.jerk_mm_s3 is not None:
         yield _jerk_note(machine, machine.limits.jerk_mm_s3)
     for board in machine.all_boards.values():

@@ -9,9 +9,9 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.config.advance import cost, half_smooth_s, smooth_s
 from passo.config.jerk import MAX_JERK, box_s, least_jerk
-from passo.config.machine import half_smooth_s
-from passo.config.motion import MAX_ADVANCE_S, SMOOTH_TIME_S, SMOOTH_TIMES_S
+from passo.config.motion import MAX_ADVANCE_S, MAX_SMOOTH_S, MIN_SMOOTH_S
 from passo.config.shapers import (
     DEFAULT_DAMPING,
     DEFAULT_TYPE,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 _AXES = "XYZ"
 _ADVANCES = f"0 to {MAX_ADVANCE_S:g} s"
-_SMOOTH_TIMES = "{:g} to {:g} s".format(*SMOOTH_TIMES_S)
+_SMOOTH_TIMES = f"0 to {MAX_SMOOTH_S:g} s"
 _FREQUENCIES = f"0 (off), or {MIN_HZ:g} to {MAX_HZ:g} Hz"
 
 
@@ -60,9 +60,10 @@ class MotionFilters:
             self.shapers[name.upper()] = Shaper(given.type, given.frequency_hz, given.damping)
         self._extruders = list(machine.extruders)
         self._made = list(machine.extruders.values())
-        halves = [half_smooth_s(extruder) for extruder in machine.extruders.values()]
-        self.smooth_s = [2 * half or SMOOTH_TIME_S for half in halves]
-        self._smooths = [half > 0 for half in halves]
+        self.smooth_s = [smooth_s(machine.path_limits, extruder) for extruder in self._made]
+        self._smooths = [
+            half_smooth_s(machine.path_limits, extruder) > 0 for extruder in self._made
+        ]
         self.jerk_mm_s3 = machine.limits.jerk_mm_s3 or 0.0  # 0: no limit
 
     # -- shapers ----------------------------------------------------------------------------------
@@ -236,7 +237,8 @@ class MotionFilters:
         When.PLANNED,
         "EXTRUDER ADVANCE SMOOTH_TIME",
         "Sets the pressure advance of an extruder and the time over which it is smoothed, in s. For"
-        " a change of SMOOTH_TIME the machine stops.",
+        f" a change of SMOOTH_TIME the machine stops. Below {MIN_SMOOTH_S:g} s it is that; a note"
+        " says what a short time costs.",
         bare=None,
     )
     def _advance_by_name(self, command: Command, reply: Reply) -> Wait | None:
@@ -248,7 +250,7 @@ class MotionFilters:
         if advance is not None:
             _within("ADVANCE", advance, 0.0, MAX_ADVANCE_S, _ADVANCES)
         if smooth is not None:
-            _within("SMOOTH_TIME", smooth, *SMOOTH_TIMES_S, _SMOOTH_TIMES)
+            _within("SMOOTH_TIME", smooth, 0.0, MAX_SMOOTH_S, _SMOOTH_TIMES)
         if advance is None and smooth is None:
             reply.say(f"pressure_advance: {self._job.pressure_advance(extruder):.6f}")
             reply.say(f"pressure_advance_smooth_time: {self.smooth_s[extruder]:.6f}")
@@ -256,7 +258,19 @@ class MotionFilters:
             return None
         if advance is None:
             advance = self._job.pressure_advance(extruder)
+        if smooth is not None:
+            self._note_cost(extruder, advance, smooth, reply)
+            smooth = max(smooth, MIN_SMOOTH_S)
         return self._set_advance(extruder, advance, smooth)
+
+    def _note_cost(self, extruder: int, advance: float, smooth: float, reply: Reply) -> None:
+        """Notes that a smoothing time is too short, and what it costs."""
+        used = max(smooth, MIN_SMOOTH_S)
+        costs = cost(self._machine.path_limits, self._made[extruder], advance, used)
+        if smooth < MIN_SMOOTH_S:
+            costs = f"it counts as {MIN_SMOOTH_S:g} s" + (f"; {costs}" if costs else "")
+        if costs:
+            reply.note("SMOOTH_TIME", f"SMOOTH_TIME {smooth:g}: {costs}", again=True)
 
     def knees(self, extruder: int, advance_s: float) -> list[tuple[float, float]]:
         """The knees of an extruder whose advance is `advance_s`: the speed of the filament in mm/s,
@@ -315,10 +329,10 @@ class MotionFilters:
         """SET_PRESSURE_ADVANCE for each extruder with the current values."""
         several = len(self._extruders) > 1
         lines: list[str] = []
-        for i, smooth_s in enumerate(self.smooth_s):
+        for i, seconds in enumerate(self.smooth_s):
             named = f" EXTRUDER={_klipper_name(i)}" if several else ""
             values = f"ADVANCE={numeral(self._job.pressure_advance(i))}"
-            smooth = f"SMOOTH_TIME={numeral(smooth_s)}"
+            smooth = f"SMOOTH_TIME={numeral(seconds)}"
             lines.append(f"SET_PRESSURE_ADVANCE{named} {values} {smooth}")
         return lines
 
