@@ -120,7 +120,7 @@ bool Interpreter::target(const double* value, uint32_t have, uint32_t relative, 
       continue;
     }
     double t = !absolute ? meant(j) + v : machine_zero_ ? v : v + origin_[j];
-    if (beyond(j, t)) {
+    if (!anywhere() && beyond(j, t)) {
       double limit = t < low_[j] ? low_[j] : high_[j];
       if (!clamp && !locked(j)) {
         logical_e_ = e_before;

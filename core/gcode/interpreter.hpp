@@ -376,6 +376,8 @@ class Interpreter {
   }
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   bool skips() const { return object_ >= 0 && !source_ && objects_->cancelled(object_); }
+  // Whether targets may be out of range: moves of a cancelled object do not take place.
+  bool anywhere() const { return skips() && !clamp; }
   Strand& strand_of(int j) { return j == kE ? strands_[active_] : axis_strands_[j]; }
 
   // The position that the program has commanded for slot j, in machine coordinates.

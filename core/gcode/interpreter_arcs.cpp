@@ -72,7 +72,7 @@ void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, in
   }
   if (whole && !arc_.round()) return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
   GcodeError out;
-  if (!clamp && !arc_in_range(start, u, v, out))
+  if (!clamp && !anywhere() && !arc_in_range(start, u, v, out))
     return none(out.fault, out.word, out.value, out.limit);
   ++arcs_;
   arc_move_ = move_;
@@ -118,7 +118,7 @@ bool Interpreter::next_chord() {
   arc_.next(arc_move_.target);
   for (int j = 0; j < 3; ++j) {
     const double hop = j == kZ ? arc_hop_ : 0, at = arc_move_.target[j] - hop;
-    if (beyond(j, at)) {
+    if (!anywhere() && beyond(j, at)) {
       const double limit = at < low_[j] ? low_[j] : high_[j];
       if (!clamp) {
         fail(Fault::out_of_range, machine_->axes[size_t(j)].name, at, limit);

@@ -127,6 +127,12 @@ bool Interpreter::join(const MoveRequest& m) {
   }
   if (!any) return false;
   const bool arrives = forward || across || by[kZ] < 0;
+  for (int j = 0; arrives && j < kAxes; ++j) {  // the cancelled object may have ended out of range
+    const double to = forward ? start[j] : m.target[j];
+    if (is_filament(j) || !beyond(j, to)) continue;
+    fail(Fault::out_of_range, axis_name(j), to, to < low_[j] ? low_[j] : high_[j]);
+    return false;
+  }
 
   std::vector<Item> way;
   double at[kAxes];  // where the way leads so far

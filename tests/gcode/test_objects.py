@@ -12,7 +12,7 @@ from tests.gcode.driver import Outcome, run, spec
 from tests.oracles.objects import Reading, read
 from tests.scenarios.test_extruder_axes import text as machine_without_tools
 
-from passo._core import Job, JobStatus, ObjectAction, object_orders
+from passo._core import Fault, Job, JobStatus, ObjectAction, object_orders
 from passo.config import load
 
 
@@ -273,6 +273,46 @@ def test_arcs_are_skipped_and_begin_where_they_would():
     travels = skipped("G1 X30", "G3 X50 I10 J0").moves[1:]
     assert travels[0].start_mm[:2] == (10, 0)
     assert travels[-1].end_mm[:2] == pytest.approx((50, 0))
+
+
+OUTSIDE = """\
+M302 P1
+M83
+G1 X10 Y10 Z1 F6000
+EXCLUDE_OBJECT NAME=far
+EXCLUDE_OBJECT_START NAME=far
+G1 X-30 Y400
+G2 X-10 Y400 I10 J0 E2
+G1 Y-5 E1
+EXCLUDE_OBJECT_END NAME=far
+"""
+
+
+@pytest.mark.parametrize(
+    ("then", "ends", "error"),
+    [
+        ("G1 X20 Y20 Z1\nG1 X30 E1\n", [(20, 20), (30, 20)], None),
+        ("G1 Z2\nG1 X20 Y20\n", [(10, 10), (20, 20)], None),
+        ("G1 X20 Y20 E1\n", [], ("x", -10)),
+        ("G1 Y50\n", [], ("x", -10)),
+        ("G1 X20\n", [], ("y", -5)),
+        ("G1 X20 Y-8\n", [], ("y", -8)),
+    ],
+)
+def test_moves_of_a_cancelled_object_may_be_out_of_range(then: str, ends: Any, error: Any):
+    """Only the machine must not leave its range, on the way from there neither."""
+    out = run(OUTSIDE + then, "i3")
+    assert [move.end_mm[:2] for move in out.moves][1:] == ends
+    assert [(e[1], e[2], e[3]) for e in out.errors] == (
+        [(Fault.OUT_OF_RANGE, *error)] if error else []
+    )
+
+
+def test_live_objects_stay_within_the_range():
+    out = run(OUTSIDE.replace("EXCLUDE_OBJECT NAME=far\n", ""), "i3")
+    assert {e[1] for e in out.errors} == {Fault.OUT_OF_RANGE}
+    clamped = run(OUTSIDE, "i3", clamp=True)
+    assert clamped.errors == []
 
 
 def test_hops_of_firmware_retraction_are_those_of_the_program():
