@@ -558,6 +558,50 @@ def test_a_dry_run_reports_what_is_missing_or_wrong_now(
     assert [line[:3] for line in lines] == ["1. ", "2. "]
 
 
+def _none() -> None:
+    return None
+
+
+@pytest.mark.parametrize(
+    ("board", "compiler", "suffix"),
+    [
+        ("melzi", "avr-gcc (Debian: gcc-avr", "hex"),
+        ("duet-0.6", "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi", "bin"),
+        ("pico", "arm-none-eabi-gcc", "uf2"),
+    ],
+)
+def test_a_dry_run_without_a_compiler_shows_the_steps(
+    tools: Path,
+    board: str,
+    compiler: str,
+    suffix: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for finder in ("avr_wheel.available", "arm.compiler"):
+        monkeypatch.setattr(f"passo.toolchain.{finder}", _none)
+    where = str(tools) if suffix == "uf2" else "/dev/no-such-port"
+    assert main(["firmware", "flash", board, "--port", where, "--dry-run"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith(f"As things are, {board} needs the program {compiler}")
+    steps = [line for line in lines if line[0].isdigit()]
+    assert steps[0] == f"1. build {board}.{suffix}"
+    assert [step[:3] for step in steps] == [f"{n}. " for n in range(1, len(steps) + 1)]
+    assert any(f"{board}.{suffix}" in step for step in steps[1:])
+
+
+@pytest.mark.parametrize("board", ["ramps", "radds", "pico"])
+def test_a_dry_run_names_the_image_that_a_build_makes(
+    board: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["firmware", "build", board, "--output", str(tmp_path)]) == 0
+    made = next(path for path in tmp_path.iterdir() if path.suffix != ".json")
+    assert capsys.readouterr().out.startswith(f"{made}: ")
+    where = str(tmp_path) if board == "pico" else "/dev/null"
+    assert main(["firmware", "flash", board, "--port", where, "--dry-run"]) == 0
+    assert f"1. build {made.name}\n" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [

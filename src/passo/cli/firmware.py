@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--image", type=Path, metavar="FILE", help="default: one is built for the occasion"
     )
     flashed.add_argument(
-        "--dry-run", action="store_true", help="say what would be done, and do nothing"
+        "--dry-run", action="store_true", help="only show the steps, and what is missing for them"
     )
 
 
@@ -112,18 +112,20 @@ def _flash(arguments: argparse.Namespace) -> int:
 
     from passo.toolchain.build import build
     from passo.toolchain.flash_plan import plan
-    from passo.toolchain.flashing import User, flash
+    from passo.toolchain.flashing import User, flash, show_steps
     from passo.toolchain.targets import target
 
     aim = target(arguments.target)
     user = User(_tell, _wait)
+    if arguments.dry_run:
+        show_steps(aim, arguments.port, arguments.image, user)
+        return ExitStatus.DONE
     with tempfile.TemporaryDirectory() as folder:
         image = arguments.image
         if image is None:
             plan(aim.name, aim.board, arguments.port, Path(folder))
             image, _ = build(aim, Path(folder))
-        work = flash(aim.name, aim.board, arguments.port, image, user, dry_run=arguments.dry_run)
-        asyncio.run(work)
+        asyncio.run(flash(aim.name, aim.board, arguments.port, image, user))
     return ExitStatus.DONE
 
 

