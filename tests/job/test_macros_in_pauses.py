@@ -75,6 +75,25 @@ def test_pause_and_return_of_a_console_may_be_macros(places):
         assert at(s) == (190, 0)
 
 
+@pytest.mark.parametrize(("lifted_mm", "parked_mm"), [(3, 10), (30, 30)])
+def test_park_never_lowers_what_a_macro_has_lifted(places, lifted_mm, parked_mm):
+    put(places, "G28\nG1 X10 F6000\nLIFT\nG1 X50\n")
+    lift = macro("LIFT", f"M25\nG91\nG1 Z{lifted_mm} F600\nG90")
+    with Scenario(
+        with_macros(
+            PAUSE.replace("[macros.M25]", "[macros.OTHER]").replace(
+                'rename_existing = "M25.1"\n', ""
+            )
+            + lift
+        ),
+        **places,
+    ) as s:
+        s.host.ok("M32 a.g")
+        pauses(s)
+        assert at(s) == (100, 150)
+        assert s.printer.job.machine_position[2] == pytest.approx(parked_mm)
+
+
 def test_a_pause_by_a_console_returns_into_a_macro(places):
     put(places, "G28\nLONG\nG1 Y5\n")
     with Scenario(with_macros(PAUSE), **places) as s:

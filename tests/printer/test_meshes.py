@@ -206,3 +206,58 @@ def test_mesh_is_saved_shown_and_faded_as_by_other_firmware():
         answers(s, "M561")
         assert "Mesh glass is in use" in answers(s, 'M375 P"glass.csv"')[0]
         assert correction.correction.mesh == mesh
+
+
+@pytest.mark.parametrize(
+    ("words", "xs", "ys", "interpolation"),
+    [
+        ("mesh_min=50,60 mesh_max=110,120 probe_count=3", (50, 80, 110), (60, 90, 120), "bicubic"),
+        ("MESH_MAX=115,105 ALGORITHM=lagrange", (15, 40, 65, 90, 115), None, "bicubic"),
+        ("PROBE_COUNT=3,2 ALGORITHM=lagrange", (15, 115, 215), (15, 205), "bilinear"),
+        (
+            "MESH_RADIUS=30 MESH_ORIGIN=100,90 ROUND_PROBE_COUNT=3",
+            (70, 100, 130),
+            (60, 90, 120),
+            "",
+        ),
+    ],
+)
+def test_words_replace_the_grid_for_one_mesh(words, xs, ys, interpolation):
+    with at_home(edited("i3-probe", STILL, MESH[0])) as s:
+        answers(s, f"BED_MESH_CALIBRATE {words}")
+        now = s.printer.correction.correction
+        assert now.mesh.xs == xs
+        assert ys is None or now.mesh.ys == ys
+        assert interpolation in ("", now.interpolation)
+        before = s.machine.levelling.count
+        assert s.printer.levelling.grid().count == tuple(before)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("MESH_MIN=90,60 MESH_MAX=80,100", "MESH_MAX is 80,100: expected more than MESH_MIN 90,60"),
+        ("PROBE_COUNT=1", "PROBE_COUNT is 1: expected 2 to 41 along each axis"),
+        ("PROBE_COUNT=3.5", "PROBE_COUNT is 3.5: expected 2 to 41 along each axis"),
+        ("MESH_MIN=5,6,7", "MESH_MIN is 5,6,7: expected two numbers with a comma"),
+        ("ALGORITHM=spline", "ALGORITHM is spline: expected bicubic, lagrange, direct"),
+        ("METHOD=laser", "METHOD is laser: expected manual, automatic"),
+        ("MESH_MAX=400,100", "out of reach"),
+    ],
+)
+def test_words_of_a_mesh_that_are_wrong_are_refused(words, told):
+    with homed() as s:
+        assert told in " ".join(answers(s, f"BED_MESH_CALIBRATE {words}"))
+        assert not s.printer.correction.on
+
+
+def test_mesh_is_measured_by_the_paper_test():
+    with homed() as s:
+        line = "BED_MESH_CALIBRATE METHOD=manual MESH_MIN=20,20 MESH_MAX=200,180 PROBE_COUNT=2"
+        answers(s, line)
+        for n in range(4):
+            answers(s, f"TESTZ Z={-s.printer.prober.z_mm + 0.1 * n}")
+            answers(s, "ACCEPT")
+        mesh = s.printer.correction.correction.mesh
+        assert (mesh.xs, mesh.ys) == ((20, 200), (20, 180))
+        assert mesh.heights == ((0.0, 0.1), (0.3, 0.2))  # in a zigzag

@@ -15,7 +15,7 @@ from passo.job.live.job_state import JobState
 from passo.job.live.library import Library
 from passo.job.live.runner import Runner
 from passo.printer.unfit_commands import ALL
-from passo.printer.wait_requests import Reply
+from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -198,11 +198,17 @@ class CardCommands:
         Subject.PRINTS,
         When.IMMEDIATE,
         "",
-        "Pauses the print, as M25.",
+        "Pauses the print, as M25. As the command that a macro PAUSE has renamed, it moves nothing:"
+        " the macro parks the nozzle.",
         kind=Kind.USER,
         bare=None,
         in_turn=True,
     )
+    @_guarded
+    def _pause_by_name(self, _: str, reply: Reply) -> None:
+        replaced = "PAUSE" in self._printer.machine.macro_names
+        self._runner.pause(by_file=self._runner.printing_from(reply), by_macro=replaced)
+
     @command(
         "M25",
         Subject.CARD,
@@ -460,11 +466,19 @@ class CardCommands:
         Subject.PRINTS,
         When.IMMEDIATE,
         "",
-        "Cancels the print, as M524.",
+        "Cancels the print, as M524. As the command that a macro CANCEL_PRINT has renamed, it waits"
+        " until the moves of the macro are done.",
         kind=Kind.SERVED,
         bare=None,
         in_turn=True,
     )
+    def _cancel_by_name(self, _: Command, reply: Reply) -> Wait | None:
+        replaced = "CANCEL_PRINT" in self._printer.machine.macro_names and self._runner.active
+        if replaced and not self._runner.printing_from(reply):
+            return WaitForMoves(self._runner.cancel)
+        self._runner.cancel()  # a command of the file comes after its moves
+        return None
+
     @command(
         "M524",
         Subject.PRINTS,

@@ -358,7 +358,9 @@ class Status:
     None on a machine that cannot do this. `skew_profile` is the name of the active saved skew, or
     empty; None without skew and profiles. `screws` are the last measurements of the bed screws;
     `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
-    shapers by axis, `advances` the pressure advance of each extruder."""
+    shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the targets of
+    the heaters that a long pause or a fault has switched off, °C by name: they warm up before the
+    print resumes."""
 
     state: PrinterState
     halted: str
@@ -397,6 +399,7 @@ class Status:
     screws_limit_mm: float | None = None
     shapers: dict[str, ShaperStatus] = field(default_factory=dict[str, ShaperStatus])
     advances: tuple[AdvanceStatus, ...] = ()
+    cooled_c: dict[str, float] = field(default_factory=dict[str, float])
 
 
 def planned_status(

@@ -914,7 +914,9 @@ export interface SpeedFactor {
  * since then; None on a machine that cannot do this. `skew_profile` is the name of the active
  * saved skew, or empty; None without skew and profiles. `screws` are the last measurements of the
  * bed screws; `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the
- * input shapers by axis, `advances` the pressure advance of each extruder. */
+ * input shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the
+ * targets of the heaters that a long pause or a fault has switched off, °C by name: they warm up
+ * before the print resumes. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -953,6 +955,7 @@ export interface Status {
   screws_limit_mm?: number | null;
   shapers: Record<string, ShaperStatus>;
   advances: AdvanceStatus[];
+  cooled_c: Record<string, number>;
 }
 
 /** The status, and a number that increases with each change of it. */

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
+_SAME_MM = 1e-3  # positions that differ by less are equal
+
 
 def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
     """Raises CommandError if a parameter of M600 (see `Park.leave`) exceeds the limits of this
@@ -53,11 +55,16 @@ class Park:
         self._places = {i: slot_of_axis(i) for i, name in order if not axes[name].extruder}
         self._celsius: float | None = None
 
-    async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
+    async def leave(
+        self, words: Mapping[str, float] = MappingProxyType({}), *, by_macro: bool = False
+    ) -> None:
         """Moves the nozzle to the parking position. Without a parking position, or if an axis is
         not homed, the nozzle stays. The words of M600 replace the machine's values: E is the
         retraction, Z the lift, X and Y the position, U the length to unload there, L the length to
-        load before the return (all in mm), and S the temperature of the hotend for loading, °C."""
+        load before the return (all in mm), and S the temperature of the hotend for loading, °C.
+        `by_macro`: the macro that has paused the print parks the nozzle. Only if the nozzle is
+        still at the stop position, because the macro has failed or moves nothing, it is parked
+        here."""
         printer = self._printer
         park = printer.machine.park
         self._away = False
@@ -72,6 +79,8 @@ class Park:
         printer.state.raise_if_halted()
         if not printer.job.suspended:
             return  # cancelled in the meantime
+        if by_macro and self._has_moved():
+            return
         self._take_tool()
         queue, at = printer.queue, self._place()
         extrudes = printer.can_extrude()
@@ -108,6 +117,11 @@ class Park:
     def _place(self) -> list[float]:
         """The position to which the nozzle returns, machine mm."""
         return self._left or self._printer.job.stop_position
+
+    def _has_moved(self) -> bool:
+        """Whether the nozzle is no longer at the position to which it returns."""
+        at, place = self._printer.job.machine_position, self._place()
+        return any(abs(at[i] - place[i]) > _SAME_MM for i in self._places.values())
 
     def _push(self, mm: float, speed_mm_s: float) -> None:
         """Moves filament by `mm`; a positive length extrudes."""

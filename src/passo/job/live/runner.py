@@ -46,6 +46,7 @@ class Runner:
         self.park = Park(printer)
         self._cooling = Cooling(printer)
         self._park_words: Mapping[str, float] = {}
+        self._macro_parks = False  # the macro that has paused the print parks the nozzle
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
         self._resumed = asyncio.Event()
@@ -244,19 +245,23 @@ class Runner:
             self.pause(self._park_words)
 
     def pause(
-        self, words: Mapping[str, float] = MappingProxyType({}), *, by_file: bool = False
+        self,
+        words: Mapping[str, float] = MappingProxyType({}),
+        *,
+        by_file: bool = False,
+        by_macro: bool = False,
     ) -> None:
         """Brakes to a stop on the path at once; `start` resumes from there. `words` are those of
         `Park.leave`. A print that is approaching its resume position pauses when it has reached it.
         `by_file`: a command of the file requests the pause. If the command is in a macro, the rest
-        of the macro runs during the pause."""
+        of the macro runs during the pause. `by_macro`: see `Park.leave`."""
         self._again = False
         if self.state is JobState.APPROACHING and not self._pauses:
             self._pauses, self._park_words = True, words
             text = f"{self.name} will pause once it reaches the resume point"
             self._printer.state.announce(_log, logging.INFO, text)
         if self.state.prints and not self._printer.halted:
-            self._park_words = words
+            self._park_words, self._macro_parks = words, by_macro
             self._enter(JobState.PAUSED)
             self._resumed.clear()
             # Homing is not interrupted, because its moves are not those of the program.
@@ -428,7 +433,7 @@ class Runner:
                 self._suspend()
                 if not self._parked:
                     self._parked = True
-                    await self.park.leave(self._park_words)
+                    await self.park.leave(self._park_words, by_macro=self._macro_parks)
         finally:
             printer.motion_lock.release()
         await self._resumed.wait()

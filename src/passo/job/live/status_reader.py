@@ -104,6 +104,7 @@ class StatusReader:
             screws_limit_mm=printer.screws.exceeded_mm if printer.screws else None,
             shapers=printer.commands.filters.shaper_status(),
             advances=printer.commands.filters.advance_status(),
+            cooled_c=dict(printer.targets.cooled_c),
         )
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:

@@ -14,11 +14,13 @@ from passo.gcode.registry import ANY, Kind, Subject, When, command
 from passo.levelling.areas import Area, Grid, check_avoided, places_around
 from passo.levelling.correction import Correction
 from passo.levelling.fits import check_points, fit
+from passo.levelling.mesh import Interpolation
 from passo.levelling.replies import bilinear_grid
 from passo.motion.probing import Measured, Place, Prober
 from passo.printer.commands.bed_correction import DEFAULT, TERMS, BedCorrectionCommands, exact
 from passo.printer.commands.klipper_commands import number
-from passo.printer.commands.manual_probe import ManualProbe
+from passo.printer.commands.manual_probe import ManualProbe, by_hand
+from passo.printer.commands.mesh_words import given_grid, given_interpolation
 from passo.printer.commands.probe_offsets import ProbeOffsetCommands
 from passo.printer.commands.probing import NO_PROBE
 from passo.printer.status import BedPoint, BedStatus, BedSurface
@@ -186,10 +188,12 @@ class LevellingCommands:
         above_mm: float | None = None,
         *,
         alone: bool = False,
+        by_hand: bool = False,
     ) -> Wait:
-        """Measures these places, by the probe or by the paper test; `done` gets the heights. With
-        the probe, makes the predefined moves before and after probing, unless `alone`: then the
-        nozzle stays above the last place. `above_mm`: see `Prober.measure`. Raises CommandError."""
+        """Measures these places, by the probe or by the paper test; `done` gets the heights.
+        `by_hand`: by the paper test, also with a probe. With the probe, makes the predefined moves
+        before and after probing, unless `alone`: then the nozzle stays above the last place.
+        `above_mm`: see `Prober.measure`. Raises CommandError."""
         found_so_far: list[Measured] = []
 
         def reported(found: Measured, reply: Reply) -> None:
@@ -203,7 +207,7 @@ class LevellingCommands:
             self._measured = [(m.place, m.trigger_z_mm - below) for m in found]
             done(found, reply)
 
-        if not isinstance(self._prober.carried, SensingProbe):
+        if by_hand or not isinstance(self._prober.carried, SensingProbe):
             return self._manual.start(places, ended, reported, reply)
 
         async def run() -> None:
@@ -350,16 +354,19 @@ class LevellingCommands:
         "BED_MESH_CALIBRATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "ADAPTIVE ADAPTIVE_MARGIN(mm) PROFILE",
+        "MESH_MIN(mm,mm) MESH_MAX(mm,mm) PROBE_COUNT(n,n) MESH_RADIUS(mm) MESH_ORIGIN(mm,mm)"
+        " ROUND_PROBE_COUNT ALGORITHM METHOD ADAPTIVE ADAPTIVE_MARGIN(mm) PROFILE",
         "Measures a mesh; this replaces the correction before, and is stored as PROFILE. With"
-        " ADAPTIVE=1 only where the print is, as far as the file says it.",
+        " ADAPTIVE=1 only where the print is, as far as the file says it. The other parameters"
+        " replace the area, the number of points and the interpolation of the machine file for"
+        " this mesh. METHOD=manual measures by the paper test.",
         kind=Kind.PROBED,
         bare=None,
         lacks=NO_PROBE,
     )
     def _calibrate_mesh(self, command: Command, reply: Reply) -> Wait | None:
         pairs = command.pairs()
-        grid, area = self.grid(), self.job_area()
+        grid, area = given_grid(pairs, self.mesh_grid), self.job_area()
         profile = pairs.get("PROFILE", "")
         if number(pairs, "ADAPTIVE", 0.0):
             if area is None:
@@ -374,7 +381,15 @@ class LevellingCommands:
                 self._corrections.save_mesh(profile)
             reply.say("// Mesh Bed Leveling Complete")
 
-        return self.measure_mesh(reply, grid=grid, then=measured)
+        usual = self._config.interpolation
+        interpolation = given_interpolation(pairs, grid, usual)
+        return self.measure_mesh(
+            reply,
+            grid=grid,
+            interpolation=interpolation,
+            by_hand=by_hand(pairs),
+            then=measured,
+        )
 
     def measure_mesh(
         self,
@@ -382,11 +397,14 @@ class LevellingCommands:
         *,
         dry: bool = False,
         grid: Grid | None = None,
+        interpolation: Interpolation | None = None,
+        by_hand: bool = False,
         then: Callable[[Reply], None] = lambda _: None,
     ) -> Wait:
-        """Measures a mesh, which replaces the current correction unless `dry` is True. Raises
-        CommandError."""
+        """Measures a mesh, which replaces the current correction unless `dry` is True. `by_hand`:
+        by the paper test, also with a probe. Raises CommandError."""
         grid = grid or self.grid()
+        interpolation = interpolation or self._config.interpolation
         avoid = [(a[0], a[1], a[2], a[3]) for a in self._config.avoid]
         check_avoided(avoid)
         spots = {(x, y): places_around(x, y, grid.area, avoid) for x, y in grid.probed()}
@@ -394,7 +412,9 @@ class LevellingCommands:
         reference = self._config.reference
         if reference is not None:
             wanted.append((reference[0], reference[1]))
-        places = [Place(x, y, f"mesh point {n}") for n, (x, y) in enumerate(wanted, 1)]
+        places = [
+            Place(x, y, f"mesh point {n}", by_nozzle=by_hand) for n, (x, y) in enumerate(wanted, 1)
+        ]
 
         def done(measured: Sequence[Measured], reply: Reply) -> None:
             at = {(m.place.x, m.place.y): m.height_mm for m in measured}
@@ -405,13 +425,13 @@ class LevellingCommands:
                 mesh = mesh.lowered(measured[-1].height_mm)
             if not dry:
                 fade = self._corrections.fade
-                correction = Correction(None, mesh, self._config.interpolation, fade)
+                correction = Correction(None, mesh, interpolation, fade)
                 self._corrections.put(correction, on=True)
             for line in bilinear_grid(mesh):
                 reply.say(line)
             then(reply)
 
-        return self._run(places, done, reply)
+        return self._run(places, done, reply, by_hand=by_hand)
 
     @command(
         "M557",

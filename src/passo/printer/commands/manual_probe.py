@@ -3,7 +3,7 @@ ACCEPT."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _LOWEST_MM = 2.0  # below the last measured bed
 _SPEED_MM_S = 5.0
+_METHODS = "manual", "automatic", "scan", "rapid_scan"  # the last two probe here as any
 
 Done = Callable[[Sequence[Measured], Reply], None]
 
@@ -315,6 +316,16 @@ class ManualProbe:
                 raise
 
         return WaitForProcedure(calibrate)
+
+
+def by_hand(words: Mapping[str, str]) -> bool:
+    """Whether METHOD asks for the paper test. Raises CommandError for another method than
+    Klipper's."""
+    method = words.get("METHOD", "automatic").lower()
+    if method not in _METHODS:
+        limit = ", ".join(_METHODS)
+        raise CommandError.of("command.value", axis="METHOD", value=method, limit=limit)
+    return method == "manual"
 
 
 def _neighbours(tried: Sequence[float], z: float) -> tuple[float | None, float | None]:

@@ -72,9 +72,10 @@ def display_status(status: Status) -> Object:
 
 
 def idle_timeout(machine: MachineConfig, status: Status) -> Object:
-    """Whether the printer is idle, ready or printing; any move counts as printing."""
+    """Whether the printer is idle, ready or printing; any move counts as printing. A paused print
+    whose hotend is off after a long pause is idle, too."""
     busy = status.state in (PrinterState.PRINTING, PrinterState.BUSY)
-    rests = "Ready" if status.motion.motors_on else "Idle"
+    rests = "Ready" if status.motion.motors_on and not status.cooled_c else "Idle"
     return {
         "state": "Printing" if busy else rests,
         "printing_time": status.moving_s,
