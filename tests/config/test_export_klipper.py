@@ -160,3 +160,14 @@ def test_command_writes_a_file_once(tmp_path: Path, capsys) -> None:
     assert "PID_CALIBRATE" in capsys.readouterr().out
     assert main(words) == 4
     assert main([*words[:-1], str(tmp_path / "none" / "printer.cfg")]) == 4
+
+
+def test_comments_of_macros_come_back(tmp_path: Path) -> None:
+    gcode = "{# one { 1 / 0 } #}\nM118 a {#- two #}\nM118 b{# gone #} c\n{# three\nfour #}"
+    machine = edited("i3", more=f"[macros.HELLO]\ngcode = '''\n{gcode}\n'''\n")
+    assert "\n  # one { 1 / 0 }\n  M118 a # two\n" in exported(machine).text("From a test.")
+    assert back(machine, tmp_path).macros["HELLO"].gcode.splitlines() == [
+        *gcode.replace("{# gone #}", "").splitlines()[:3],
+        "{# three #}",
+        "{# four #}",
+    ]

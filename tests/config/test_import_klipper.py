@@ -603,7 +603,7 @@ gcode: G0 X1
     draft, machine = load(more=more)
     start = machine.macros["start_print"]
     assert start.gcode.splitlines()[1:] == [
-        "M104 S{t}",
+        "M104 S{t} {#- heat #}",
         "{% if t > 250 %}",
         "M117 hot",
         "{% endif %}",
@@ -620,6 +620,60 @@ gcode: G0 X1
     lost = remarks(draft, "dropped")
     assert any("variable_odd" in text for text in lost)
     assert any("[gcode_macro G1]" in text for text in lost)
+
+
+COMMENTED = """\
+[gcode_macro START]
+gcode: # of this printer
+  ##### Temperatures #####
+  # {% if params.T is not defined %} { 1 / 0 } #}
+  {% set hot = params.T|default(200)|int   # of the slicer
+             if params.T != "9" else 0 %}
+# at the margin
+  M118 {hot}   # shown {hot}
+  ; M118 old
+  M118 it is { "}" } ; not {# this
+
+  # the end
+
+# Heats the bed.
+[gcode_macro BED]
+gcode:
+  M118 { 1 }
+# of the next
+[gcode_macro NEXT]
+gcode: M118 next
+"""
+
+
+def test_comments_of_macros_stay_and_are_never_read(load, tmp_path: Path) -> None:
+    _, machine = load(more=COMMENTED)
+    kept = machine.macros["START"].gcode
+    assert kept.splitlines() == [
+        "{# of this printer #}",
+        "{# Temperatures ##### #}",
+        "{# {% if params.T is not defined %} { 1 / 0 } # } #}",
+        "{% set hot = params.T|default(200)|int",
+        'if params.T != "9" else 0 %}',
+        "{# at the margin #}",
+        "M118 {hot} {#- shown {hot} #}",
+        "{# M118 old #}",
+        'M118 it is { "}" } {#- not {# this #}',
+        "{# the end #}",
+    ]
+    assert machine.macros["BED"].gcode == "M118 { 1 }"
+    path, told = tmp_path / "a.gcode", []
+    path.write_text("START T=9\nSTART\n")
+    job = Print(machine)
+    job.macros.watch = lambda _, text: told.append([line for line in text.split("\n") if line])
+    job.run(path)
+    assert told == [["M118 0", "M118 it is }"], ["M118 200", "M118 it is }"]]
+
+
+def test_comment_of_jinja_in_a_printer_cfg_is_cut_as_by_klipper(load) -> None:
+    draft, machine = load(more="[gcode_macro ODD]\ngcode:\n  {# note #}\n  M118 x\n")
+    assert "ODD" not in machine.macros
+    assert any("macros.ODD: it is left out" in text for text in remarks(draft, "decide"))
 
 
 def test_each_part_that_is_left_out_is_named_with_what_it_means(load) -> None:

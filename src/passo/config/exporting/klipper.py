@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from passo.config.exporting.cfg import Cfg
@@ -25,6 +26,7 @@ _STEPPERS = {
     "corexz": {"a": "x", "y": "y", "b": "z"},
     "delta": {"a": "a", "b": "b", "c": "c"},
 }
+_COMMENT = re.compile(r"\{#-?(.*?)-?#\}([^\n]*)", re.DOTALL)
 _NOZZLE_MM, _FILAMENT_MM = 0.4, 1.75
 _RESULTS = {"median": "median", "mean": "average"}
 
@@ -359,14 +361,26 @@ def _put_macros(cfg: Cfg) -> None:
             section,
             description=macro.description or None,
             rename_existing=macro.rename_existing,
-            gcode=f"\n{macro.gcode.strip()}",
+            gcode=_gcode(macro.gcode),
         )
     for name, delayed in cfg.machine.delayed_gcode.items():
         cfg.put(
             f"delayed_gcode {name}",
             initial_duration=delayed.initial_duration_s,
-            gcode=f"\n{delayed.gcode.strip()}",
+            gcode=_gcode(delayed.gcode),
         )
+
+
+def _gcode(template: str) -> str:
+    """The text of a macro. Klipper cuts each line at its first #, so comments of Jinja2 become
+    those of Klipper; a comment before other text is left out."""
+
+    def comment(found: re.Match[str]) -> str:
+        if found[2].strip():
+            return found[2]
+        return "\n".join(f"# {line.strip()}" for line in found[1].strip().splitlines()) or ""
+
+    return "\n" + _COMMENT.sub(comment, template.strip())
 
 
 def _remark_on_the_rest(cfg: Cfg) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from passo.config.importing.draft import Place, bad
+from passo.config.importing.klipper.commented import CommentedText
 from passo.config.importing.numbers import NUMBER, Read, number_of
 from passo.config.importing.sources import MAX_LINE, Sources
 from passo.errors import ConfigError, Problem
@@ -25,10 +26,11 @@ _MOST_WILD = 2  # parts of a path with wildcards, as in `*/*.cfg`
 
 @dataclass
 class Option:
-    """A value as written, without comments, and its place."""
+    """A value as written, without comments, and its place. `commented` has the comments, too."""
 
     text: str
     place: Place
+    commented: CommentedText = field(default_factory=CommentedText)
 
 
 @dataclass
@@ -60,6 +62,11 @@ class Section:
         """The text of an option, which is marked as read; `default` without the option."""
         found = self.option(name)
         return default if found is None else found.text
+
+    def commented(self, name: str) -> str:
+        """The text of a template with its comments; the option is marked as read."""
+        found = self.option(name)
+        return "" if found is None else found.commented.text
 
     def number(self, name: str, default: float | None = None) -> float | None:
         """The number of an option; `default` without the option. Raises ConfigError."""
@@ -159,6 +166,7 @@ class Config:
             if len(option.text) > MAX_LINE:
                 limit = f"at most {MAX_LINE} characters with its constants"
                 raise bad(option.place, "option", option.text, limit)
+            option.commented.replace(lambda text: _CONSTANT.sub(value, text))
 
     def _read(self, path: Path, within: tuple[Path, ...]) -> None:
         text = self._sources.read(path, within)
@@ -176,11 +184,15 @@ class Config:
             content, _, comment = line.partition("#")
             self.comments += [comment] if comment else []
             content = _INLINE.sub("", content).rstrip()
+            cut = line[len(content) :]
             if not content or content.startswith(";"):
+                if option is not None and line.strip():
+                    option.commented.comment(line, indented=line[0].isspace())
                 continue
             if content[0].isspace():
                 if option is not None:
                     option.text = f"{option.text}\n{content.strip()}".lstrip("\n")
+                    option.commented.line(content.strip(), cut)
                 continue
             option = None
             if header := _HEADER.match(content):
@@ -189,6 +201,7 @@ class Config:
                 raise ConfigError.of("import.line", str(path), number, value=content[:60])
             else:
                 option = Option(found[2].strip(), place)
+                option.commented.line(option.text, cut)
                 section.options[found[1].strip().lower()] = option
 
     def _section(

@@ -28,7 +28,7 @@ def put_macros(job: Import) -> None:
     for section in job.config.of("delayed_gcode"):
         job.used.add(section.name)
         path, put = ("delayed_gcode", part_name(section.rest)), job.draft.put
-        put((*path, "gcode"), section.text("gcode"), section.at("gcode"))
+        put((*path, "gcode"), section.commented("gcode"), section.at("gcode"))
         after = section.number("initial_duration", 0.0)
         put((*path, "initial_duration_s"), after, section.at("initial_duration"))
 
@@ -43,7 +43,7 @@ def _put_macro(job: Import, section: Section) -> None:
         section.used.update(section.options)
         return
     path = ("macros", written)
-    put((*path, "gcode"), section.text("gcode"), section.at("gcode"))
+    put((*path, "gcode"), section.commented("gcode"), section.at("gcode"))
     put((*path, "description"), section.text("description") or None, section.at("description"))
     put((*path, "rename_existing"), _renamed(job, section, name), section.at("rename_existing"))
     for option, found in section.options.items():

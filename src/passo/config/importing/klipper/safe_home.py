@@ -80,7 +80,9 @@ def _override(section: Section) -> str:
     axes = [letter for letter in section.text("axes", "xyz").lower() if letter in "xyz"]
     set_to = {axis.upper(): section.number(f"set_position_{axis}") for axis in "xyz"}
     places = " ".join(f"{axis}{mm:g}" for axis, mm in set_to.items() if mm is not None)
-    gcode = section.text("gcode")  # within the macro G28, also in other macros, G28 is the command
+    gcode = section.commented(
+        "gcode"
+    )  # within the macro G28, also in other macros, G28 is the command
     body = f"G92 {places}\n{gcode}" if places else gcode
     asked = " or ".join(f"'{axis.upper()}' in params" for axis in axes)
     alone = "not ('X' in params or 'Y' in params or 'Z' in params)"
