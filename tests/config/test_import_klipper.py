@@ -503,7 +503,10 @@ def test_delta_has_towers_and_carriage_heights(load) -> None:
         ("kinematics: cartesian", "kinematics: delta\ndelta_radius: 100\nprint_radius: 90"),
         ("stepper: stepper_x, stepper_z1", "stepper: stepper_a"),
     ]
-    _, machine = load(*changes, text=text)
+    calibrated = "[delta_calibrate]\nradius: 80\n"
+    draft, machine = load(*changes, text=text, more=calibrated)
+    assert (machine.probe.kind, machine.levelling.delta.radius_mm) == ("manual", 80)
+    assert any("DELTA_CALIBRATE" in text for text in remarks(draft, "changed"))
     rise = math.sqrt(218**2 - 100**2)
     for name in "abc":
         homing = machine.homing[name]

@@ -200,34 +200,70 @@ def test_true_geometry_of_another_kind_is_refused():
         load_text(shipped_text("i3-probe") + "\n[simulated.delta]\nradius = 80.0\n")
 
 
-def test_lengths_of_a_printed_part_find_the_rods():
-    """Marks are where the true machine has put the nozzle."""
-    rods = ("angles = [210.4", "rods = [160.5, 159.7, 160.2]\nangles = [210.4")
-    with homed((NOISE, ""), rods) as s:
-        file, true = s.machine.geometry, simulated_geometry(s.machine)
-        below = [
-            b - a for a, b in zip([318.0] * 3, s.machine.simulated.delta.endstops, strict=True)
-        ]
+def measured_part(s):
+    """The words of DELTA_ANALYZE for Klipper's calibration part, printed with the geometry in
+    force: marks are where the true machine has put the nozzle."""
+    now, true = s.printer.rig.machine, simulated_geometry(s.machine)
+    ends = [now.homing[name].position for name in "abc"]
+    below = [b - a for a, b in zip(ends, s.machine.simulated.delta.endstops, strict=True)]
 
-        def there(x, y):
-            carriages = file.inverse((x, y, 0.0))
-            return true.forward(tuple(q + mm for q, mm in zip(carriages, below, strict=True)))
+    def there(x, y):
+        carriages = now.geometry.inverse((x, y, 0.0))
+        return true.forward(tuple(q + mm for q, mm in zip(carriages, below, strict=True)))
 
-        def towards(k, mm, x=0.0, y=0.0):
-            angle = radians((210, 270, 330, 30, 90, 150)[k % 6])
-            return x + mm * cos(angle), y + mm * sin(angle)
+    def towards(k, mm, x=0.0, y=0.0):
+        angle = radians((210, 270, 330, 30, 90, 150)[k % 6])
+        return x + mm * cos(angle), y + mm * sin(angle)
 
-        def length(k, x=0.0, y=0.0):
-            return dist(there(*towards(k, 4.5, x, y)), there(*towards(k, 69.5, x, y)))
+    def length(k, x=0.0, y=0.0):
+        return dist(there(*towards(k, 4.5, x, y)), there(*towards(k, 69.5, x, y)))
 
-        center = ",".join(f"{length(k) + 9:.4f}" for k in range(6))
-        outer = ",".join(f"{length(k + 2, *towards(k, 65.0)) + 9:.4f}" for k in range(6))
-        (left,) = answers(s, f"DELTA_ANALYZE CENTER_DISTS={center} CENTER_PILLAR_WIDTHS=9,9,9")
+    center = ",".join(f"{length(k) + 9:.4f}" for k in range(6))
+    outer = ",".join(f"{length(k + 2, *towards(k, 65.0)) + 9:.4f}" for k in range(6))
+    return (
+        f"CENTER_DISTS={center} CENTER_PILLAR_WIDTHS=9,9,9",
+        f"OUTER_DISTS={outer} OUTER_PILLAR_WIDTHS=9,9,9,9,9,9",
+    )
+
+
+def with_paper(s):
+    """Lowers the nozzle to the bed at each point of a paper test, as a user does; returns the last
+    answer."""
+    kernel = simulated_geometry(s.machine)
+    said = []
+    while s.printer.manual_probe.status is not None:
+        q = s.positions()
+        z = kernel.forward((q["a"], q["b"], q["c"]))[2]
+        answers(s, f"TESTZ Z={-z:.4f}")
+        said = answers(s, "ACCEPT")
+    return said
+
+
+def without_probe(*changes):
+    """The delta with a wrong geometry, without its probe."""
+    text = shipped_text("delta-probe")
+    for old, new in ((NOISE, ""), *changes):
+        assert old in text
+        text = text.replace(old, new)
+    probe = text.index("[probe]")
+    return load_text(text[:probe] + text[text.index("\n[", probe) :])
+
+
+RODS = ("angles = [210.4", "rods = [160.5, 159.7, 160.2]\nangles = [210.4")
+
+
+@pytest.mark.parametrize("way", ["probe", "manual", "points of before"])
+def test_lengths_of_a_printed_part_find_the_rods(way):
+    with at_home(machine((NOISE, ""), RODS) if way == "probe" else without_probe(RODS)) as s:
+        if way == "points of before":
+            answers(s, "DELTA_CALIBRATE")
+            assert "Calibrated 6 factors using 7 points" in with_paper(s)[-2]
+        first, second = measured_part(s)
+        (left,) = answers(s, f"DELTA_ANALYZE {first}")
         assert left == "// Still to measure: OUTER_DISTS, OUTER_PILLAR_WIDTHS"
-        said = answers(
-            s,
-            f"DELTA_ANALYZE OUTER_DISTS={outer} OUTER_PILLAR_WIDTHS=9,9,9,9,9,9 CALIBRATE=extended",
-        )
+        method = " METHOD=manual" if way == "manual" else ""
+        said = answers(s, f"DELTA_ANALYZE {second} CALIBRATE=extended{method}")
+        said = with_paper(s) or said
         assert "Calibrated 9 factors using 7 points and 12 distances" in said[-2]
         # Heights are whole steps of 0.011 mm.
         assert geometry(s)[4:7] == pytest.approx([160.5, 159.7, 160.2], abs=0.1)
@@ -245,3 +281,43 @@ def test_lengths_of_a_printed_part_find_the_rods():
 def test_rods_are_not_sought_without_all_lengths(line, says):
     with Scenario(machine()) as s:
         assert says in answers(s, f"DELTA_ANALYZE {line}")[0]
+
+
+@pytest.mark.parametrize("line", ["DELTA_CALIBRATE", "DELTA_CALIBRATE METHOD=manual"])
+def test_delta_is_calibrated_by_the_paper_test(line):
+    with at_home(without_probe() if line == "DELTA_CALIBRATE" else machine()) as s:
+        answers(s, line)
+        said = with_paper(s)
+        before, after = re.search(r"flat bed by (\S+) mm rms.*again by (\S+) mm", said[-2]).groups()
+        assert float(before) > 0.3
+        assert float(after) < 0.02
+        assert rms(above_the_bed(s)) <= 0.02
+
+
+def test_manual_height_is_one_more_point():
+    with at_home(without_probe()) as s:
+        s.host.ok("G1 X30 Y-20 Z4 F6000", 60)
+        s.host.ok("M400", 60)
+        q = s.positions()
+        z = simulated_geometry(s.machine).forward((q["a"], q["b"], q["c"]))[2]
+        (said,) = answers(s, f"DELTA_ANALYZE MANUAL_HEIGHT={z:.4f}")
+        assert said.startswith("// Manual height: X30.000 Y-20.000 Z4.000 is ")
+        assert "expected -10 to 10" in answers(s, "DELTA_ANALYZE MANUAL_HEIGHT=11")[0]
+        answers(s, "DELTA_CALIBRATE")
+        said = with_paper(s)[-2]
+        assert "Calibrated 6 factors using 8 points" in said
+        assert float(re.search(r"again by (\S+) mm", said)[1]) < 0.02
+        s.host.ok("G1 X30 Y-20 Z4 F6000", 60)
+        s.host.ok("M400", 60)
+        q = s.positions()
+        z = simulated_geometry(s.machine).forward((q["a"], q["b"], q["c"]))[2]
+        assert z == pytest.approx(4, abs=0.03)
+
+
+def test_too_large_a_change_by_hand_leaves_the_geometry():
+    limits = "[levelling.delta]\nmax_radius_mm = 0.5\n[simulated.bed]"
+    with at_home(without_probe(("[simulated.bed]", limits))) as s:
+        before = geometry(s)
+        answers(s, "DELTA_CALIBRATE")
+        assert "radius would change from 81.0000" in with_paper(s)[-1]
+        assert geometry(s) == before

@@ -19,6 +19,7 @@ from passo.motion.axis_slots import X, Y, Z
 from passo.motion.endstops import probe_switch
 from passo.motion.probe_head import ProbeHead
 from passo.probes.base import Probe, SensingProbe
+from passo.probes.manual import ManualProbe
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -32,6 +33,7 @@ EARLY_MM = 1.0  # a probe that triggers so near to the start did not touch the b
 APART_MM = 1.0  # two descents to one place that differ by more show a fault
 COLD_S = 20.0  # heaters stay on in a descent that may take longer
 _LIMIT_MM = 1e-3  # to which the lowest place within the limits of the motors is found
+_PAPER = ManualProbe(kind="manual")
 _LIFT_MM = 0.5  # after each lift by this distance, a triggered probe is read again
 
 
@@ -138,11 +140,8 @@ class Prober:
 
     @property
     def carried(self) -> Probe:
-        """The probe of the machine, even a manual one. Raises CommandError if the machine has
-        none."""
-        if self._machine.probe is None:
-            raise CommandError.of("probe.none")
-        return self._machine.probe
+        """The probe of the machine; a sheet of paper if it has none."""
+        return self._machine.probe or _PAPER
 
     @property
     def _switch(self) -> Switch:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from passo.config.klipper_names import fan_object
+from passo.probes.base import SensingProbe
 from passo.probes.bltouch import BLTouch
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ NEEDS: Mapping[str, _Needs] = {
     "BED_TILT_CALIBRATE": lambda machine: machine.levelling.method == "linear",
     "INIT_TMC": lambda machine: any(stepper.tmc for stepper in machine.steppers.values()),
     "BLTOUCH_DEBUG": lambda machine: isinstance(machine.probe, BLTouch),
+    "PROBE_CALIBRATE": lambda machine: isinstance(machine.probe, SensingProbe),
     "SET_FAN_SPEED": _has_named_fan,
     "SET_HEATER_TEMPERATURE": _has_heaters,
     "TURN_OFF_HEATERS": _has_heaters,

@@ -153,8 +153,8 @@ class Printer:
             self.dispatch.add(ProbeMoveCommands(rig, self.prober))
         self.delta = None
         if is_calibrated(machine):
-            self.delta = DeltaCommands(rig, self.prober, self.correction)
-            self.dispatch.add(self.delta)
+            self.delta = DeltaCommands(rig, self.prober, self.correction, self.manual_probe)
+            self.dispatch.add(self.delta, self.manual_probe)
         self.z_endstops = EndstopOffsets(rig) if has_endstops(machine) else None
         self.gantry = self.screws = None
         if machine.levelling.motors is not None and machine.probe is not None:

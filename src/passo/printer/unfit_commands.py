@@ -25,6 +25,7 @@ _CALLS = {96, 97, 98}  # M codes that call a sub-program
 PROBING = frozenset({"G29", "G32", "G80", "BED_MESH_CALIBRATE", "BED_TILT_CALIBRATE"})
 PROBE_MOVES = frozenset({"G38.2", "G38.3", "G38.4", "G38.5"})
 OF_DELTAS = frozenset({"G33", "DELTA_CALIBRATE", "DELTA_ANALYZE"})
+BY_HAND = frozenset({"DELTA_CALIBRATE", "DELTA_ANALYZE"})  # by the paper test, without a probe
 OF_Z_MOTORS = frozenset({"G34", "Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"})
 LEVELLING = PROBING | OF_DELTAS | OF_Z_MOTORS
 # Klipper's commands and common macros of its users that neither move the machine nor change a
@@ -78,9 +79,9 @@ class Skips(NamedTuple):
 
     def on(self, machine: MachineConfig) -> Skips:
         """The same options for this machine."""
-        if machine.probe is None:
-            return self
         of_delta = OF_DELTAS if machine.geometry.kind == "delta" else frozenset[str]()
+        if machine.probe is None:
+            return self._replace(levels=of_delta & BY_HAND)
         of_motors = OF_Z_MOTORS if machine.levelling.motors else frozenset[str]()
         return self._replace(levels=PROBING | PROBE_MOVES | of_delta | of_motors)
 
@@ -114,7 +115,7 @@ def unfit(command: Command, skips: Skips) -> Problem | None:
 
 def _lack(code: str, skips: Skips) -> str:
     """What the machine has instead of what the levelling command needs."""
-    if not skips.levels:
+    if not skips.levels & PROBING:
         return "no probe"
     if code in OF_DELTAS:
         return "no towers of a delta"

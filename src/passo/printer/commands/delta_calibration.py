@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from math import cos, hypot, radians, sin
 from statistics import fmean
@@ -22,9 +23,11 @@ from passo.levelling.delta_calibration import (
     calibrate,
     printed_distances,
 )
-from passo.motion.probing import Place, Prober
+from passo.motion.probing import Measured, Place, Prober
 from passo.printer.commands.klipper_commands import number
+from passo.printer.commands.manual_probe import ManualProbe, by_hand
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
+from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -46,6 +49,7 @@ _MEASURED = {
     "OUTER_DISTS": 6,
     "OUTER_PILLAR_WIDTHS": 6,
 }
+_LOWEST_MM = 10.0  # of the paper test, because the geometry is not exact yet
 _DIGITS = 6  # decimals of mm and degrees, so that stored and active values are equal
 
 
@@ -58,10 +62,16 @@ class DeltaCommands:
     """The commands for the geometry of one delta, for which `is_calibrated` is True. The active
     geometry is that of the rig."""
 
-    def __init__(self, rig: Rig, prober: Prober, correction: BedCorrection) -> None:
-        self._rig, self._prober, self._correction = rig, prober, correction
+    def __init__(
+        self, rig: Rig, prober: Prober, correction: BedCorrection, manual: ManualProbe
+    ) -> None:
+        self._rig, self._prober, self._correction, self._manual = rig, prober, correction, manual
         self._config = rig.machine.levelling
         self._printed: dict[str, list[float]] = {}  # what DELTA_ANALYZE was told
+        # The drops of the carriages, and the height of the nozzle there, mm: of the last paper
+        # test, where the height is 0, and of MANUAL_HEIGHT.
+        self._touched: list[tuple[Point, float]] = []
+        self._heights: list[tuple[Point, float]] = []
 
     @property
     def _now(self) -> DeltaMachine:
@@ -121,30 +131,42 @@ class DeltaCommands:
         "DELTA_CALIBRATE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
-        "",
-        "Calibrates a delta with 7 points, as G33.",
+        "METHOD",
+        "Calibrates a delta with 7 points, as G33. METHOD=manual, or a delta without a probe,"
+        " measures them by the paper test.",
         kind=Kind.PROBED,
         bare=None,
-        lacks=NO_PROBE,
+        lacks=NO_DELTA,
     )
-    def _calibrate(self, _: Command, reply: Reply) -> Wait | None:
+    def _calibrate(self, command: Command, reply: Reply) -> Wait | None:
+        if self._by_hand(command.pairs()):
+            return self._paper_test(6, reply)
         return self._calibration(reply, None, many=False, rods=False)
+
+    def _by_hand(self, words: Mapping[str, str]) -> bool:
+        """Whether the points are measured by the paper test. Raises CommandError."""
+        return by_hand(words) or not isinstance(self._prober.carried, SensingProbe)
 
     @command(
         "DELTA_ANALYZE",
         Subject.LEVELLING,
         When.EXCLUSIVE,
         "CENTER_DISTS(6, mm) CENTER_PILLAR_WIDTHS(3) OUTER_DISTS(6) OUTER_PILLAR_WIDTHS(6) SCALE"
-        " CALIBRATE",
+        " CALIBRATE METHOD MANUAL_HEIGHT(mm)",
         "Takes the lengths that were measured on Klipper's calibration part, with commas, in one"
         " command or several. The part was printed with the geometry in force. CALIBRATE=extended"
-        " then probes 7 points as G33, and finds the lengths of the rods, too.",
+        " then probes 7 points as G33, and finds the lengths of the rods, too. Without a probe, it"
+        " uses the points of the last DELTA_CALIBRATE; METHOD=manual measures them by the paper"
+        " test. MANUAL_HEIGHT is the true height of the nozzle where it is, as one more point.",
         kind=Kind.PROBED,
         bare=None,
-        lacks=NO_PROBE,
+        lacks=NO_DELTA,
     )
     def _analyze(self, command: Command, reply: Reply) -> Wait | None:
         pairs = command.pairs()
+        if "MANUAL_HEIGHT" in pairs:
+            height = _within("MANUAL_HEIGHT", number(pairs, "MANUAL_HEIGHT"), -10, 10)
+            return WaitForMoves(lambda: self._add_height(height, reply))
         for key, count in _MEASURED.items():
             if key in pairs:
                 self._printed[key] = _list(key, pairs[key], count)
@@ -165,8 +187,50 @@ class DeltaCommands:
             )
         except Unreachable as error:
             raise CommandError.of("levelling.delta-nowhere", value=error) from None
-        places = list(_spread(self._config.delta.radius_mm or self._reach_mm(), many=False))
-        return WaitForProcedure(partial(self._find, places, 9, reply, distances))
+        if not self._by_hand(pairs):
+            return WaitForProcedure(partial(self._find, self._seven(), 9, reply, distances))
+        if "METHOD" in pairs or not self._touched:
+            return self._paper_test(9, reply, distances)
+        return WaitForMoves(lambda: self._fit(9, reply, distances))
+
+    def _add_height(self, height_mm: float, reply: Reply) -> None:
+        """Adds the position of the nozzle, whose height above the bed is known."""
+        for axis in self._rig.job.locked_axes:
+            raise CommandError.of("input.not-homed", axis="XYZ"[min(axis, 2)])
+        with self._correction.suspended():
+            x, y = self._prober.nozzle_xy_mm
+            z = self._prober.z_mm
+        self._heights.append((self._now.drops((x, y, z)), height_mm))
+        reply.say(f"// Manual height: X{x:.3f} Y{y:.3f} Z{z:.3f} is {height_mm:.3f} mm high")
+
+    def _seven(self) -> list[Place]:
+        return list(_spread(self._config.delta.radius_mm or self._reach_mm(), many=False))
+
+    def _paper_test(
+        self, factors: Factors, reply: Reply, distances: Sequence[Distance] = ()
+    ) -> Wait:
+        """Measures 7 points by the paper test, and calibrates with them. Raises CommandError."""
+        places = [replace(place, by_nozzle=True) for place in self._seven()]
+
+        def done(found: Sequence[Measured], reply: Reply) -> None:
+            delta = self._now
+            self._touched = [
+                (delta.drops((m.place.x, m.place.y, m.trigger_z_mm)), 0.0) for m in found
+            ]
+            self._fit(factors, reply, distances)
+
+        return self._manual.start(places, done, reply=reply, lowest_mm=_LOWEST_MM)
+
+    def _fit(self, factors: Factors, reply: Reply, distances: Sequence[Distance]) -> None:
+        """Calibrates with what was measured by hand. The geometry stays if the result is not better
+        or changes too much: raises CommandError."""
+        found = calibrate(self._now, [*self._touched, *self._heights], factors, distances)
+        found.check(self._limits)
+        on = self._correction.on
+        self._use(found.after)
+        self._correction.use(self._correction.correction, on=False)
+        count = len(self._touched) + len(self._heights)
+        self._tell(_report(found, None, factors, count, len(distances)), reply, corrected=on)
 
     def _calibration(
         self, reply: Reply, radius_mm: float | None, *, many: bool, rods: bool
@@ -194,15 +258,7 @@ class DeltaCommands:
     ) -> None:
         before, on = self._now, self._correction.on
         found = calibrate(before, await self._touch(places), factors, distances)
-        limits = self._config.delta
-        found.check(
-            ChangeLimits(
-                limits.max_radius_mm,
-                limits.max_angle_deg,
-                limits.max_endstop_mm,
-                limits.max_rod_mm,
-            )
-        )
+        found.check(self._limits)
         self._use(found.after)
         try:
             self._correction.use(self._correction.correction, on=False)
@@ -214,9 +270,20 @@ class DeltaCommands:
             self._use(before)
             self._correction.use(self._correction.correction, on=on)
             raise
-        for line in _report(found, left, factors, len(places), len(distances)):
+        lines = _report(found, left, factors, len(places), len(distances))
+        self._tell(lines, reply, corrected=on)
+
+    @property
+    def _limits(self) -> ChangeLimits:
+        limits = self._config.delta
+        return ChangeLimits(
+            limits.max_radius_mm, limits.max_angle_deg, limits.max_endstop_mm, limits.max_rod_mm
+        )
+
+    def _tell(self, lines: Iterable[str], reply: Reply, *, corrected: bool) -> None:
+        for line in lines:
             reply.say(line)
-        if on:
+        if corrected:
             reply.say("The correction of the bed is off: measure it again (G29 or G32)")
 
     async def _touch(self, places: Sequence[Place]) -> list[tuple[Point, float]]:
@@ -371,17 +438,21 @@ def _spread(radius_mm: float, *, many: bool) -> Iterator[Place]:
 
 
 def _report(
-    found: Calibration, left_mm: float, factors: int, points: int, distances: int
+    found: Calibration, left_mm: float | None, factors: int, points: int, distances: int
 ) -> Iterator[str]:
+    """The lines of a result; `left_mm` is the deviation that was measured again, if it was."""
     for name, old, new in found.changes():
         unit = "degrees" if name.startswith("angle") else "mm"
         if round(old, 4) != round(new, 4):
             yield f"{name}: {old:.4f} -> {new:.4f} {unit}"
     by = f"{points} points and {distances} distances" if distances else f"{points} points"
     what = "these lengths and a flat bed" if distances else "a flat bed"
+    again = f"calculated again by {found.rms_after:.4f} mm"
+    if left_mm is not None:
+        again = f"measured again by {left_mm:.4f} mm"
     yield (
         f"Calibrated {factors} factors using {by}: they deviated from {what} by"
-        f" {found.rms_before:.4f} mm rms, and measured again by {left_mm:.4f} mm"
+        f" {found.rms_before:.4f} mm rms, and {again}"
     )
     yield "M500 stores this geometry; M501 or M502 takes it back"
 

@@ -19,9 +19,9 @@ from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForProcedure
 if TYPE_CHECKING:
     from passo.motion.bed_correction import BedCorrection
 
-_LOWEST_MM = 2.0  # below the last measured bed
+LOWEST_MM = 2.0  # below the last measured bed
 _SPEED_MM_S = 5.0
-_METHODS = "manual", "automatic", "scan", "rapid_scan"  # the last two probe here as any
+_METHODS = "manual", "automatic", "scan", "rapid_scan"  # a scan is point by point here
 
 Done = Callable[[Sequence[Measured], Reply], None]
 
@@ -30,7 +30,7 @@ Done = Callable[[Sequence[Measured], Reply], None]
 class _Run:
     """A test in progress: the remaining places, the heights so far, and the function to call at the
     end. `screws` are all screws of the bed if the test adjusts screws, with the nozzle at Z 0 above
-    each."""
+    each. `lowest_mm`: see `ManualProbe.start`."""
 
     places: list[Place]
     done: Done
@@ -39,6 +39,7 @@ class _Run:
     found: list[Measured]
     tried: list[float]
     screws: tuple[Place, ...] = ()
+    lowest_mm: float = LOWEST_MM
 
 
 class ManualProbe:
@@ -73,13 +74,15 @@ class ManualProbe:
         reply: Reply | None = None,
         *,
         screws: bool = False,
+        lowest_mm: float = LOWEST_MM,
     ) -> Wait:
         """Starts a test that moves the nozzle to each place in turn; `done` is called with the
-        heights. Raises CommandError."""
+        heights. The nozzle may go `lowest_mm` below the last measured bed. Raises CommandError."""
         if self._run is not None:
             raise CommandError.of("probe.manual-active")
         self._prober.check(places)
-        run = _Run(list(places), done, report, len(places), [], [], tuple(places) if screws else ())
+        shown = tuple(places) if screws else ()
+        run = _Run(list(places), done, report, len(places), [], [], shown, lowest_mm)
 
         async def begin() -> None:
             self._correction.suspend()
@@ -173,7 +176,7 @@ class ManualProbe:
                     "command.value", axis="Z", value=given or "missing", limit=limit
                 ) from None
         place = self._prober.place_here()
-        low = self._correction.expected(place.x, place.y) - _LOWEST_MM
+        low = self._correction.expected(place.x, place.y) - run.lowest_mm
         if not low <= target <= z + self._prober.carried.start_mm:
             limit = f"Z {low:.3f} to {z + self._prober.carried.start_mm:.3f}"
             raise CommandError.of("command.value", axis="Z", value=f"{target:.3f}", limit=limit)

@@ -29,6 +29,20 @@ def put_levelling(job: Import) -> None:
         job.part(motors, _put_motors)
     for section in job.config.of("skew_correction"):
         job.part(section, _put_skew)
+    delta = job.config.get("delta_calibrate")
+    if delta is not None and job.required("printer").text("kinematics") == "delta":
+        job.part(delta, _put_delta)
+
+
+def _put_delta(job: Import, section: Section) -> None:
+    """Converts [delta_calibrate]. Without a probe, the delta is calibrated by the paper test."""
+    path, radius = ("levelling", "delta", "radius_mm"), section.number("radius")
+    job.draft.put(path, radius, section.at("radius"))
+    if job.probe_pin is None:
+        job.draft.put(("probe", "kind"), "manual", section.place)
+    section.used.update(section.options)
+    text = "calibrate the delta again, with DELTA_CALIBRATE"
+    job.draft.changed(section.place, "[delta_calibrate]", text)
 
 
 def _put_screws(job: Import, section: Section) -> None:

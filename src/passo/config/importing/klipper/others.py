@@ -54,7 +54,7 @@ OTHERS: dict[str, Other] = {
     "bed_tilt": lost('[levelling] method = "linear" measures and corrects a plane'),
     "z_tilt": lost("G34 needs a probe"),
     "quad_gantry_level": lost("G34 needs a probe"),
-    "delta_calibrate": built_in("calibrate the delta again, with G33"),
+    "delta_calibrate": lost("only a delta with an endstop on each tower is calibrated"),
     "resonance_tester": lost("resonances need an accelerometer in the machine file"),
     "adxl345": lost("one accelerometer measures all axes, one after the other"),
     "lis2dw": lost("one accelerometer measures all axes, one after the other"),
