@@ -45,7 +45,7 @@ def test_the_example_on_the_i3(capsys, unpacked):
 
 GOLDEN = {
     ("demo", "i3"): "cd534b5fa7fabc46",
-    ("gear_arcs", "mk3s"): "45a56f91535fa0dc",
+    ("gear_arcs", "mk3s"): "ebe2df0c699b509b",
     ("plate_toolchanger", "dual-extruder"): "79c65a015ad8b038",
 }
 
