@@ -52,18 +52,21 @@ Table statistics(JobView& self) {
   d["limit_s"] = limits;
   nb::dict loads;
   auto exceed = [&](const char* name, const PlanStatistics::Load& load) {
-    if (load.share > 1) loads[name] = std::make_tuple(load.line, load.share);
+    if (load.share > 1) loads[name] = std::make_tuple(load.line, load.share, load.budget);
   };
   exceed("steps", plan.most_steps);
   exceed("commands", plan.most_commands);
   d["loads"] = loads;
   nb::dict densest;
-  auto put = [&](const char* name, const PlanStatistics::Peak& p) {
-    densest[name] = std::make_tuple(p.line, p.most);
+  auto peak = [](const PlanStatistics::Peak& p) { return std::make_tuple(p.line, p.most); };
+  auto put = [&](const char* name, const PlanStatistics::Peak* p) {
+    std::vector<std::tuple<uint32_t, double>> found;
+    for (size_t i = 0; i < machine.budgets.size(); ++i) found.push_back(peak(p[i]));
+    densest[name] = found;
   };
   put("steps_s", plan.steps_s);
   put("commands_s", plan.commands_s);
-  put("ahead", plan.ahead);
+  densest["ahead"] = peak(plan.ahead);
   d["densest"] = densest;
   d["widened_s"] = plan.widened_s;
   d["widest_ticks"] = plan.widest_ticks;

@@ -92,11 +92,19 @@ Machine machine_of(const nb::dict& spec) {
               get<double>(limits, "square_corner"),
               get<double>(limits, "minimum_cruise_ratio"),
               get<double>(limits, "least_speed_gain")};
-  if (spec.contains("budget") && !spec["budget"].is_none()) {
-    nb::dict budget = get<nb::dict>(spec, "budget");
-    m.budget = {get<double>(budget, "steps_s"), get<double>(budget, "commands_s"),
-                get<double>(budget, "burst"), get<std::string>(budget, "bound") == "link",
-                get<double>(budget, "commits_s")};
+  if (spec.contains("budgets")) {
+    for (StepperSpec& s : m.steppers) s.budget = kNoBudget;
+    for (nb::handle item : get<nb::list>(spec, "budgets")) {
+      const nb::dict budget = nb::cast<nb::dict>(item);
+      if (m.budgets.size() == kBudgets) throw std::invalid_argument("more than 4 budgets");
+      for (const uint16_t board : get<std::vector<uint16_t>>(budget, "boards"))
+        for (StepperSpec& s : m.steppers)
+          if (s.board == board) s.budget = uint8_t(m.budgets.size());
+      m.budgets.push_back({get<double>(budget, "steps_s"), get<double>(budget, "commands_s"),
+                           get<double>(budget, "burst"),
+                           get<std::string>(budget, "bound") == "link",
+                           get<double>(budget, "commits_s")});
+    }
   }
   if (spec.contains("motor_letters")) m.motor_letters = get<std::string>(spec, "motor_letters");
   if (spec.contains("macros")) {

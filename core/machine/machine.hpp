@@ -40,6 +40,10 @@ struct Tool {
   double offset[3];
 };
 
+// Boards whose loads are calculated apart; further ones share the last budget.
+constexpr size_t kBudgets = 4;
+constexpr uint8_t kNoBudget = 255;
+
 enum class Drive : uint8_t { actuator, axis, extruder };
 
 struct StepperSpec {
@@ -51,6 +55,7 @@ struct StepperSpec {
   double max_rate;                     // steps per second
   double speed, accel, min, max;       // units; infinite where there is no limit
   uint16_t board = 0;                  // the main one is 0
+  uint8_t budget = 0;                  // index in Machine::budgets, or kNoBudget
 };
 
 struct Limits {
@@ -63,7 +68,7 @@ struct Limits {
                             // its end speeds
 };
 
-// The capacity of the board and its link, all motors together; infinite without a figure.
+// The capacity of a board and its link, all its motors together; infinite without a figure.
 struct Budget {
   double step_rate = kInfinity;     // steps per second
   double command_rate = kInfinity;  // commands per second
@@ -103,7 +108,7 @@ struct Machine {
   std::vector<Tool> tools;
   std::vector<StepperSpec> steppers;
   Limits limits;
-  Budget budget;
+  std::vector<Budget> budgets;  // of boards with motors; at most kBudgets
   size_t boards = 1;
   std::vector<uint16_t> output_boards;  // board of each output; those not named are the main one's
   std::shared_ptr<const Geometry> geometry;
@@ -132,9 +137,11 @@ struct Machine {
     return height_map ? height_map->plan_z(x, y, height) : height;
   }
 
-  // Ticks by which a step may miss its ideal time where the board's budget asks for it.
+  // Ticks by which a step may miss its ideal time where a board's budget asks for it.
   double widest_tolerance() const {
-    return budget.command_rate < kInfinity ? std::max(tolerance, 25e-6 * clock_hz) : tolerance;
+    const bool bounded = std::any_of(budgets.begin(), budgets.end(),
+                                     [](const Budget& b) { return b.command_rate < kInfinity; });
+    return bounded ? std::max(tolerance, 25e-6 * clock_hz) : tolerance;
   }
 };
 

@@ -13,7 +13,9 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
   const Constraints& constraints = *rules.constraints;
   const double speed_factor = m.unscaled ? 1 : rules.speed_factor;
   m.curved_steps = m.curved_bends = m.tolerance = m.step_load = m.command_load = 0;
-  m.steps = m.commands = m.ahead0 = m.ahead1 = 0;
+  m.ahead0 = m.ahead1 = 0;
+  for (size_t i = 0; i < kBudgets; ++i) m.steps[i] = m.commands[i] = 0;
+  m.step_budget = m.command_budget = 0;
   if (m.kind == MoveKind::dwell) {
     m.d = m.vn2 = 0;
     m.a = m.b = m.cruise_a = 1;

@@ -31,11 +31,12 @@ struct Move : MoveOrigin {
   double curved_bends;  // of these at constant speed: sum of √(steps/s²), by speed, at most
   double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
   double advance;       // pressure advance of its filament, s
-  double step_load, command_load;  // fraction of the board's budget; at most 1: within it
-  double steps, commands;  // of all motors together, as the budget calculates; 0 without one
-  double ahead0, ahead1;   // commands ahead of the board's rate at its start and end, at most
-  uint32_t rules;          // number in the planner's RuleBook
-  uint32_t records;        // timed records that are due at its start
+  double step_load, command_load;  // highest fraction of a board's budget; at most 1: within it
+  float steps[kBudgets], commands[kBudgets];  // of a board's motors, as its budget calculates
+  double ahead0, ahead1;  // commands ahead of the boards' rates at its start and end, at most
+  uint32_t rules;         // number in the planner's RuleBook
+  uint32_t records;       // timed records that are due at its start
+  uint8_t step_budget, command_budget;  // the budgets of step_load and command_load
   LimitId speed_limit, accel_limit;
   MoveKind kind;
   uint8_t moved;

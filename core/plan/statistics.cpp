@@ -16,8 +16,9 @@ void PlanStatistics::add(const Move& m, double hz, int sign) {
   }
   if (!m.inner) moves += sign;
   move_s += seconds;
-  if (m.step_load > most_steps.share) most_steps = {m.line, m.step_load};
-  if (m.command_load > most_commands.share) most_commands = {m.line, m.command_load};
+  if (m.step_load > most_steps.share) most_steps = {m.line, m.step_load, m.step_budget};
+  if (m.command_load > most_commands.share)
+    most_commands = {m.line, m.command_load, m.command_budget};
   if (m.tolerance > 0) {
     widened_s += seconds;
     widest_ticks = std::max(widest_ticks, m.tolerance);
@@ -41,15 +42,21 @@ void PlanStatistics::add(const Piece& p) {
 
 void PlanStatistics::pass(const Move& m, double seconds) {
   if (m.kind != MoveKind::dwell) {
-    steps_s.see(m.line, m.steps * m.vc / m.d);
+    const double per_step = m.vc / m.d;
     ahead.see(m.line, m.ahead1);
     if (window_s_ == 0) window_line_ = m.line;
-    window_commands_ += m.commands;
+    for (size_t i = 0; i < kBudgets; ++i) {
+      steps_s[i].see(m.line, double(m.steps[i]) * per_step);
+      window_commands_[i] += double(m.commands[i]);
+    }
   }
   window_s_ += seconds;
   if (window_s_ < kWindow) return;
-  commands_s.see(window_line_, window_commands_ / window_s_);
-  window_s_ = window_commands_ = 0;
+  for (size_t i = 0; i < kBudgets; ++i) {
+    commands_s[i].see(window_line_, window_commands_[i] / window_s_);
+    window_commands_[i] = 0;
+  }
+  window_s_ = 0;
 }
 
 }  // namespace passo

@@ -121,7 +121,7 @@ def test_the_clock_of_a_dictionary_counts(tmp_path: Path) -> None:
     content = {"config": {"CLOCK_FREQ": 72_000_000}, "enumerations": {"pin": pins}}
     (tmp_path / "board.dict").write_text(json.dumps(content))
     (tmp_path / "mine.toml").write_text(KLIPPER)
-    spec = config.load(tmp_path / "mine.toml").core_spec()["budget"]
+    spec = config.load(tmp_path / "mine.toml").core_spec()["budgets"][0]
     assert spec["steps_s"] == pytest.approx(0.65 * 72e6 / 300)
 
 
@@ -140,4 +140,4 @@ def test_board_with_klippers_firmware_is_one_of_several(i3_text: str) -> None:
     tool = '\n[boards.tool]\nbase = "klipper"\nclock_hz = 16_000_000\nmove_count = 100\n'
     pins = 'step_pin = "tool:PA1"\ndirection_pin = "tool:PA2"'
     moved = i3_text.replace('socket = "E0"', pins) + tool
-    assert config.load_text(moved).core_spec()["budget"]["burst"] == 50
+    assert config.load_text(moved).core_spec()["budgets"][1]["burst"] == 50

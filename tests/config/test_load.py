@@ -347,12 +347,12 @@ def test_a_long_pulse_takes_its_time_from_the_budget(
     i3_text: str, driver: str, cycles: int
 ) -> None:
     machine = config.load_text(i3_text.replace('"Z"', f'"Z"\ndriver = "{driver}"'))
-    budget = machine.core_spec()["budget"]
+    budget = machine.core_spec()["budgets"][0]
     assert budget["steps_s"] == pytest.approx(0.65 * 16e6 / cycles)
 
 
 def test_a_board_brings_its_budget(i3_text: str) -> None:
-    spec = config.load("i3").core_spec()["budget"]
+    spec = config.load("i3").core_spec()["budgets"][0]
     assert spec["steps_s"] == pytest.approx(0.65 * 16e6 / 90)
     assert spec["commands_s"] == pytest.approx(0.3 * 16e6 / 1950)
     assert spec["burst"] == 401 / 2
@@ -360,10 +360,10 @@ def test_a_board_brings_its_budget(i3_text: str) -> None:
     slow = config.load_text(i3_text + "budget = { link_bytes_s = 8300 }\nmove_count = 152\n")
     serial = 'link = "serial"\nport = "/dev/x"\nbaud = 83_000\n'
     bound = pytest.approx((7885 - 20 / 0.075) / 8.3)
-    assert config.load_text(i3_text + serial).core_spec()["budget"]["commands_s"] == bound
+    assert config.load_text(i3_text + serial).core_spec()["budgets"][0]["commands_s"] == bound
     bound, burst = pytest.approx(1000), pytest.approx(60)
     less = spec | {"commands_s": bound, "burst": burst, "bound": "link"}
-    assert slow.core_spec()["budget"] == less
+    assert slow.core_spec()["budgets"][0] == less
 
 
 @pytest.mark.parametrize(
@@ -380,7 +380,7 @@ def test_a_board_brings_its_budget(i3_text: str) -> None:
 def test_a_part_of_the_link_is_kept_for_commits(i3_text: str, board: str, kept: float) -> None:
     machine = config.load_text(i3_text + board)
     assert machine.board.commit_bytes_s == pytest.approx(kept)
-    spec, simulated = machine.core_spec()["budget"], config.load("i3").core_spec()["budget"]
+    spec, simulated = machine.core_spec()["budgets"][0], config.load("i3").core_spec()["budgets"][0]
     assert (spec["commits_s"] > 0) == (kept > 0)
     by_link = (machine.board.link_bytes_s - kept) / 8.3
     by_slots = 401 / (0.2 if kept else 0.15)

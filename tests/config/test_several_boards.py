@@ -3,6 +3,7 @@
 import pytest
 
 from passo import config
+from passo._core import Job
 from passo.config.board_defaults import bindings
 from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
@@ -100,7 +101,7 @@ def test_firmware_is_built_for_the_motors_of_a_board(tmp_path) -> None:
     assert tool.motors[0].step_pin == config.load_board("ramps").sockets["E0"].step
 
 
-def test_the_planner_keeps_to_the_weakest_board_in_each_figure() -> None:
+def test_each_board_with_a_motor_has_its_own_budget() -> None:
     """The second one is slow at commands, the main one at steps."""
     main = "budget = { cycles_per_step = 1000 }"
     tool = "budget = { cycles_per_command = 9000 }"
@@ -108,7 +109,23 @@ def test_the_planner_keeps_to_the_weakest_board_in_each_figure() -> None:
     text = machine_text(moved).replace("[board]", f"[board]\n{main}") + f"\n{tool}\n"
     machine = load_text(text)
     boards = {name: board.budget_spec() for name, board in machine.all_boards.items()}
-    spec = machine.core_spec()["budget"]
-    assert spec["steps_s"] == boards[""]["steps_s"] < boards["tool"]["steps_s"]
-    assert spec["commands_s"] == boards["tool"]["commands_s"] < boards[""]["commands_s"]
-    assert spec["burst"] == min(b["burst"] for b in boards.values())
+    own = [boards[""] | {"boards": [0]}, boards["tool"] | {"boards": [1]}]
+    assert machine.core_spec()["budgets"] == own
+    assert own[0]["steps_s"] < own[1]["steps_s"]
+    assert own[0]["commands_s"] > own[1]["commands_s"]
+
+
+def test_boards_beyond_the_fourth_budget_share_its_minimum() -> None:
+    board = '[boards.{}]\nbase = "ramps"\nbudget = {{ cycles_per_command = {} }}\n'
+    text = machine_text(tool="")
+    for i, socket in enumerate(("X", "Y", "Z", "E0")):
+        text = text.replace(f'socket = "{socket}"', f'socket = "b{i}:{socket}"')
+        text += board.format(f"b{i}", 9000 + i)
+    text += "[axes.u]\nmin_mm = 0.0\nmax_mm = 9.0\nspeed_mm_s = 5.0\naccel_mm_s2 = 50.0\n"
+    machine = load_text(text + '[steppers.u]\nsocket = "E1"\nsteps_per_mm = 80.0\n')
+    assert machine.budget_groups == [[""], ["b0"], ["b1"], ["b2", "b3"]]
+    *_, last = machine.core_spec()["budgets"]
+    weakest = machine.all_boards["b3"].budget_spec()
+    assert weakest is not None
+    assert last == weakest | {"boards": [3, 4]}
+    assert Job(machine.core_spec()).statistics()["densest"]["steps_s"] == [(0, 0.0)] * 4

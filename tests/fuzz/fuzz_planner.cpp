@@ -41,7 +41,7 @@ Machine machine_of(JunctionLaw law, bool delta, bool short_of_commands) {
         {std::string(1, "xyze"[i]), i < 3 ? Drive::actuator : Drive::extruder, i < 3 ? i : 0,
          i == 2 ? 400.0 : 80.0, 16, 4, 4, 500000, kInfinity, kInfinity, -kInfinity, kInfinity});
   machine.limits = {3000, 3000, 5000, kInfinity, law, 0.02, 5, 0, short_of_commands ? 0.2 : 0};
-  if (short_of_commands) machine.budget = {20000, 500, 10, true};
+  if (short_of_commands) machine.budgets = {{20000, 500, 10, true}};
   return machine;
 }
 

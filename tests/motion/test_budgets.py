@@ -25,15 +25,15 @@ WIDEST = 25e-6 * HZ
 
 def budget(**values):
     least = {"steps_s": inf, "commands_s": inf, "burst": 0.0, "bound": "link", "commits_s": 0.0}
-    return least | values
+    return least | {"boards": [0]} | values
 
 
-def machine(accel=3000.0, speed=500.0, **values):
+def machine(accel=3000.0, speed=500.0, *, budget=None, **values):
     spec = cartesian(print_accel=accel)
     for axis in spec["axes"]:
         axis.update(accel=accel, speed=speed)
     spec["extruders"][0].update(accel=2 * accel, jerk=50.0)
-    return spec | values
+    return spec | {"budgets": [budget] if budget else []} | values
 
 
 def delta(**values):
@@ -117,6 +117,45 @@ def test_commands_keep_to_the_rate_and_its_burst(mm, moves, turn):
     assert motion.counts() == free[0].counts()
 
 
+def two_boards(x_rate, rest_rate):
+    """X on the main board, the other motors on a second one, with a burst of 0.1 s each."""
+    spec = machine(20_000.0)
+    for stepper in spec["steppers"][1:]:
+        stepper["board"] = 1
+    spec["budgets"] = [
+        budget(commands_s=rate, burst=0.1 * rate, boards=[i])
+        for i, rate in enumerate((x_rate, rest_rate))
+    ]
+    return spec
+
+
+@pytest.mark.parametrize("rates", [(400.0, 4000.0), (4000.0, 700.0), (500.0, 800.0)])
+@pytest.mark.parametrize("cut", [False, True])
+def test_each_board_keeps_to_its_own_rate(rates, cut):
+    motion = Motion(two_boards(*rates))
+    for i, target in enumerate(wander(0.1, 1500, 0.5, 4)):
+        motion.push(target, 300.0, "print")
+        if cut and i % 20 == 19:
+            motion.flush()
+            motion.replan_from(motion.clock - 0.02 * HZ)
+    motion.flush()
+    messages = motion.take_messages()
+    for rate, slots in zip(rates, ((0,), (1, 2, 3)), strict=True):
+        own = [m for m in messages if m[1] in slots]
+        assert most_ahead(own, rate) <= (1.6 if cut else 1.1) * 0.1 * rate
+
+
+def test_a_board_is_not_charged_with_the_motors_of_another():
+    """A slow board of motors at standstill bounds nothing."""
+    line = [[0.05 * i, 0.0, 0.0, 0.0] for i in range(1000)]
+    free = planned(machine(20_000.0), line)
+    apart = planned(two_boards(4000.0, 20.0), line)
+    together = planned(machine(20_000.0, budget=budget(commands_s=20.0, burst=2.0)), line)
+    assert apart[0].clock == free[0].clock
+    assert apart[2] == free[2]
+    assert together[0].clock > 1.05 * free[0].clock
+
+
 def zigzag(mm, moves, turn):
     """`wander`, with Z going up and down as well, and filament in portions of its own."""
     random, e = Random(7), 0.0
@@ -145,7 +184,7 @@ def test_lines_of_curved_motors_keep_to_a_link(name):
     """They cost it commands all along."""
     rate = 600.0
     spec = config.load(name).core_spec()
-    spec["budget"] = budget(commands_s=rate, burst=0.035 * rate)
+    spec["budgets"] = [budget(commands_s=rate, burst=0.035 * rate)]
     x, y = (100.0, 100.0) if name == "scara" else (0.0, 0.0)
     motion = Motion(spec)
     motion.set_position([x - 12.0, y - 8.0, 5.0, 0.0])

@@ -126,7 +126,7 @@ def test_no_interval_is_shorter_than_the_driver_takes(name, path):
     for axis in spec["axes"]:
         axis |= {"speed": 1e4, "accel": 1e5}
     spec["limits"] |= {"print_accel": 1e5, "travel_accel": 1e5}
-    motion = Motion(spec | {"budget": None}, True)
+    motion = Motion(spec | {"budgets": []}, True)
     motion.set_position([*map(float, REACH[name][0]), 0.0])
     push_shares(motion, name, path)
     motion.flush()

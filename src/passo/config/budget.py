@@ -26,6 +26,7 @@ COMMITTED_S = 0.2
 LINK_BURST_S = 0.06
 # Measured: the plan stays within this rate of commands for any file (docs/explanation/planning.md).
 SURE_COMMANDS_S = 600.0
+MAX_BUDGETS = 4  # as the core has it: boards whose loads are calculated apart
 COMMIT_BURST_S = 0.035
 
 

@@ -10,6 +10,7 @@ from pydantic import Field
 from passo.config.accelerometer import Accelerometer
 from passo.config.advance import PathLimits, half_smooth_s
 from passo.config.board import Board, Socket
+from passo.config.budget import MAX_BUDGETS
 from passo.config.electronics import Beeper, Fans, Laser, PowerSupply
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
@@ -316,7 +317,7 @@ class MachineConfig(Model):
             "limits": self._limits_spec(),
             "filters": self._filters_spec(),
             "backlash": [(mm, self.backlash.smooth_mm) for mm in self.gaps_mm.values()],
-            "budget": self._budget_spec(),
+            "budgets": self._budgets_spec(),
             "laser": self._laser_spec(),
             "boards": 1 + len(self.boards),
             "output_boards": self._output_boards(),
@@ -341,14 +342,22 @@ class MachineConfig(Model):
             if name in moving and (spec := board.budget_spec(self._longest_pulse_us(name)))
         }
 
-    def _budget_spec(self) -> dict[str, Any] | None:
-        """The minimum of all boards for each figure, so that no board is overloaded."""
-        specs = self.budget_specs.values()
-        if not specs:
-            return None
-        fewest = min(specs, key=lambda s: s["commands_s"])
-        least = {key: min(s[key] for s in specs) for key in ("steps_s", "burst")}
-        return fewest | least | {"commits_s": max(s["commits_s"] for s in specs)}
+    @property
+    def budget_groups(self) -> list[list[str]]:
+        """The boards of each budget of the core. A board has a budget of its own for its motors; if
+        there are too many, the last boards share one."""
+        names = list(self.budget_specs)
+        alone = names if len(names) <= MAX_BUDGETS else names[: MAX_BUDGETS - 1]
+        rest = names[len(alone) :]
+        return [*([name] for name in alone), *([rest] if rest else [])]
+
+    def _budgets_spec(self) -> list[dict[str, Any]]:
+        specs, order = self.budget_specs, list(self.all_boards)
+        return [
+            _least([specs[name] for name in group])
+            | {"boards": [order.index(name) for name in group]}
+            for group in self.budget_groups
+        ]
 
     def _longest_pulse_us(self, board: str) -> float:
         own = (s for name, s in self.steppers.items() if self.board_of_stepper(name) == board)
@@ -440,6 +449,14 @@ class MachineConfig(Model):
             "minimum_cruise_ratio": limits.minimum_cruise_ratio,
             "least_speed_gain": limits.least_speed_gain,
         }
+
+
+def _least(specs: list[dict[str, Any]]) -> dict[str, Any]:
+    """The budget of boards that share one: the minimum of each figure, so that no board is
+    overloaded."""
+    fewest = min(specs, key=lambda s: s["commands_s"])
+    least = {key: min(s[key] for s in specs) for key in ("steps_s", "burst")}
+    return fewest | least | {"commits_s": max(s["commits_s"] for s in specs)}
 
 
 def _first(*values: float | None, default: float) -> float:

@@ -127,31 +127,40 @@ def _board(name: str) -> str:
     return "the main board" if name == MAIN else f"the board {name}"
 
 
-def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
+def _worst(loads: Mapping[str, tuple[int, float, int]], machine: MachineConfig) -> dict[str, Place]:
     """For each limit, the load on the board with the highest load."""
     specs, found = machine.budget_specs, dict[str, Place]()
-    for kind, (line, load) in loads.items():
-        name = min(specs, key=lambda name: specs[name][f"{kind}_s"])
+    for kind, (line, load, budget) in loads.items():
+        group = machine.budget_groups[budget]
+        name = min(group, key=lambda name: specs[name][f"{kind}_s"])
         limit = kind if kind == "steps" else specs[name]["bound"]
         found[limit] = Place(line, load, name if machine.boards else None)
     return found
 
 
-def _unsure_s(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> float:
+def _unsure_s(loads: Mapping[str, tuple[int, float, int]], machine: MachineConfig) -> float:
     """The limit of commands per second, if it is low and forces a lower speed; else 0."""
     if "commands" not in loads:
         return 0.0
+    _, load, budget = loads["commands"]
     saved = (_WIDEST_US / machine.board.compression_tolerance_us) ** 0.25
-    rate = min(spec["commands_s"] for spec in machine.budget_specs.values())
-    return rate if rate < SURE_COMMANDS_S and loads["commands"][1] > saved else 0.0
+    specs = machine.budget_specs
+    rate = min(specs[name]["commands_s"] for name in machine.budget_groups[budget])
+    return rate if rate < SURE_COMMANDS_S and load > saved else 0.0
 
 
-def _densest(peaks: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
-    found: dict[str, Place] = {}
-    for name, spec in machine.budget_specs.items():
-        for kind, (line, load) in _shares(peaks, machine.all_boards[name], spec["steps_s"]).items():
-            if kind not in found or load > found[kind].load:
-                found[kind] = Place(line, load, name if machine.boards else None)
+def _densest(
+    peaks: Mapping[str, list[tuple[int, float]]], machine: MachineConfig
+) -> dict[str, Place]:
+    """For each limit, the load of the board that has the highest one, by its own motors."""
+    specs, found = machine.budget_specs, dict[str, Place]()
+    for i, group in enumerate(machine.budget_groups):
+        own = {kind: peaks[kind][i] for kind in ("steps_s", "commands_s")}
+        for name in group:
+            shares = _shares(own, machine.all_boards[name], specs[name]["steps_s"])
+            for kind, (line, load) in shares.items():
+                if kind not in found or load > found[kind].load:
+                    found[kind] = Place(line, load, name if machine.boards else None)
     return {kind: found[kind] for kind in _NAMES if kind in found}
 
 

@@ -1,9 +1,9 @@
-#include "plan/budget.hpp"
+#include "plan/board_budget.hpp"
 
 namespace passo {
 
 template <class Fits>
-double MoveBudget::largest(double most, Fits fits) {
+double BoardBudget::largest(double most, Fits fits) {
   double least = 0;
   for (int i = 0; i < 30; ++i) {
     double half = 0.5 * (least + most);
@@ -12,11 +12,13 @@ double MoveBudget::largest(double most, Fits fits) {
   return most;
 }
 
-MoveBudget::MoveBudget(const Machine& machine)
-    : machine_(machine), budget_(machine.budget), own_tolerance_(machine.tolerance),
-      widest_(machine.widest_tolerance()), saving_(std::sqrt(std::sqrt(widest_ / own_tolerance_))),
-      limit_(machine.budget.by_link ? kLink : kBoard) {
+BoardBudget::BoardBudget(const Machine& machine, uint8_t index)
+    : machine_(machine), budget_(machine.budgets[index]), index_(index),
+      own_tolerance_(machine.tolerance), widest_(machine.widest_tolerance()),
+      saving_(std::sqrt(std::sqrt(widest_ / own_tolerance_))),
+      limit_(budget_.by_link ? kLink : kBoard) {
   for (const StepperSpec& s : machine.steppers) {
+    if (s.budget != index) continue;
     Motor motor{&s, {}, -1, -1};
     if (s.drive != Drive::actuator)
       motor.axis = s.drive == Drive::axis ? slot_of_axis(s.index) : int(kE);
@@ -26,55 +28,53 @@ MoveBudget::MoveBudget(const Machine& machine)
   }
 }
 
-void MoveBudget::use_geometry() {
+void BoardBudget::use_geometry() {
   for (Motor& motor : motors_)
     if (motor.spec->drive == Drive::actuator) machine_.geometry->linear(motor.spec->index, motor.c);
 }
 
-void MoveBudget::restart(double start2) {
+void BoardBudget::restart(double start2) {
   reach2_ = start2;
   last_per_s_ = 0;
   for (Motor& motor : motors_) motor.slope = 0;
 }
 
-void MoveBudget::rest(double seconds) {
+void BoardBudget::rest(double seconds) {
   if (budget_.command_rate < kInfinity)
     ahead_ = std::max(0.0, ahead_ - budget_.command_rate * seconds);
 }
 
-void MoveBudget::apply(Move& m, double start2) {
-  m.ahead0 = ahead_;
-  charge(m, start2);
-  m.ahead1 = ahead_;
+void BoardBudget::dwell(double seconds) {
+  settle(0);
+  restart(0);
+  rest(seconds);
 }
 
-inline void MoveBudget::charge(Move& m, double start2) {
-  if (m.kind == MoveKind::dwell) {
-    settle(0);
-    restart(0);
-    rest(m.duration);
-    return;
-  }
-  double steps = m.curved_steps;
+void BoardBudget::bound_steps(Move& m) {
+  double steps = curved_motors_ > 0 ? m.curved_steps : 0;
   for (Motor& motor : motors_) steps += motor.count(m, machine_.joints);
   // Of the motors together: they may take up the gaps of their drives.
   const double every[] = {1, 1, 1};
   steps *= 1 + machine_.filters.share(every);
-  m.steps = steps;
+  m.steps[index_] = float(steps);
   double most = budget_.step_rate * m.d;  // at this, speed × steps
   if (m.vn2 * steps * steps > most * most) {
-    m.step_load = std::sqrt(m.vn2) * steps / most;
+    const double load = std::sqrt(m.vn2) * steps / most;
+    if (load > m.step_load) m.step_load = load, m.step_budget = index_;
     m.vn2 = (most / steps) * (most / steps);
     m.speed_limit = kBoard;
   }
+}
+
+void BoardBudget::charge(Move& m, double start2) {
   start2 = std::min(start2, reach2_);
   if (budget_.command_rate < kInfinity) spend(m, start2);
   start2 = std::min(start2, m.vn2);
   reach2_ = std::min(m.vn2, start2 + 2 * m.a * m.d);
 }
 
-inline MoveBudget::Asked MoveBudget::ask(const Move& m, const Shape& s, double saving) const {
-  Asked sum{double(m.records)};  // one each, about as long
+inline BoardBudget::Asked BoardBudget::ask(const Move& m, const Shape& s, double saving) const {
+  Asked sum{double(m.records)};  // one each, about as long; every board counts all
   const double more = machine_.filters.on() ? kFiltered : 1;
   for (const Need& need : needs_) {
     double least = std::min(kMaxPerTurn, need.turn / saving) + kPerSecond * s.seconds;
@@ -87,7 +87,7 @@ inline MoveBudget::Asked MoveBudget::ask(const Move& m, const Shape& s, double s
   return sum;
 }
 
-inline void MoveBudget::list_needs(const Move& m) {
+inline void BoardBudget::list_needs(const Move& m) {
   needs_.clear();
   double of_path = std::sqrt(m.a / m.d);
   auto add = [&](double steps, int motors, double turn, double bends) {
@@ -102,7 +102,7 @@ inline void MoveBudget::list_needs(const Move& m) {
   for (const Motor& motor : motors_) add(motor.steps, 1, kPerTurn * std::sqrt(motor.turn), 0);
 }
 
-inline void MoveBudget::settle(double end2) {
+inline void BoardBudget::settle(double end2) {
   if (last_per_s_ == 0 || end2 == last_.end2) return;
   Shape is = last_;
   is.end2 = end2;
@@ -112,7 +112,7 @@ inline void MoveBudget::settle(double end2) {
   ahead_ = std::max(0.0, ahead_);
 }
 
-inline void MoveBudget::spend(Move& m, double start2) {
+inline void BoardBudget::spend(Move& m, double start2) {
   list_needs(m);
   Shape s(m, start2, m.vn2);
   Asked asked = ask(m, s, 1);
@@ -122,7 +122,8 @@ inline void MoveBudget::spend(Move& m, double start2) {
   };
   if (!fits(s, asked)) {
     double allowed = budget_.command_rate * s.seconds + std::max(0.0, room);
-    m.command_load = asked.commands / allowed;
+    const double load = asked.commands / allowed;
+    if (load > m.command_load) m.command_load = load, m.command_budget = index_;
     double saving = saving_;
     asked = ask(m, s, saving);
     // Of what was spent too much before it a move makes up for no more than it needs itself.
@@ -139,11 +140,11 @@ inline void MoveBudget::spend(Move& m, double start2) {
     }
     asked = ask(m, s, saving);
     double square = saving * saving;
-    m.tolerance = std::min(own_tolerance_ * square * square, widest_);
+    m.tolerance = std::max(m.tolerance, std::min(own_tolerance_ * square * square, widest_));
   }
   settle(s.start2);
-  m.commands = asked.commands;
-  ahead_ = std::max(0.0, ahead_ + m.commands - budget_.command_rate * s.seconds);
+  m.commands[index_] = float(asked.commands);
+  ahead_ = std::max(0.0, ahead_ + asked.commands - budget_.command_rate * s.seconds);
   last_ = s;
   last_per_s_ = asked.per_ramp_s;
 }
