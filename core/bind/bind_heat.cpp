@@ -250,6 +250,9 @@ void bind_heater(nb::module_& m) {
           "renewed.\nfan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop that runs in the thread of the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)
+      .def_prop_ro("fraction", &held<&Heater::fraction>,
+                   "The sensor's last report as a fraction of the ADC's full scale; 0 before the "
+                   "first one.")
       .def_prop_ro("heard", &held<&Heater::heard>,
                    "The sensor has reported, and the link has not been lost since.")
       .def_prop_ro("reported", &held<&Heater::reported>,

@@ -74,6 +74,7 @@ bool Heater::report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value)
   double share = double(sum) / o_.adc_full;
   bool above = share > o_.high_share, below = share < o_.low_share;
   clock_ = reported_ = clock;
+  fraction_ = share;
   celsius_ = o_.celsius.at(share);
   if (body_) body_->update(celsius_, power_, fan_, dt);
   bool failed = false;

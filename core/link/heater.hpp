@@ -71,6 +71,8 @@ class Heater {
   std::mutex& guard() { return guard_; }
   const HeaterOptions& options() const { return o_; }
   double celsius() const { return celsius_; }
+  // The sensor's last report as a fraction of full scale; 0 before the first one.
+  double fraction() const { return fraction_; }
   // The sensor has reported, and the link has not been lost since.
   bool heard() const { return clock_.has_value(); }
   // Board clock of the last report, also if the link has been lost since.
@@ -142,7 +144,7 @@ class Heater {
   std::optional<heat::Observer> body_;
   heat::Fault fault_;
   std::deque<HeatSample> samples_;
-  double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
+  double target_ = 0, celsius_ = 0, fraction_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
   uint32_t fan_value_ = 0;
   std::optional<Ticks> clock_;  // of the last report, unless interrupted since
   std::optional<Ticks> reported_;

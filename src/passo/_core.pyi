@@ -318,6 +318,12 @@ class Heater:
     def celsius(self) -> float: ...
 
     @property
+    def fraction(self) -> float:
+        """
+        The sensor's last report as a fraction of the ADC's full scale; 0 before the first one.
+        """
+
+    @property
     def heard(self) -> bool:
         """The sensor has reported, and the link has not been lost since."""
 

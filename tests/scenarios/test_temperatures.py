@@ -37,6 +37,21 @@ def test_m105_reports_every_heater_in_one_line(two):
     assert re.match(rf"ok T:{number} /60.00 T0", two.host.ok("M105")[0])  # T: the active tool
 
 
+def test_m105_x_adds_the_raw_readings(two):
+    (told,) = two.host.ok("M105 X")
+    plain, readings = two.host.ok("M105")[0], told.split()[-3:]
+    assert told.split(" T0A:")[0] == plain
+    raw = {word: float(value) for word, value in (r.split(":") for r in readings)}
+    assert list(raw) == ["T0A", "T1A", "BA"]
+    assert raw["T0A"] == raw["T1A"]
+    heater = two.printer.connection.heaters["hotend"]
+    assert 0.9 < heater.fraction < 1  # a thermistor of 100 kOhm above 4.7 kOhm at 25 degrees
+    assert raw["T0A"] == round(heater.fraction, 4)
+    two.host.ok("M109 T1 S100", 200)
+    hot = dict(r.split(":") for r in two.host.ok("M105 X0")[0].split()[-3:])
+    assert float(hot["T1A"]) < 0.8 < float(hot["T0A"])
+
+
 def test_p_names_a_heater_as_t_does(two):
     two.host.ok("M104 P1 S50 F")
     assert target(two, "hotend1") == 50

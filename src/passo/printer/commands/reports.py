@@ -86,17 +86,29 @@ class Reports:
         )
         return f"{text} E:{e:.4f} Count {counts}"
 
+    def _fractions(self) -> str:
+        """`T0A:0.5120 BA:0.6100`: the readings of the sensors as fractions of full scale."""
+        printer = self._printer
+        words: list[str] = []
+        for name, config in printer.machine.heaters.items():
+            number = printer.controls.number_of(name) if config.kind == "hotend" else None
+            letter = f"T{number or 0}" if config.kind == "hotend" else _LETTERS[config.kind]
+            words.append(f"{letter}A:{printer.connection.heaters[name].fraction:.4f}")
+        return " ".join(words)
+
     @command(
         "M105",
         Subject.HEATERS,
         When.IMMEDIATE,
-        "",
-        "Reports the temperatures.",
+        "X",
+        "Reports the temperatures. With X also the raw readings of the sensors, as fractions of the"
+        " ADC's full scale: T0A, BA, CA.",
         kind=Kind.QUIET,
-        bare="R",
+        bare="RX",
     )
-    def _temperatures(self, _: Command, reply: Reply) -> Wait | None:
-        reply.with_ok(self.temperatures())
+    def _temperatures(self, command: Command, reply: Reply) -> Wait | None:
+        raw = any(word.startswith("X") for word in command.text.upper().split())
+        reply.with_ok(self.temperatures() + (f" {self._fractions()}" if raw else ""))
         return None
 
     @command(
