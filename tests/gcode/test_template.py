@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from jinja2.defaults import DEFAULT_NAMESPACE
+from jinja2.filters import FILTERS
 
 from passo.gcode.template import Budget, Template, TemplateFault
+from passo.gcode.template_filters import REFUSED
 
 
 def rendered(text, **values):
@@ -27,10 +30,59 @@ def rendered(text, **values):
         ("{ 'a' ~ 1 ~ none } { (1, 2)|max } { 'PLA' in ['PLA'] }", "a1None 2 True"),
         ("{% macro m(n) %}<{n}>{% endmacro %}{ m(1) }{ m(2) }", "<1><2>"),
         ("{% set ns = namespace(n=0) %}{% set ns.n = 5 %}{ ns.n }", "5"),
+        ("{ o|map(attribute='p')|sum(start=[])|map('first')|max }", "3"),
+        ("{ [(1, 2), (3,)]|sum(start=()) } { [1, 2.5]|sum } { o|sum('n') }", "(1, 2, 3) 3.5 3"),
+        ("{ o|groupby('n')|map(attribute='grouper')|join('-') } { o|join(n, 'n') }", "1-2 102"),
+        (
+            "{ o|selectattr('n', 'gt', 1)|list|length } { o|rejectattr('n', 'odd')|list|length }",
+            "1 1",
+        ),
+        (
+            "{ range(5)|slice(2)|list } { range(5)|batch(3)|list }",
+            "[[0, 1, 2], [3, 4]] [[0, 1, 2], [3, 4]]",
+        ),
+        ("{% set c = cycler(1, 2) %}{ c.next() }{ c.next() }{ c.next() }", "121"),
+        ("{% set s = joiner('/') %}{ s() }{ 1 }{ s() }{ 2 }", "1/2"),
+        (
+            "{ 'a\nb'|indent(2) }{ 'x'|center(3) }{ 'a b'|wordwrap(1, wrapstring='_') }",
+            "a\n  b x a_b",
+        ),
+        (
+            "{ 3 is divisibleby 3 } { 'abs' is filter } { [] is sequence } { 2 is odd }",
+            "True True True False",
+        ),
+        (
+            "{ [] | random | default('empty') } { None is none } { dict(a=1)|tojson }",
+            'empty True {"a": 1}',
+        ),
     ],
 )
 def test_what_a_template_becomes(text, becomes):
-    assert rendered(text, x=2, l=[1]) == becomes
+    objects = [{"n": 1, "p": [[0, 1], [3, 1]]}, {"n": 2, "p": [[2, 2]]}]
+    assert rendered(text, x=2, l=[1], o=objects, n=0) == becomes
+
+
+@pytest.mark.parametrize("name", sorted({*FILTERS, *DEFAULT_NAMESPACE} - {*REFUSED}))
+def test_each_filter_and_function_of_jinja_is_there(name):
+    kind = "filter" if name in FILTERS else "defined"
+    subject = repr(name) if kind == "filter" else name
+    assert rendered("{ " + f"{subject} is {kind}" + " }") == "True"
+
+
+@pytest.mark.parametrize("text", ["{ lipsum() }", "{ x|striptags }", "{ x|urlize }"])
+def test_what_is_not_allowed_is_named_with_its_reason(text):
+    with pytest.raises(
+        TemplateFault, match=r"is not allowed in a macro: it (is for|writes)"
+    ) as caught:
+        Template("\n" + text)
+    assert caught.value.line == 2
+
+
+def test_a_seed_decides_what_is_random():
+    template = Template("{% for i in range(9) %}{ range(1000)|random } {% endfor %}")
+    first, same, other = (template.render({}, Budget(), seed) for seed in ("1", "1", "2"))
+    assert first == same != other
+    assert len(set(first.split())) > 1
 
 
 @pytest.mark.parametrize(
@@ -40,16 +92,17 @@ def test_what_a_template_becomes(text, becomes):
         ("\n\n{ 1 / 0 }", 3, "division by zero"),
         ("{ ''.__class__ }", 1, "unsafe"),
         ("{ x.fromkeys('ab') }", 1, "unsafe"),
-        ("{% set l = [1] %}{% for i in range(20) %}{% do l.extend(l) %}{% endfor %}", 1, "10,000"),
+        ("{% set l = [1] %}{% for i in range(20) %}{% do l.extend(l) %}{% endfor %}", 1, "100,000"),
         (
-            "{% set d = {} %}{% for i in range(11000) %}{% do d.update({i: i}) %}{% endfor %}",
+            "{% set d = {} %}{% for i in range(9) %}{% do d.update(o) %}{% do d.update({i: i}) %}"
+            "{% endfor %}",
             1,
-            "more than 10,000 items",
+            "100,000 items",
         ),
         ("{ 10 ** 10 ** 10 ** 10 ** 10 }", 1, "bits in a number"),
         ("{ 'a' * 10 ** 9 }", 1, "65,536"),
-        ("{ [1] * 10 ** 9 }", 1, "10,000"),
-        ("{ range(10 ** 9)|list }", 1, "10,000 items"),
+        ("{ [1] * 10 ** 9 }", 1, "100,000"),
+        ("{ range(10 ** 9)|list }", 1, "100,000 items"),
         ("{ range(10 ** 300)|list }", 1, "bound of a range"),
         ("{ 'a'.ljust(10 ** 9) }", 1, "columns"),
         ("{ '{:1000000000}'.format(1) }", 1, "columns"),
@@ -61,8 +114,32 @@ def test_what_a_template_becomes(text, becomes):
         ("{ (['a' * 60000] * 9)|join }", 1, "65,536"),
         ("{ ''.join(['a' * 60000] * 9) }", 1, "65,536"),
         ("{ 1|round(-1000000000) }", 1, "30 decimals"),
-        ("{ [1]|batch(10 ** 9, 0)|list }", 1, "10,000 items"),
-        ("{ ['a', 'b']|sum(start='') }", 1, "sum takes numbers"),
+        ("{ [1]|batch(10 ** 9, 0)|list }", 1, "100,000 items"),
+        ("{ ['a', 'b']|sum(start='') }", 1, "sum takes numbers, not a text"),
+        ("{ [[1]]|sum }", 1, "sum takes numbers, not a list; for lists: start=[]"),
+        ("{ [1]|sum(start=[]) }", 1, "sum of lists takes lists, not a number"),
+        ("{ 'abc'|truncate(2) }", 1, "expected length >= 3"),
+        ("{ [1]|slice(10 ** 9)|list }", 1, "100,000 items"),
+        ("{ 'a'|center(10 ** 9) }", 1, "columns"),
+        ("{ 'a'|wordwrap(1, true, 'a' * 9999) }", 1, "columns"),
+        ("{ [1]|tojson(10 ** 9) }", 1, "columns"),
+        ("{ ('\\n' * 30000)|indent(999, blank=true) }", 1, "65,536"),
+        ("{ range(9999)|map('center', 999)|join }", 1, "65,536"),
+        ("{ ['a' * 60000] * 9999 }", 1, "100,000 items"),
+        ("{ '{}'.format(n) }", 1, "100,000 items"),
+        ("{ '%s' % n }", 1, "100,000 items"),
+        ("{ n ~ '' }", 1, "100,000 items"),
+        ("{ n|pprint }", 1, "100,000 items"),
+        ("{ n in [n] }", 1, "100,000 items"),
+        ("{ n is in [] }", 1, "100,000 items"),
+        ("{ namespace(n=n) }", 1, "100,000 items"),
+        ("{ cycler(n, n) }", 1, "100,000 items"),
+        ("{ {'n': n}.values() }", 1, "100,000 items"),
+        ("{% do x.update(n=n) %}", 1, "100,000 items"),
+        ("{% set k = [] %}{% do k.append(k) %}{ k }", 1, "100,000 items"),
+        ("{% for i in range(999) %}{% do k.append(l[:]) %}{% endfor %}", 1, "steps"),
+        ("{% for i in range(9999) %}{% do k.append('a' * 9999) %}{% endfor %}", 1, "steps"),
+        ("{% for i in range(9999) %}{% do l.sort() %}{% endfor %}", 1, "steps"),
         ("{% for i in range(9999) %}{% for j in range(99) %}{% endfor %}{% endfor %}", 1, "steps"),
         ("{% for i in range(9999) %}{% if i in l %}{% endif %}{% endfor %}", 1, "steps"),
         ("{% for i in range(9999) %}{ l|length }{% endfor %}", 1, "steps"),
@@ -76,9 +153,14 @@ def test_what_a_template_becomes(text, becomes):
             "{% set n = namespace(s=[]) %}{% for i in range(99) %}{% set n.s = [n.s, n.s] %}"
             "{% endfor %}",
             1,
-            "10,000 items",
+            "100,000 items",
         ),
-        ("{% set t %}{% for i in range(9999) %}{ 'a' * 9999 }{% endfor %}{% endset %}", 1, "text"),
+        (
+            "{% set s = 'a' * 9999 %}{% set t %}{% for i in range(9999) %}{ s }{% endfor %}"
+            "{% endset %}",
+            1,
+            "text",
+        ),
         (
             "{% set t %}{% for i in range(9999) %}" + "a" * 9999 + "{% endfor %}{% endset %}",
             1,
@@ -95,7 +177,14 @@ def test_what_a_template_may_not_do(text, line, reason):
         assert rendered(text).count("\n") == 9999
         return
     with pytest.raises(TemplateFault) as caught:
-        rendered(text, x={}, l=list(range(5000)))
+        rendered(
+            text,
+            x={},
+            k=[],
+            l=list(range(5000)),
+            n=[[0] * 999] * 999,
+            o=dict.fromkeys(range(-95000, 0)),
+        )
     assert reason in caught.value.reason
     assert line is None or caught.value.line == line
 

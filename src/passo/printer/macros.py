@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from passo import _core
 from passo.config.exporting.settings import Sections
+from passo.config.macros import literal
 from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 _VARIABLE = re.compile(r"[a-z_][a-z0-9_]{0,99}", re.ASCII)
 _MAX_SAVED = 1000  # maximum number of variables of SAVE_VARIABLE
 MAX_DEPTH = 16  # nested macros
-_LONGEST_VALUE = 4096  # characters, of SET_GCODE_VARIABLE
 
 Respond = Callable[[str], object]
 
@@ -75,7 +74,7 @@ class Macros:
         self._names = machine.macro_names
         self.status: Callable[[], Status] | None = None
         self.variables: dict[str, dict[str, Any]] = {
-            name: deepcopy(macro.variables) for name, macro in machine.macros.items()
+            name: macro.values() for name, macro in machine.macros.items()
         }
         self.saved: dict[str, Any] = {}  # variables of SAVE_VARIABLE
         # Stores `saved` durably, or raises CommandError. A program that is only planned stores
@@ -84,6 +83,7 @@ class Macros:
         # Calls a method of a remote client, by name and arguments.
         self.call_remote: Callable[[str, Mapping[str, Any]], None] = lambda _, __: None
         self._templates: dict[str, Template] = {}
+        self._rendered = 0
         self._budgets: dict[bool, Budget] = {}
         # Called with each macro call and its resulting text.
         self.watch: Callable[[Command, str], None] | None = None
@@ -116,7 +116,7 @@ class Macros:
             "variables": deepcopy(self.variables[name]),
         }
         gcode = self._machine.macros[name].gcode
-        text = self._render(name, gcode, values, self._tree(status), budget, respond)
+        text = self._render(name, gcode, values, status, budget, respond)
         if self.watch is not None:
             self.watch(command, text)
         job.insert(text.encode("utf-8", "surrogateescape"), code)
@@ -126,9 +126,8 @@ class Macros:
         from passo.gcode.template import Budget
 
         text = self._machine.delayed_gcode[name].gcode
-        tree = self._tree(status)
         budget = self._budgets[True] = Budget()
-        return self._render(f"delayed_gcode.{name}", text, {}, tree, budget, respond)
+        return self._render(f"delayed_gcode.{name}", text, {}, status, budget, respond)
 
     @command(
         "SET_GCODE_VARIABLE",
@@ -167,7 +166,9 @@ class Macros:
         if not _VARIABLE.fullmatch(name):
             limit = "a name of small letters, digits and _"
             raise CommandError.of("command.value", axis="VARIABLE", value=name, limit=limit)
-        saved = {**self.saved, name: _value(name, words["VALUE"])}
+        # in the form that JSON stores: a list in place of a tuple
+        value = json.loads(json.dumps(_value(name, words["VALUE"])))
+        saved = {**self.saved, name: value}
         if len(saved) > _MAX_SAVED:
             limit = f"one of the {_MAX_SAVED:,} that are stored already"
             raise CommandError.of("command.value", axis="VARIABLE", value=name, limit=limit)
@@ -187,7 +188,7 @@ class Macros:
         name: str,
         text: str,
         values: Mapping[str, Any],
-        tree: PrinterTree,
+        status: Status,
         budget: Budget,
         respond: Respond,
     ) -> str:
@@ -207,8 +208,10 @@ class Macros:
         try:
             if template is None:
                 template = self._templates[name] = Template(text)
-            everything = {"printer": tree, **functions, **values}
-            return template.render(everything, budget)
+            everything = {"printer": self._tree(status), **functions, **values}
+            self._rendered += 1
+            # the clock decides what is random: so a program that is only planned stays the same
+            return template.render(everything, budget, f"{status.time_s} {self._rendered}")
         except TemplateFault as fault:
             where = {"axis": name, "value": fault.reason}
             if fault.line is None:
@@ -256,16 +259,10 @@ def _needed(command: Command, *keys: str) -> dict[str, str]:
 
 
 def _value(variable: str, written: str) -> Any:
-    """The value that a command gives a variable, in a form that JSON can store: a list instead of a
-    tuple. Raises CommandError."""
+    """The value that a command gives a variable. Raises CommandError."""
     try:
-        if len(written) > _LONGEST_VALUE:
-            raise ValueError
-        value = ast.literal_eval(written)
-        if not _plain(value):
-            raise ValueError
-        return json.loads(json.dumps(value, allow_nan=False))
-    except (ValueError, SyntaxError, MemoryError, RecursionError):
+        return literal(written)
+    except ValueError:
         raise CommandError.of("macro.value", axis=variable, value=written) from None
 
 
