@@ -582,6 +582,13 @@ description: Heats
 variable_bed: 60
 variable_names: ["a", 'b']
 variable_odd: open(
+variable_stage: None
+variable_corner: (10, 20.5)
+variable_empty: ()
+variable_names_by_tool: {0: 'PLA', .6: ["a", None]}
+variable_materials: {"PLA": {"bed": 60, 'soak time': [1, 2]}}
+variable_pa_petg0.8: 0.035
+variable_large: 10000000000000000000
 gcode:
   {% set t = params.T|default(200)|int %}
   M104 S{t} # heat
@@ -611,7 +618,22 @@ gcode: G0 X1
         "M117 hot",
         "{% endif %}",
     ]
-    assert (start.description, start.variables) == ("Heats", {"bed": 60, "names": ["a", "b"]})
+    assert (start.description, start.variables) == (
+        "Heats",
+        {
+            "bed": 60,
+            "names": ["a", "b"],
+            "materials": {"PLA": {"bed": 60, "soak time": [1, 2]}},
+            "pa_petg0.8": 0.035,
+        },
+    )
+    assert start.values() == start.variables | {
+        "stage": None,
+        "corner": (10, 20.5),
+        "empty": (),
+        "names_by_tool": {0: "PLA", 0.6: ["a", None]},
+        "large": 10**19,
+    }
     assert machine.macros["M600"].rename_existing == "M600.1"
     assert (machine.macros["G28"].rename_existing, machine.macros["G28"].gcode) == (
         "G9028",

@@ -43,7 +43,17 @@ def test_commands_that_no_macro_replaces(name):
         (macro("FOO", "G1\n{% if %}"), "macros.FOO.gcode is '{% if %}': expected G-code with exp"),
         (macro("FOO", "{ 'a'|nofilter }"), "line 1 of the template: No filter named 'nofilter'"),
         (macro("FOO", "x" * 65_536), "a template of at most 65,536 characters"),
-        (macro("FOO", "x", variables="{A = 1}"), "a name of lower-case letters, digits and _"),
+        (macro("FOO", "x", variables="{A = 1}"), "a name of lower-case letters, digits, _"),
+        (
+            macro("FOO", "x", literals='{a = "open"}'),
+            "is 'open': expected a value in Python's nota",
+        ),
+        (macro("FOO", "x", literals='{a = "1e999"}'), "macros.FOO.literals.a is '1e999'"),
+        (macro("FOO", "x", literals='{a = "' + "[" * 3000 + '"}'), "macros.FOO.literals.a is"),
+        (
+            macro("FOO", "x", variables="{a = 1}", literals='{a = "None"}'),
+            "another name: variables has it too",
+        ),
         ("[delayed_gcode.one]\ngcode = '{'", "delayed_gcode.one.gcode is '{': expected G-code"),
     ],
 )

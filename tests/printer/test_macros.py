@@ -79,6 +79,19 @@ def test_variables_keep_what_calls_have_set():
         assert answers(s, "LOOK") == ["text"]
 
 
+def test_variables_have_values_that_toml_lacks():
+    literals = """{ stage = "None", corner = "(10, 20)", names = "{0: 'PLA', .6: None}" }"""
+    gcode = "M118 {stage is none} {corner[1]} {corner|length} {names[0]} {names[0.6]}"
+    other = "M118 {printer['gcode_macro SHOW'].names[n]}"
+    text = macro("SHOW", gcode, literals=literals, variables='{ "pa_0.4" = 1 }')
+    with Scenario(with_macros(text + macro("LOOK", other, variables="{n = 0}"))) as s:
+        assert answers(s, "SHOW") == ["True 20 2 PLA None"]
+        s.host.ok("SET_GCODE_VARIABLE MACRO=SHOW VARIABLE=names VALUE=\"{1:None,2:'PETG'}\"")
+        s.host.ok("SET_GCODE_VARIABLE MACRO=SHOW VARIABLE=pa_0.4 VALUE=2.5")
+        s.host.ok("SET_GCODE_VARIABLE MACRO=LOOK VARIABLE=n VALUE=2")
+        assert answers(s, "LOOK") == ["PETG"]
+
+
 @pytest.mark.parametrize(
     ("line", "told"),
     [

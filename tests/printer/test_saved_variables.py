@@ -15,13 +15,13 @@ from passo.events import Message, RemoteCall
 SHOW = "M118 {printer.save_variables.variables.z|default('none')}"
 
 
-def on_printer(test, state=None, gcode=SHOW):
+def on_printer(test, state=None, gcode=SHOW, machine=None):
     """Runs a test with a printer that has the macro SHOW; the result has what it told."""
     told: list[object] = []
 
     async def main():
-        machine = passo.Machine(with_macros(macro("SHOW", gcode)))
-        async with passo.Printer(machine, state=state) as printer:
+        shown = machine or with_macros(macro("SHOW", gcode))
+        async with passo.Printer(passo.Machine(shown), state=state) as printer:
             printer.on_event(told.append)
             await test(printer)
             await asyncio.sleep(0.5)
@@ -91,6 +91,18 @@ def test_variables_need_a_folder():
             await printer.send("SAVE_VARIABLE VARIABLE=z VALUE=2")
 
     on_printer(test)
+
+
+def test_clients_get_variables_in_the_form_of_json():
+    async def test(printer):
+        await printer.send("SET_GCODE_VARIABLE MACRO=SHOW VARIABLE=x VALUE=\"{1:None,2:'PETG'}\"")
+        assert printer.status.macros["SHOW"] == {
+            "corner": [10, 20],
+            "x": {"1": None, "2": "PETG"},
+        }
+
+    machine = with_macros(macro("SHOW", "", literals="""{ x = "None", corner = "(10, 20)" }"""))
+    on_printer(test, machine=machine)
 
 
 def test_planned_program_has_its_variables_for_itself(tmp_path):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 from passo.config.findings import Finding, tables
+from passo.config.macros import literal
 from passo.gcode.registry import row_of
 
 # Commands that a macro must not replace: moves, which are planned without Python; commands that act
@@ -67,6 +68,7 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
             yield Finding("config.conflict", path, written, limit)
             continue
         yield from _check_template(path, macro)
+        yield from _check_literals(path, macro)
         other = macro.get("rename_existing")
         built_in = is_built_in(name)
         if other is None:
@@ -88,6 +90,22 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
         taken.add(other)
     for name, delayed in tables(data, "delayed_gcode"):
         yield from _check_template(("delayed_gcode", name), delayed)
+
+
+def _check_literals(path: tuple[str, ...], macro: Mapping[str, Any]) -> Iterator[Finding]:
+    variables, literals = macro.get("variables"), macro.get("literals")
+    if not isinstance(literals, Mapping):
+        return
+    for name, text in cast("Mapping[str, object]", literals).items():
+        if isinstance(variables, Mapping) and name in variables:
+            limit = "another name: variables has it too"
+            yield Finding("config.conflict", (*path, "literals", name), name, limit)
+        elif isinstance(text, str):
+            try:
+                literal(text)
+            except ValueError:
+                limit = "a value in Python's notation, such as None, (10, 20) or {0: 'PLA'}"
+                yield Finding("config.value", (*path, "literals", name), text, limit)
 
 
 def is_built_in(code: str) -> bool:

@@ -2,11 +2,29 @@
 
 from __future__ import annotations
 
+import ast
+import json
+from copy import deepcopy
 from typing import Annotated, Any
 
 from pydantic import Field
 
 from passo.config.types import CommandName, Model, VariableName
+
+MAX_LITERAL = 4096  # characters
+
+
+def literal(text: str) -> Any:
+    """The value of a text in Python's notation: None, a number, a truth value, a text in quotes, or
+    a list, tuple or table of them. Raises ValueError for any other text."""
+    try:
+        if len(text) > MAX_LITERAL:
+            raise ValueError
+        value = ast.literal_eval(text)
+        json.dumps(value, allow_nan=False)
+    except (MemoryError, RecursionError, SyntaxError, TypeError):
+        raise ValueError from None
+    return value
 
 
 class Macro(Model):
@@ -24,6 +42,14 @@ class Macro(Model):
     variables: dict[VariableName, Any] = {}
     """Variables of the template, available by their names and in `variables`. SET_GCODE_VARIABLE
     changes them until the program ends."""
+    literals: dict[VariableName, str] = {}
+    """Variables with values that TOML does not have, as texts in Python's notation, such as
+    `"None"`, `"(10, 20)"` or `"{0: 'PLA', 1: 'PETG'}"`."""
+
+    def values(self) -> dict[str, Any]:
+        """All variables with their values, which belong to the caller."""
+        parsed = {name: literal(text) for name, text in self.literals.items()}
+        return {**deepcopy(self.variables), **parsed}
 
 
 class DelayedGcode(Model):

@@ -31,7 +31,7 @@ PATTERNS = {
     r"^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$": "a UUID such as `uuidgen` prints",
     r"^([A-Za-z_][A-Za-z_][A-Za-z0-9_.]*|[GMTgmt](0|[1-9][0-9]{0,4})(\.[1-9])?)$": "a command, such"
     " as START_PRINT, M600 or T0",
-    r"^[a-z_][a-z0-9_]*$": "a name of lower-case letters, digits and _",
+    r"^[a-z0-9_][a-z0-9_.-]*$": "a name of lower-case letters, digits, _, . and -",
     SHAPER_PATTERN: f"one of {SHAPER_FORMS}",
 }
 NAME, PART_NAME, PIN, LETTER, AXIS, SHAPED, EXTRUDER, UUID, COMMAND, VARIABLE, SHAPER = PATTERNS

@@ -354,7 +354,7 @@ def _put_kept(cfg: Cfg) -> None:
 def _put_macros(cfg: Cfg) -> None:
     for name, macro in cfg.machine.macros.items():
         section = f"gcode_macro {name}"
-        for variable, value in macro.variables.items():
+        for variable, value in macro.values().items():
             text = repr(value)
             cfg.put(section, **{f"variable_{variable}": text})
         cfg.put(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
-from copy import deepcopy
 from math import hypot
 from typing import TYPE_CHECKING
 
@@ -92,7 +92,7 @@ class StatusReader:
             interrupted=self.interrupted(),
             queue=self.queue(),
             started=printer.state.start_failure is None,
-            macros=deepcopy(printer.rig.macros.variables),
+            macros=json.loads(json.dumps(printer.rig.macros.variables)),  # with texts as keys
             min_extrude_c=printer.heat.cold.min_c(job.tool),
             unsaved=self.unsaved(),
             saved_variables=printer.rig.macros.saved,

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from typing import TYPE_CHECKING, cast
 
 from passo.config.importing.draft import part_name
 from passo.config.importing.klipper.safe_home import put_homing_macro
 from passo.config.macro_checks import KEPT, LETTERED, is_built_in
+from passo.config.macros import literal
 from passo.config.types import COMMAND, VARIABLE
 
 if TYPE_CHECKING:
-    from passo.config.importing.draft import Value
     from passo.config.importing.klipper.cfg import Section
     from passo.config.importing.klipper.conversion import Import
 
@@ -51,12 +50,20 @@ def _put_macro(job: Import, section: Section) -> None:
             continue
         section.used.add(option)
         variable = option.removeprefix("variable_")
-        value = _literal(found.text)
-        if value is None or not re.fullmatch(VARIABLE, variable):
+        if not re.fullmatch(VARIABLE, variable):
+            text = f"a variable of Passo cannot have the name {variable}"
+            job.draft.dropped(found.place, f"[{section.name}] {option}", text)
+            continue
+        try:
+            value = literal(found.text)
+        except ValueError:
             text = f"{found.text} is not a value that a variable can have"
             job.draft.dropped(found.place, f"[{section.name}] {option}", text)
             continue
-        put((*path, "variables", variable), value, found.place)
+        if _in_toml(value):
+            put((*path, "variables", variable), value, found.place)
+        else:
+            put((*path, "literals", variable), found.text, found.place)
 
 
 def _renamed(job: Import, section: Section, name: str) -> str | None:
@@ -89,22 +96,13 @@ def _renamed(job: Import, section: Section, name: str) -> str | None:
     return other
 
 
-def _literal(text: str) -> Value | None:
-    """A Python literal as a TOML value; None for any other text."""
-    try:
-        value = ast.literal_eval(text)
-    except (ValueError, SyntaxError, MemoryError, RecursionError, TypeError):
-        return None
-    return _toml(value)
-
-
-def _toml(value: object) -> Value | None:
-    if isinstance(value, bool | int | float | str):
-        return value
-    if isinstance(value, list | tuple):
-        items = [_toml(one) for one in cast("list[object]", value)]
-        return None if None in items else cast("list[Value]", items)
+def _in_toml(value: object) -> bool:
+    """Whether TOML has this value, with the same types."""
+    if isinstance(value, list):
+        return all(_in_toml(one) for one in cast("list[object]", value))
     if isinstance(value, dict):
-        pairs = {str(k): _toml(v) for k, v in cast("dict[object, object]", value).items()}
-        return None if None in pairs.values() else cast("dict[str, Value]", pairs)
-    return None
+        pairs = cast("dict[object, object]", value)
+        return all(isinstance(key, str) and _in_toml(one) for key, one in pairs.items())
+    if isinstance(value, int):
+        return -(2**63) <= value < 2**63
+    return isinstance(value, float | str)
