@@ -7,16 +7,12 @@ from enum import Enum
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from passo.config.motor_roles import axis_order
 from passo.levelling.mesh import Mesh
 from passo.levelling.mesh_files import StoredMesh
 from passo.motion.axis_slots import E, X, Y, Z
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from passo import _core
-    from passo.config.machine import MachineConfig
 
 
 class PrinterState(Enum):
@@ -400,30 +396,3 @@ class Status:
     shapers: dict[str, ShaperStatus] = field(default_factory=dict[str, ShaperStatus])
     advances: tuple[AdvanceStatus, ...] = ()
     cooled_c: dict[str, float] = field(default_factory=dict[str, float])
-
-
-def planned_status(
-    machine: MachineConfig,
-    job: _core.Job,
-    targets_c: Mapping[str, float],
-    fans: Mapping[str, float],
-) -> Status:
-    """The status of a program that is planned without a printer. The commanded `targets_c` count as
-    reached."""
-    reached = {name: targets_c.get(name, 0.0) for name in machine.heaters}
-    axes, locked = axis_order(machine.axes), job.locked_axes
-    return Status(
-        state=PrinterState.PRINTING,
-        halted="",
-        time_s=job.clock / machine.board.clock_hz,
-        position_mm={},
-        homed=frozenset(name for i, name in enumerate(axes) if i not in locked),
-        tool=job.tool,
-        heaters={name: HeaterStatus(c if c > 0 else None, c, 0.0) for name, c in reached.items()},
-        fans={name: fans.get(name, 0.0) for name in machine.fans},
-        speed_factor=job.speed_factor,
-        motion=MotionStatus.of(job),
-        axes={},
-        boards={},
-        flow_factors=list(job.flows),
-    )

@@ -7,6 +7,7 @@ import logging
 import math
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from passo import config
@@ -14,9 +15,10 @@ from passo.clock import VirtualLoop
 from passo.errors import CommandError, MachineError, Problem
 from passo.gcode.registry import Kind, row_of
 from passo.job.batch.result import thread_cpu_s
-from passo.job.live.objects import covered, objects_of
+from passo.job.live.objects import covered
 from passo.motion.axis_slots import X, Y, Z
 from passo.motion.travel import go_back
+from passo.printer.print_objects import objects_of
 from passo.printer.printer import Printer
 from passo.printer.wait_requests import NullReply, Stopped
 from passo.probes.base import SensingProbe
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.gcode.command import Command
     from passo.printer.commands.program import Commands
+    from passo.printer.status import Status
 
 _log = logging.getLogger(__name__)
 _T = TypeVar("_T")
@@ -98,6 +101,19 @@ class BedProbing:
         machine position. Returns and raises as `run`."""
         self._call(lambda: self._homed(letters, start))
         return self._taken_over()
+
+    def shown(self, status: Status) -> Status:
+        """The status of the job, with the bed as the second printer has measured it."""
+        if self._printer is None:
+            return status
+        printer = self._printer
+        return replace(
+            status,
+            bed=printer.levelling.status(),
+            gantry_level=printer.gantry.level if printer.gantry else None,
+            screws=printer.screws.measured if printer.screws else (),
+            screws_limit_mm=printer.screws.exceeded_mm if printer.screws else None,
+        )
 
     def close(self) -> None:
         """Ends the second printer."""

@@ -17,6 +17,7 @@ from passo.job.batch.source import chunks, lines, open_source
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.macros import EmergencyStop
+from passo.printer.planned_status import PlannedFile
 from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.unfit_commands import ALL, ALLOWED_BY, Skips, unfit
 from passo.printer.wait_requests import Stop, Wait, WaitForHoming, WaitForMoves, WaitForTemperatures
@@ -229,6 +230,7 @@ def run_open_program(
 ) -> Iterator[float]:
     """Like `run_program`, for an open file of `size` bytes, which is at its beginning."""
     unsurveyed = commands.skips
+    commands.file = PlannedFile(name, size)
     if source.seekable():
         found = survey(commands.machine, chunks(source, name))
         source.seek(0)

@@ -15,6 +15,7 @@ from passo.motion.endstops import axes_lost, homed_axes, named_axes, named_motor
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.program import Commands
 from passo.printer.commands.set_points import Heat
+from passo.printer.status import HeaterStatus
 from passo.printer.wait_requests import Reply, Wait, WaitForHoming, WaitForMoves
 
 if TYPE_CHECKING:
@@ -69,6 +70,20 @@ class RehearsedCommands(Commands):
             self._lock(axes_lost(self._machine, named_motors(self._machine, command.text)))
         self.guard(self._now)  # the tool or a target may have changed
         return wait
+
+    def heaters(self) -> dict[str, HeaterStatus]:
+        """The simulated heaters."""
+        self.catch_up()
+        targets_c = self.set_points.targets_c
+        return {
+            name: HeaterStatus(
+                heater.celsius,
+                targets_c.get(name, 0.0),
+                heater.power,
+                min_extrude_c=self.cold.min_c_of(name),
+            )
+            for name, heater in self._heaters.items()
+        }
 
     def refuse(self, command: Command, error: CommandError, file: str) -> None:
         """Raises InputError, because a print from the card would stop here too."""

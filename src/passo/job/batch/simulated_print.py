@@ -226,6 +226,7 @@ class Print:
         """Connects the parts of this print to its callbacks while it runs."""
         self.connection.set_on_fault(self._heater_failed)
         self._commands.probing = self._probe
+        self._commands.measured = self._probing.shown
         if self._checks is not None:
             self._targets.on_target = self._checks.target_set
             self._checks.catch_up = lambda: self._run_to(self.job.clock)
@@ -235,6 +236,7 @@ class Print:
         collector runs."""
         self.connection.set_on_fault(None)
         self._commands.probing = lambda command: None
+        self._commands.measured = lambda status: status
         self._probing.close()
         self._progress, self._watch = None, lambda: None
         self._targets.on_target = lambda heater, celsius: None

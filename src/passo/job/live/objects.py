@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
-from passo.printer.status import PrintObject
+from passo.printer.print_objects import objects_of
 
 if TYPE_CHECKING:
     from passo import _core
     from passo.job.live.runner import Runner
     from passo.printer.printer import Printer
+    from passo.printer.status import PrintObject
 
 
 class PrintObjects:
@@ -85,32 +85,6 @@ class PrintObjects:
     def _require_print(self) -> None:
         if not (self._runner.active and self.all):
             raise CommandError.of("job.no-objects")
-
-
-def objects_of(job: _core.Job) -> tuple[PrintObject, ...]:
-    """The objects of the program that a job reads, by their numbers."""
-    return tuple(
-        PrintObject(i, name, cancelled, _point(centre), _outline(outline))
-        for i, (name, cancelled, centre, outline) in enumerate(job.objects)
-    )
-
-
-def _point(text: str) -> tuple[float, float] | None:
-    """Parses X,Y; None for any other text."""
-    try:
-        x, y = map(float, text.split(","))
-    except ValueError:
-        return None
-    return x, y
-
-
-def _outline(text: str) -> tuple[tuple[float, float], ...]:
-    """Parses [[X,Y],...]; empty for any other text."""
-    try:
-        found = cast("list[Any]", json.loads(text))
-        return tuple((float(x), float(y)) for x, y in found)
-    except (ValueError, TypeError, RecursionError):
-        return ()
 
 
 def covered(objects: Sequence[PrintObject]) -> tuple[float, float, float, float] | None:

@@ -43,10 +43,12 @@ class _Saved:
 class KlipperCommands:
     """Translates the Klipper commands of one job."""
 
-    def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
-        self._machine, self._job = machine, job
+    def __init__(
+        self, machine: MachineConfig, job: _core.Job, babysteps_mm: Mapping[str, float]
+    ) -> None:
+        """`babysteps_mm` are those of the program so far."""
+        self._machine, self._job, self._babysteps_mm = machine, job, babysteps_mm
         self._saved: dict[str, _Saved] = {}
-        self._offset_mm = dict.fromkeys("xyz", 0.0)  # the offset that the program itself has set
 
     def _become(self, lines: Iterable[str]) -> None:
         self._job.insert("".join(f"{line}\n" for line in lines).encode())
@@ -110,10 +112,7 @@ class KlipperCommands:
 
     @in_program("SET_GCODE_OFFSET")
     def _shift(self, command: Command, _: Reply) -> None:
-        steps = offset_steps(command, self._offset_mm)
-        for name, mm in steps.items():
-            self._offset_mm[name] += mm
-        if line := babystep_line(steps):
+        if line := babystep_line(offset_steps(command, self._babysteps_mm)):
             self._become([line])
 
     # -- heaters, fans, tools ---------------------------------------------------------------------

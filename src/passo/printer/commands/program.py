@@ -23,8 +23,9 @@ from passo.printer.commands.speed_and_flow import SpeedAndFlow
 from passo.printer.commands.tuning_tower import TuningTower
 from passo.printer.input_errors import problem, problem_of
 from passo.printer.macros import Macros, Respond
+from passo.printer.planned_status import PlannedFile, planned_status
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
-from passo.printer.status import planned_status
+from passo.printer.status import HeaterStatus
 from passo.printer.unfit_commands import ALL, LEVELLING
 from passo.printer.wait_requests import (
     Handler,
@@ -116,11 +117,14 @@ class Commands:
         self.filters = MotionFilters(machine, job)
         self.backlash = BacklashCommands(machine, job)
         self.factors = SpeedAndFlow(machine, job, plan)
-        self.klipper = KlipperCommands(machine, job)
+        self.klipper = KlipperCommands(machine, job, self.flow.babysteps_mm)
         self.tower = TuningTower(machine, job)
         self.not_yet = NotYet()
         # For a command that needs a probe: its wait, or None if it is skipped.
         self.probing: Callable[[Command], Wait | None] = lambda command: None
+        # The status of a plan, with what has been measured for it.
+        self.measured: Callable[[Status], Status] = lambda status: status
+        self.file: PlannedFile | None = None  # the file of a plan
         self.skips = ALL  # the commands that a print without consoles may skip
         self.left_out: frozenset[str] = frozenset()  # commands without effect here
 
@@ -173,14 +177,35 @@ class Commands:
 
     def status(self) -> Status:
         """The status for templates: that of the printer, or of the plan."""
+        steps_mm = self.flow.babysteps_mm
         if self.macros.status is not None:
-            return self.macros.status()
-        targets_c, fans = self.set_points.targets_c, self.outputs.fans
-        return replace(
-            planned_status(self._machine, self._job, targets_c, fans),
-            shapers=self.filters.shaper_status(),
-            advances=self.filters.advance_status(),
+            status = self.macros.status()
+            axes = {
+                name: replace(axis, babystep_mm=axis.babystep_mm + steps_mm.get(name, 0.0))
+                for name, axis in status.axes.items()
+            }
+            return replace(status, axes=axes)
+        planned = planned_status(
+            self._machine,
+            self._job,
+            self.file,
+            self.heaters(),
+            self.outputs.fans,
+            steps_mm,
         )
+        return self.measured(
+            replace(
+                planned,
+                shapers=self.filters.shaper_status(),
+                advances=self.filters.advance_status(),
+            )
+        )
+
+    def heaters(self) -> dict[str, HeaterStatus]:
+        """The heaters of a plan. Their targets count as reached."""
+        targets_c = self.set_points.targets_c
+        reached = {name: targets_c.get(name, 0.0) for name in self._machine.heaters}
+        return {name: HeaterStatus(c if c > 0 else None, c, 0.0) for name, c in reached.items()}
 
     def run_at_once(self, command: Command, reply: Reply) -> Wait | None:
         """Executes an immediate command of `DECLARED`. Raises CommandError."""

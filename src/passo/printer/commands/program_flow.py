@@ -55,6 +55,8 @@ class ProgramFlow:
         self._machine, self._job, self._outputs = machine, job, outputs
         self._omitted = omitted
         self.ended = False
+        self.babysteps_mm = dict.fromkeys("xyz", 0.0)
+        """The babysteps of the program so far, by axis."""
 
     def use_geometry(self, machine: MachineConfig) -> None:
         """Replaces the machine by one with another geometry."""
@@ -116,6 +118,7 @@ class ProgramFlow:
         for axis, mm in babysteps(command):
             if not self._job.shift(axis, mm):
                 raise CommandError([problem_of(self._job, "", self._machine.geometry)])
+            self.babysteps_mm["xyz"[axis]] += mm
 
     # -- waits, stops and ends --------------------------------------------------------------------
 
