@@ -14,7 +14,7 @@ from passo.printer.unfit_commands import NOTHING
 
 I3 = config.load("i3")
 TEXT = b"G28\n" + b"G1 X10 F6000\nG1 X20\n" * 100_000
-VERDICT = partial(find_verdict, I3, NOTHING, "a.gcode")
+VERDICT = partial(find_verdict, I3, NOTHING, {}, "a.gcode")
 
 
 class Broken(BytesIO):

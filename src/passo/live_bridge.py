@@ -398,7 +398,8 @@ class LiveBridge:
 
     async def verdict(self, path: str, take_path: Callable[[bytes], None] | None = None) -> Verdict:
         """Like `Bridge.verdict`."""
-        work = partial(find_verdict, self.machine, self.skips, _name(path))
+        saved = self._latest.status.saved_variables
+        work = partial(find_verdict, self.machine, self.skips, saved, _name(path))
         return await self._planned(work, path, take_path)
 
     async def fitting_machines(self, path: str, most: int) -> list[str]:

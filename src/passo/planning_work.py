@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from passo.errors import InputError, PassoError
 from passo.job.batch.policy import Policy
@@ -25,13 +26,14 @@ _PIECE = 1 << 20  # bytes of a file copied at once
 def find_verdict(
     machine: MachineConfig,
     skips: Skips,
+    saved: Mapping[str, Any],
     name: str,
     source: BinaryIO,
     size: int,
     take_path: TakePath,
 ) -> Verdict:
     """Like `verdict`."""
-    return verdict(machine, source, size, name, skips, take_path)
+    return verdict(machine, source, size, name, skips, take_path, saved)
 
 
 def find_fitting(

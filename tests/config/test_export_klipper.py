@@ -86,6 +86,7 @@ def test_gains_shapers_advance_and_macros_come_back(tmp_path: Path) -> None:
     text += '[shaping.x]\ntype = "ei"\nfrequency_hz = 41.0\ndamping = 0.12\n'
     text += '[macros.HELLO]\ngcode = """\n{% if true %}\nM117 hi\n{% endif %}\n"""\n'
     text += "variables = { count = 3, name = 'a b' }\n"
+    text += 'literals = { stage = "None", tools = "{0: (1, 2)}" }\n'
     other = back(config.load_text(text, "mine.toml"), tmp_path)
     assert other.heaters["hotend"].control.kp == 28.72
     shaper = other.shaping["x"]
@@ -94,6 +95,7 @@ def test_gains_shapers_advance_and_macros_come_back(tmp_path: Path) -> None:
     macro = other.macros["HELLO"]
     assert "M117 hi" in macro.gcode
     assert macro.variables == {"count": 3, "name": "a b"}
+    assert macro.values() == macro.variables | {"stage": None, "tools": {0: (1, 2)}}
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 
 import pytest
+from tests.support.macro_machine import macro, with_macros
 
 from passo import config
 from passo.job.batch.verdict import fitting, shipped_printers, verdict
@@ -54,6 +55,15 @@ def test_one_error_without_a_choice_forbids_the_print():
 def test_a_levelling_machine_and_a_sound_file_need_no_choice():
     found = judged("G28\nG29\nG1 X10 F3000\n", "i3-probe")
     assert (found.problems, found.allow) == ((), ())
+
+
+def test_macros_read_the_saved_variables_of_the_printer():
+    gcode = "G28\nG1 X{printer.save_variables.variables.x}"
+    data, machine = b"GO\n", with_macros(macro("GO", gcode))
+    found = verdict(machine, io.BytesIO(data), len(data), "a.gcode", NOTHING, saved={"x": 99})
+    assert (found.problems, found.allow) == ((), ())
+    found = verdict(machine, io.BytesIO(data), len(data), "a.gcode", NOTHING)
+    assert [(problem.code, problem.line) for problem in found.problems] == [("macro.template", 1)]
 
 
 def test_the_first_machines_that_fit_are_named():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -114,11 +114,12 @@ def estimate_open(
     skips: Skips = NOTHING,
     checked: bool = True,
     take_path: Callable[[bytes], None] | None = None,
+    saved: Mapping[str, Any] | None = None,
 ) -> Estimate:
     """Like `estimate`, for an open file of `size` bytes, which is at its beginning. `skips` is what
     it may do in place of a failure; without `checked` the machine counts as homed and warm, and
     refused commands are warnings. `take_path` is called with the planned path, see toolpath.py.
-    Also raises the errors of reading."""
+    `saved` are the variables of SAVE_VARIABLE. Also raises the errors of reading."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, skips.clamp, skips.ignore_tools)
     if take_path:
@@ -133,6 +134,7 @@ def estimate_open(
     else:
         commands, check = Commands(machine, job, heating, full), None
     commands.skips = skips.on(machine)
+    commands.macros.saved = dict(saved or {})
 
     def settle(wait: Wait) -> None:
         if check:

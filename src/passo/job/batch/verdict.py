@@ -3,11 +3,11 @@ it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import prod
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from passo.config.load import load, shipped_machines
 from passo.errors import CardError, InputError, PassoError, Problem
@@ -38,17 +38,24 @@ def verdict(
     name: str,
     skips: Skips,
     take_path: Callable[[bytes], None] | None = None,
+    saved: Mapping[str, Any] | None = None,
 ) -> Verdict:
     """Plans an open file of `size` bytes for a printer whose prints may do what `skips` says.
-    `take_path` is called with the path of the plan, see toolpath.py. Raises CardError if the file
-    cannot be read."""
+    `take_path` is called with the path of the plan, see toolpath.py. `saved` are the printer's
+    variables of SAVE_VARIABLE. Raises CardError if the file cannot be read."""
     problems: list[Problem] = []
     allow: list[str] = []
     while True:
         source.seek(0)
         try:
             found = estimate_open(
-                machine, source, size, name, skips=skips.allowing(allow), take_path=take_path
+                machine,
+                source,
+                size,
+                name,
+                skips=skips.allowing(allow),
+                take_path=take_path,
+                saved=saved,
             )
             return Verdict(found, _by_line(problems), tuple(allow))
         except CardError:
