@@ -103,3 +103,13 @@ def test_macros_see_the_measured_mesh_in_a_print(tmp_path):
     live = ends_live(machine, tmp_path)
     assert live.startswith("a.gcode:3: macro LOOK: one ")
     assert ends_offline(passo.Machine(machine).print, path) == live
+
+
+def test_macros_between_moves_do_not_delay_the_board(tmp_path):
+    machine = with_macros(macro("LOOK", "M117 {printer.extruder.temperature}"), "i3-probe")
+    path = tmp_path / "a.gcode"
+    moves = [f"G1 X{i / 10} F9000\n" for i in range(1800)]
+    path.write_text("G28\n" + "".join(m + "LOOK\n" * (i % 600 == 599) for i, m in enumerate(moves)))
+    offline = passo.Machine(machine)
+    assert offline.print(path).final_position_mm["x"] == 179.9
+    assert offline.estimate(path).moves >= 1799

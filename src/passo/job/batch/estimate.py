@@ -128,7 +128,8 @@ def estimate_open(
     full = [1] * len(machine.timed_outputs)
     if checked:
         commands = RehearsedCommands(machine, job, heating, full, heating.heaters)
-        heating.on_target, commands.catch_up = commands.target_set, heating.catch_up
+        heating.on_target = commands.target_set
+        commands.catch_up = commands.read_heaters = heating.catch_up
         check = _FilamentCheck(commands, heating, job)
         check.guard()
     else:

@@ -58,6 +58,7 @@ class RehearsedCommands(Commands):
         self._now = 0.0
         self.unsure_until = -1.0  # clock of the plan up to which this was so
         self.catch_up: Callable[[], None] = lambda: None  # lets the board execute the plan so far
+        self.read_heaters: Callable[[], None] = lambda: None  # before the heaters are shown
         self._axes = axis_order(machine.axes)
         self._lock(homed_axes(machine))
 
@@ -72,8 +73,8 @@ class RehearsedCommands(Commands):
         return wait
 
     def heaters(self) -> dict[str, HeaterStatus]:
-        """The simulated heaters."""
-        self.catch_up()
+        """The simulated heaters as they are now, while the plan is ahead."""
+        self.read_heaters()
         targets_c = self.set_points.targets_c
         return {
             name: HeaterStatus(
