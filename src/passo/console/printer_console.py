@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from passo.catalogue import CATALOGUE
 from passo.console.session import Session
 from passo.errors import InputError, Problem
 from passo.printer.wait_requests import without_effect
@@ -42,9 +44,13 @@ class AllConsoles:
         """Does nothing, because consoles query temperatures with M105 during a print."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
-        """Reports a refused command."""
+        """Reports a refused command, with the problem that a print without consoles has for it."""
         # Do not raise CommandError, which would be reported a second time.
-        raise InputError.of("job.failed", value=text.rstrip("."))
+        same = next((p for p in problems if str(p) == text and not p.file), None)
+        if same is None:
+            raise InputError.of("job.failed", value=text.rstrip("."))
+        go_on = CATALOGUE["job.failed"].action
+        raise InputError([replace(same, hint=f"{same.advice}. {go_on}")])
 
 
 def welcome(printer: Printer, session: Session) -> None:

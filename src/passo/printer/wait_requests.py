@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, TypeAlias
 
 from passo.errors import Problem
@@ -68,6 +68,10 @@ class WaitForHoming:
     letters: str
 
 
+STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
+"""Commands that end a print at once, and the codes of their errors."""
+
+
 @dataclass(frozen=True, slots=True)
 class Stop:
     """M112 or M410 (`code`) in a line of the program: a print without consoles ends there. A
@@ -75,6 +79,13 @@ class Stop:
 
     code: str
     line: int
+    cause: Problem | None = None  # why a macro has stopped the machine
+
+    def problem(self, file: str) -> Problem:
+        """The reason for the end of a print of `file`."""
+        if self.cause is not None:
+            return replace(self.cause, file=file, line=self.line)
+        return Problem(STOPS[self.code], file, self.line)
 
 
 Wait: TypeAlias = (

@@ -39,8 +39,6 @@ _HINTS = {code: _OPTIONS[field] for code, field in ALLOWED_BY.items()} | {
     "input.call": "it to be left out, if the sub-program is missing, by --unknown skip",
 }
 
-_STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
-
 Settle = Callable[[Wait], None]
 
 
@@ -75,7 +73,7 @@ def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
 def refuse_stop(wait: Wait, file: str) -> None:
     """Raises MachineError for a command of `file` that stops the machine."""
     if isinstance(wait, Stop):
-        raise MachineError.of(_STOPS[wait.code], file, wait.line)
+        raise MachineError([wait.problem(file)])
 
 
 def read_program(
@@ -192,7 +190,8 @@ def _expand(job: _core.Job, commands: Commands, name: str, settle: Settle) -> No
         raise InputError(problems) from None
     except EmergencyStop as stop:
         _log.error("macro %s: %s", command.code, stop)
-        settle(Stop("M112", command.line))
+        cause = Problem("macro.raised", values={"axis": command.code, "value": str(stop)})
+        settle(Stop("M112", command.line, cause))
 
 
 def with_option(problem: Problem) -> Problem:

@@ -23,7 +23,15 @@ from passo.job.preflight import prepare, survey_in_pieces
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
 from passo.printer.unfit_commands import Skips
-from passo.printer.wait_requests import Reply, Stopped, Wait, WaitForTemperatures, WaitForUser
+from passo.printer.wait_requests import (
+    STOPS,
+    Reply,
+    Stop,
+    Stopped,
+    Wait,
+    WaitForTemperatures,
+    WaitForUser,
+)
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -56,6 +64,7 @@ class Runner:
         # the rest of the macro that asked for the pause has to run during it
         self._macro_left = False
         self._waits_for: Wait | None = None  # the unfinished wait of the last command
+        self._command: Command | None = None  # the command of the file that is being carried out
         self._parked = False
         self._locked = set[int]()  # axes that were not homed when the pause began
         self._again = False  # start again as soon as the last print has ended
@@ -231,6 +240,7 @@ class Runner:
             return  # starts when the cancelled print has released the machine
         self._failed = ""
         self.problems = ()
+        self._command = None
         self._suspended = False
         self._waits_for = None
         self._cooling.switch_on()
@@ -352,8 +362,7 @@ class Runner:
                 if ended:
                     break
         except (Stopped, PassoError) as error:
-            self._failed = str(error)
-            self.problems = error.problems if isinstance(error, PassoError) else ()
+            self._fail(str(error), error.problems if isinstance(error, PassoError) else ())
         stops = self.active and bool(self._failed) and not printer.halted
         self._end()
         if stops:
@@ -401,11 +410,20 @@ class Runner:
         only be printed from its beginning."""
         revived = self.active and bool(self._printer.halted)  # a pause cannot resume
         if self.state.prints or revived:
-            self._failed = reason
+            self._fail(reason)
             self._suspended = False
             self._end()
             self._resumed.set()
             self._rewind(0)
+
+    def _fail(self, reason: str, problems: Sequence[Problem] = ()) -> None:
+        """Sets why the print has failed. If its own M112 or M410 has stopped it, the reason is that
+        line."""
+        command = self._command
+        if command is not None and command.code in STOPS:
+            problems = (Stop(command.code, command.line).problem(self.name),)
+            reason = str(problems[0])
+        self._failed, self.problems = reason, tuple(problems)
 
     def _end(self) -> None:
         printer = self._printer
@@ -522,7 +540,7 @@ class Runner:
                 raise InputError(self._placed(error, command.line)) from None
             await asyncio.sleep(0)  # a macro may run for long without moves
         elif found == status.EVENT:
-            command = Command(*job.event)
+            command = self._command = Command(*job.event)
             try:
                 self._waits_for = printer.dispatch.run_command(command, self._reply)
             except InputError as error:
@@ -560,6 +578,7 @@ class Runner:
                 return False  # the wait is repeated after the pause
             self._waits_for = None
             await self._finish_macro()
+        self._command = None
         if printer.commands.ended:
             printer.commands.ended = False
             return await self._finish()
