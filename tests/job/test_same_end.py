@@ -18,6 +18,7 @@ MACHINE = with_macros(
     macro("RAISES", "G1 X20\n{ action_raise_error('no filament') }")
     + macro("LIGHTS", "SET_LED LED=a RED=1\nM117 lit; bright")
     + macro("DEEP", "{% for i in range(3) %}\nG1 X{i * 200} F6000\n{% endfor %}")
+    + macro("STARTS", "SDCARD_PRINT_FILE FILENAME=b.gcode")
     + macro("HALTS", "{ action_emergency_stop('smoke') }")
 )
 OBJECTS = "EXCLUDE_OBJECT_DEFINE NAME=a\nEXCLUDE_OBJECT_START NAME=a\n{}EXCLUDE_OBJECT_END NAME=a\n"
@@ -44,6 +45,11 @@ FILES = {  # a file, the line where it ends (0: its end), a part of the sentence
     "wrong word": ("G28\nM104 Sabc\nG1 X5\n", 2, "the word 'S' has no valid number"),
     "unsafe target": ("G28\nM104 S900\nG1 X5\n", 2, "is outside of its safe range"),
     "not there yet": ("G28\nSYNC_EXTRUDER_MOTION EXTRUDER=extruder\n", 2, "is not there yet"),
+    "idle time": ("G28\nM84 S-5\nG1 X5\n", 2, "S is -5: expected 0 s or more"),
+    "steps per mm": ("G28\nM92 X0\nG1 X5\n", 2, "X is 0: expected 0.001 to"),
+    "microsteps": ("G28\nM350 X16\nG1 X5\n", 2, "steppers is fixed while the printer runs"),
+    "another file": ("G28\nM23 b.gcode\nG1 X5\n", 2, "M23 controls prints from files"),
+    "start in a macro": ("G28\nSTARTS\nG1 X5\n", 2, "SDCARD_PRINT_FILE controls prints"),
     "setting": ("G28\nM220 S0\nG1 X5\n", 2, "S is 0"),
 }
 End = tuple[int | None, str]

@@ -67,6 +67,11 @@ COMMAND: Mapping[str, Entry] = {
         "{axis} does nothing here: {value}",
         "Leave the command out, or add the part to the machine file",
     ),
+    "command.in-file": bad_input(
+        "command",
+        "{axis} controls prints from files, so a file that is printed must not contain it",
+        "Take it out of the file or the macro",
+    ),
     "command.no-package": bad_input(
         "command",
         "{axis} needs the Python package {value}, which is not installed",

@@ -72,6 +72,7 @@ class CardCommands:
         "",
         "Releases the SD card.",
         kind=Kind.SERVED,
+        not_in_files=True,
     )
     @_guarded
     def _release(self, _: str, reply: Reply) -> None:
@@ -136,6 +137,7 @@ class CardCommands:
         "name, or F(file) D(directory) R",
         "Selects a file to print. D and R select the directory that names count from.",
         kind=Kind.SERVED,
+        not_in_files=True,
         bare=None,
     )
     @_guarded
@@ -168,6 +170,7 @@ class CardCommands:
         "name",
         "Selects a file and prints it.",
         kind=Kind.SERVED,
+        not_in_files=True,
         bare=None,
     )
     @_guarded
@@ -183,6 +186,7 @@ class CardCommands:
         "Starts the selected file, or resumes after a pause. U1 also starts a file with unknown"
         " commands that may move the machine, or with bed levelling.",
         kind=Kind.SERVED,
+        not_in_files=True,
     )
     @_guarded
     def _start(self, text: str, _: Reply) -> None:
@@ -247,6 +251,7 @@ class CardCommands:
         "FILENAME",
         "Selects a file by its path on the card, and prints it.",
         kind=Kind.SERVED,
+        not_in_files=True,
         bare=None,
     )
     @_guarded
@@ -266,6 +271,7 @@ class CardCommands:
         "",
         "No file is selected any more.",
         kind=Kind.SERVED,
+        not_in_files=True,
         bare=None,
     )
     @_guarded
@@ -279,6 +285,7 @@ class CardCommands:
         "S(byte)",
         "Sets the byte at which the next start begins; in a pause S0 cancels the print.",
         kind=Kind.SERVED,
+        not_in_files=True,
     )
     @_guarded
     def _seek(self, text: str, _: Reply) -> None:
@@ -322,6 +329,7 @@ class CardCommands:
         "name",
         "Writes the lines that follow into a file, until M29.",
         kind=Kind.SERVED,
+        not_in_files=True,
         bare=None,
     )
     @_guarded
@@ -335,6 +343,7 @@ class CardCommands:
         "name",
         "Writes the lines that follow into a file as M28, and carries them out as well.",
         kind=Kind.SERVED,
+        not_in_files=True,
         bare=None,
     )
     @_guarded

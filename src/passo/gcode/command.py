@@ -8,7 +8,7 @@ from math import isnan
 from typing import NamedTuple
 
 from passo import _core
-from passo.errors import WordError
+from passo.errors import CommandError, WordError
 from passo.gcode.registry import ANY, row_of
 from passo.gcode.stray import stray_of
 
@@ -64,6 +64,22 @@ class Command(NamedTuple):
                 if (stray := stray_of(self.text, any_character=True)) is not None:
                     raise WordError([stray])
                 raise WordError.of("input.number", value=letter)
+
+    def check_values(self, *, in_file: bool) -> None:
+        """Raises CommandError for a number beyond the bounds of the declaration, for a value that
+        only the machine file sets, and for a command that must not be in a file."""
+        row = row_of(self.code)
+        if row is None:
+            return
+        if in_file and row.not_in_files:
+            raise CommandError.of("command.in-file", axis=row.code)
+        letters, table = row.fixed
+        for letter, value in self.words().items() if row.bounds or letters else ():
+            if letter in letters:
+                raise CommandError.of("command.fixed", value=table)
+            for bounds in row.bounds:
+                if letter in bounds.letters and not bounds.low <= value <= bounds.high:
+                    raise CommandError.bad_value(letter, value, bounds.limit)
 
     def words(self) -> dict[str, float]:
         """The numbers by their letters, without letters that have no number."""

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from importlib.util import find_spec
-from typing import Any, TypeVar
+from math import inf
+from typing import Any, NamedTuple, TypeVar
 
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
@@ -59,6 +60,18 @@ ANY = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 AXES = "ABCDEHIJKUVWXYZ"  # and letters of motors
 
 
+class Bounds(NamedTuple):
+    """The bounds of the numbers of some letters; `limit` states them for the user."""
+
+    letters: str
+    low: float
+    high: float
+    limit: str
+
+
+NOT_NEGATIVE_S = (Bounds("S", 0.0, inf, "0 s or more"),)
+
+
 @dataclass(frozen=True, slots=True)
 class Declaration:
     """A command: its code or name, the section of the reference, when it takes effect from a
@@ -81,6 +94,11 @@ class Declaration:
     only_during_print: bool = False  # immediate only during a print; otherwise planned
     while_halted: bool = True  # if immediate, it also acts while the printer is halted
     package: str = ""  # a Python package that the command needs, and that may not be installed
+
+    bounds: tuple[Bounds, ...] = ()
+    # letters of values that only the machine file sets, and its table with them
+    fixed: tuple[str, str] = "", ""
+    not_in_files: bool = False  # it controls prints from files, so a file must not contain it
 
     @property
     def lacks_package(self) -> bool:
@@ -125,13 +143,17 @@ def command(
     only_during_print: bool = False,
     while_halted: bool = True,
     package: str = "",
+    bounds: tuple[Bounds, ...] = (),
+    fixed: tuple[str, str] = ("", ""),
+    not_in_files: bool = False,
 ) -> Callable[[_Method], _Method]:
     """Declares a command, and marks the method that executes it; the arguments are the fields of
     Declaration. Raises ValueError for a code that is declared already."""
     declare(
         Declaration(
             *(code, subject, when, parameters, text, kind, bare, nan, repeats, lacks),
-            *(forced, in_turn, only_during_print, while_halted, package),
+            *(forced, in_turn, only_during_print, while_halted, package, bounds, fixed),
+            not_in_files,
         )
     )
     return _marked(Role.DECLARED, code)

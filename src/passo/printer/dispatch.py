@@ -320,7 +320,7 @@ class Dispatch:
         surveyed = self._from_console or self._rig.job.macro_depth == 0
         if not surveyed and (problem := unfit(command, self._file_skips)):
             raise InputError([problem])
-        wait = self._carried_out(handler, command, reply)
+        wait = self._carried_out(handler, command, reply, in_file=not self._from_console)
         if self._from_console and (problem := unfit(command, self._skips)):
             lacks = row.lacks if row is not None else ""
             unknown = lacks or f'Unknown command: "{command.code}"'
@@ -331,13 +331,16 @@ class Dispatch:
             self._note(command, row, reply)
         return wait
 
-    def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
+    def _carried_out(
+        self, handler: Handler | None, command: Command, reply: Reply, *, in_file: bool = False
+    ) -> Wait | None:
         """Executes a command with `handler`, if there is one, or with the job's handler."""
         try:
             if handler is None:
                 wait = self._rig.commands.run(command, reply)
             else:
                 command.check()
+                command.check_values(in_file=in_file)
                 _require_package(command.code)
                 wait = handler(command, reply)
         except (CommandError, LinkLostError) as error:

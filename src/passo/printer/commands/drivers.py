@@ -14,7 +14,7 @@ from passo.config.part_names import found_name
 from passo.config.trinamic import largest_current_ma, least_current_ma
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
-from passo.gcode.registry import AXES, Kind, Subject, When, command
+from passo.gcode.registry import ANY, AXES, Kind, Subject, When, command
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
@@ -98,12 +98,11 @@ class DriverCommands:
         "",
         "Reports the microsteps of drivers with registers.",
         kind=Kind.QUIET,
+        fixed=(ANY, "steppers"),
     )
-    def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
-        """M350 refuses to change microsteps: they determine the steps per mm, and both are in the
+    def _microsteps(self, _: Command, reply: Reply) -> Wait | None:
+        """M350 does not change microsteps: they determine the steps per mm, and both are in the
         machine file."""
-        if command.words():
-            raise CommandError.of("command.fixed", value="steppers")
         for motor, state in self._watch.states.items():
             reply.say(f"{motor.upper()} microsteps: {state.settings.microsteps}")
         return None

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.gcode.registry import AXES, Kind, Subject, When, command
+from passo.gcode.registry import AXES, NOT_NEGATIVE_S, Kind, Subject, When, command
 from passo.motion.endstops import axes_lost, named_motors
 from passo.motion.rig import Rig
 from passo.printer.laser import Laser
@@ -90,6 +89,7 @@ class Motors:
         "Switches motors off at standstill. S sets the idle time after which all motors go off,"
         " if no heater is on.",
         bare=AXES,
+        bounds=NOT_NEGATIVE_S,
     )
     @command(
         "M84",
@@ -98,12 +98,11 @@ class Motors:
         "X Y Z E S(s)",
         "As M18.",
         bare=AXES,
+        bounds=NOT_NEGATIVE_S,
     )
     def _switch_off(self, command: Command, _: Reply) -> Wait | None:
         words = command.words()
-        if words.get("S", 0.0) < 0:  # 0 means never
-            raise CommandError.bad_value("S", words["S"], "0 s or more")
-        if "S" in words:
+        if "S" in words:  # 0 means never
             self.idle_s = words["S"]
             return None
         steppers = self.named(command.text)

@@ -142,6 +142,7 @@ class Commands:
             return WaitForMoves(self._job.follow_tool) if self._job.bed_is_apart else None
         code = _key(command)
         command.check()
+        command.check_values(in_file=reply is None)
         if code in self.left_out:
             return None
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)

@@ -17,7 +17,7 @@ from passo.version import __version__
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
-_SWITCH_LETTERS = set("XYZIJKPD")  # of M123 and M124
+_SWITCHES = "XYZIJKPD", "homing"  # values of M123 and M124
 _LETTERS = {"hotend": "T", "bed": "B", "chamber": "C"}
 CAPABILITIES = {
     "EEPROM": False,
@@ -195,6 +195,7 @@ class Reports:
         "X Y Z",
         "Reports the logic of the endstops, which the machine file sets.",
         kind=Kind.QUIET,
+        fixed=_SWITCHES,
     )
     @command(
         "M124",
@@ -203,10 +204,9 @@ class Reports:
         "X Y Z",
         "Reports the logic and pull-ups of the endstops, as M123.",
         kind=Kind.QUIET,
+        fixed=_SWITCHES,
     )
-    def _switch_logic(self, command: Command, reply: Reply) -> Wait | None:
-        if set(command.words()) & _SWITCH_LETTERS:
-            raise CommandError([Problem("command.fixed", values={"value": "homing"})])
+    def _switch_logic(self, _: Command, reply: Reply) -> Wait | None:
         reply.say("Reporting endstop logic and pullup")
         for switch in switches(self._printer.machine):
             logic, pullup = "!" in switch.pin, "^" in switch.pin

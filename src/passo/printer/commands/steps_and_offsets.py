@@ -9,7 +9,7 @@ from passo.config.motor_roles import axis_order
 from passo.config.types import MAX_SCALE, MIN_SCALE
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
-from passo.gcode.registry import Kind, Subject, When, command, in_program
+from passo.gcode.registry import AXES, Bounds, Kind, Subject, When, command, in_program
 from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import Z
 from passo.motion.homing import Homer
@@ -23,6 +23,14 @@ from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+
+
+_SCALES = Bounds(  # M92; H and L are not steps per mm
+    AXES.replace("H", ""),
+    MIN_SCALE,
+    MAX_SCALE,
+    f"{MIN_SCALE:g} to {MAX_SCALE:,.0f} microsteps per mm or degree",
+)
 
 
 class MotionCommands:
@@ -57,6 +65,7 @@ class MotionCommands:
         "Sets the steps per millimetre or degree. H and L report which layer heights are whole"
         " steps of Z's motor.",
         kind=Kind.SERVED,
+        bounds=(_SCALES,),
     )
     def _scales(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -68,9 +77,6 @@ class MotionCommands:
         for letter, value in words.items():
             if letter in "THL":
                 continue
-            if not MIN_SCALE <= value <= MAX_SCALE:
-                limit = f"{MIN_SCALE:g} to {MAX_SCALE:,.0f} microsteps per mm or degree"
-                raise CommandError.bad_value(letter, value, limit)
             name = letter.lower()
             if letter == "E":
                 name = extruder_of(self._machine, words, self._rig.job.tool)

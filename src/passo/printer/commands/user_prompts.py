@@ -6,9 +6,8 @@ import re
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
-from passo.errors import CommandError
 from passo.gcode.command import Command, numeral, words_of
-from passo.gcode.registry import Kind, Subject, When, command
+from passo.gcode.registry import NOT_NEGATIVE_S, Kind, Subject, When, command
 from passo.printer.commands.beeper import Beeper
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForUser
@@ -110,12 +109,11 @@ class UserPrompts:
         "S(s)",
         "Switches everything off after this idle time; 0: never.",
         kind=Kind.SERVED,
+        bounds=NOT_NEGATIVE_S,
     )
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        if words.get("S", 0.0) < 0:  # 0 means never
-            raise CommandError.bad_value("S", words["S"], "0 s or more")
-        if "S" in words:
+        if "S" in words:  # 0 means never
             self.kill_s = words["S"]
         else:
             reply.say(self.kill_line())
