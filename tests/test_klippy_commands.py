@@ -70,7 +70,7 @@ MACROS = '[macros.LIGHTS]\ngcode = "SET_LED LED=a RED=1\\nM117 lit"\n'
         ("SET_FILAMENT_SENSOR SENSOR=a ENABLE=0", "Passo has no filament sensor yet"),
         ("PROBE", "PROBE does nothing here: "),
         ("SYNC_EXTRUDER_MOTION EXTRUDER=extruder MOTION_QUEUE=", "MOTION is not there yet: One"),
-        ("SDCARD_LOOP_BEGIN COUNT=3", "SDCARD_LOOP_BEGIN is not there yet: Files are read once"),
+        ("SDCARD_LOOP_BEGIN COUNT=3", "SDCARD_LOOP_BEGIN is for files that can be read again"),
         ("INIT_TMC STEPPER=stepper_x", "STEPPER is stepper_x: expected a motor whose driver"),
     ],
 )

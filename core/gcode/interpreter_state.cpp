@@ -55,7 +55,10 @@ void Interpreter::measure_steps() {
 void Interpreter::restart(uint32_t first) {
   sources_[source_] = Lines(first);
   frames_[source_].clear();
-  if (!source_) ended_line_ = 0;
+  if (!source_) {
+    ended_line_ = 0;
+    object_lines_.clear();  // its lines are in order
+  }
   if (first == 1) layers = LayerCounter();
   if (first == 1 && !source_) {
     forget_objects();

@@ -67,6 +67,16 @@ COMMAND: Mapping[str, Entry] = {
         "{axis} does nothing here: {value}",
         "Leave the command out, or add the part to the machine file",
     ),
+    "command.loop-in-macro": bad_input(
+        "command",
+        "{axis} is in a macro, and only the lines of a file repeat",
+        "Write it into the file, or repeat lines of the macro by for",
+    ),
+    "command.only-in-file": bad_input(
+        "command",
+        "{axis} is for files that can be read again: of the card, or of a disk",
+        "Write it into a file, and print that from the card",
+    ),
     "command.in-file": bad_input(
         "command",
         "{axis} controls prints from files, so a file that is printed must not contain it",

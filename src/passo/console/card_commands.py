@@ -279,6 +279,20 @@ class CardCommands:
         self._runner.release()
 
     @command(
+        "SDCARD_LOOP_DESIST",
+        Subject.PRINTS,
+        When.IMMEDIATE,
+        "",
+        "Ends the loops of the file that is printed, after their present round.",
+        kind=Kind.SERVED,
+        not_in_files=True,
+        bare=None,
+    )
+    @_guarded
+    def _desist(self, _: str, __: Reply) -> None:
+        self._runner.loops.desist()
+
+    @command(
         "M26",
         Subject.CARD,
         When.IMMEDIATE,

@@ -31,7 +31,6 @@ _declare(
         "The command checks that the printer is a Prusa.",
     ),
     ("M907", "M906 and the machine file set motor currents."),
-    ("SDCARD_LOOP_DESIST", "Files have no loops."),
     ("CLEAR_PAUSE", "A pause is over when its print is."),
 )
 _declare(

@@ -21,6 +21,7 @@ class SkippedCommand(Enum):
     USER = "{} waits for the user; without a console it took no time"
     STOP = "{} stops a print; the plan continues after it"
     REPEAT = "{} in the main program repeats it on other machines; here it ends the program"
+    ENDLESS = "{} COUNT=0 repeats its lines until SDCARD_LOOP_DESIST; here they ran once"
     TOOL = "tool {} does not exist and was ignored"
     REFUSED = "{}"
 

@@ -14,6 +14,7 @@ from passo import _core
 from passo.errors import CommandError, InputError, MachineError, Problem, WordError
 from passo.gcode.command import Command
 from passo.job.batch.source import chunks, lines, open_source
+from passo.job.loops import Loops
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.macros import EmergencyStop
@@ -40,6 +41,47 @@ _HINTS = {code: _OPTIONS[field] for code, field in ALLOWED_BY.items()} | {
 }
 
 Settle = Callable[[Wait], None]
+
+
+class _Text:
+    """The pieces of an open file, for a job that reads them. Its loops go back in it."""
+
+    def __init__(self, job: _core.Job, commands: Commands, source: BinaryIO, name: str) -> None:
+        self._job, self._commands = job, commands
+        self._source, self._name = source, name
+        self._pieces = chunks(source, name)
+        self._begin = 0  # of the text that the job reads
+        self._loops = Loops(self._go_to, self._once)
+
+    def __iter__(self) -> Iterator[bytes]:
+        return self
+
+    def __next__(self) -> bytes:
+        return next(self._pieces)
+
+    @property
+    def offset(self) -> int:
+        """The byte of the next line."""
+        return self._begin + self._job.offset
+
+    def repeats(self, command: Command) -> bool:
+        """See `Loops.take`."""
+        return self._loops.take(command, self.offset, self._job.macro_depth)
+
+    def _go_to(self, offset: int, line: int) -> None:
+        self._job.restart(line)
+        self._begin = offset
+        self._source.seek(offset)
+        self._pieces = chunks(self._source, self._name)
+
+    def _once(self, command: Command) -> None:
+        self._commands.omitted.count(SkippedCommand.ENDLESS, command.code, command.line)
+
+
+def _repeats_nothing(command: Command) -> bool:
+    """For a text that cannot be read again."""
+    del command
+    return False
 
 
 def at_rest(job: _core.Job) -> Settle:
@@ -84,16 +126,18 @@ def read_program(
     settle: Settle,
     unsurveyed: Skips = ALL,
     horizon: Callable[[], float] = lambda: inf,
+    repeats: Callable[[Command], bool] = _repeats_nothing,
 ) -> Iterator[None]:
     """Feeds all pieces to the job, and executes its commands. It yields when the job has made
     progress, when the plan has reached the clock of `horizon`, or when its message queue is full;
     then the caller must take the messages. At the last yield, the job is flushed. Refused commands
     become warnings if `commands` allows it. Raises InputError with `name` as the file for a refused
     command otherwise, and for words without a number. `unsurveyed` are the commands that lines of
-    macros may skip, because the survey does not read these lines.
+    macros may skip, because the survey does not read these lines. `repeats` carries out the
+    commands of loops.
     """
     source = iter(pieces)
-    for found in _executed(job, commands, name, settle, unsurveyed, horizon):
+    for found in _executed(job, commands, name, settle, unsurveyed, horizon, repeats):
         if found == _core.JobStatus.NEED_INPUT:
             data = next(source, b"")
             if data:
@@ -114,6 +158,7 @@ def _executed(
     settle: Settle,
     unsurveyed: Skips,
     horizon: Callable[[], float] = lambda: inf,
+    repeats: Callable[[Command], bool] = _repeats_nothing,
 ) -> Iterator[_core.JobStatus]:
     """Executes the commands of the lines that the job has; yields as `read_program`, with the
     status of the job, also when the job needs more lines. Raises as `read_program`."""
@@ -128,6 +173,8 @@ def _executed(
             if problem := unfit(command, skips):
                 raise InputError([with_option(replace(problem, file=name))])
             try:
+                if repeats(command):
+                    continue
                 wait = commands.run(command)
             except WordError as error:
                 problems = [replace(p, file=name, line=command.line) for p in error.problems]
@@ -236,12 +283,14 @@ def run_open_program(
         if wrong := prepare(job, found, name, commands.skips):
             raise InputError([with_option(problem) for problem in wrong])
         commands.skips = ALL
-    text = chunks(source, name) if end is None else islice(lines(source), end - 1)
+    text = _Text(job, commands, source, name)
+    pieces = text if end is None else islice(lines(source), end - 1)
+    repeats = text.repeats if end is None and source.seekable() else _repeats_nothing
     settle = settle or at_rest(job)
     for _ in start_up(job, commands, settle, unsurveyed):
         yield 0.0
-    for _ in read_program(job, commands, text, name, settle, unsurveyed, horizon):
-        yield min(job.offset / size, 1.0) if size else 0.0
+    for _ in read_program(job, commands, pieces, name, settle, unsurveyed, horizon, repeats):
+        yield min(text.offset / size, 1.0) if size else 0.0
     if end is not None:
         return
     if job.ends_in_move:

@@ -119,7 +119,7 @@ class JournalKeeper:
     def _begin(self) -> None:
         """Starts the journal, before the first line of a print is read."""
         reader = self._runner.reader
-        if reader is None:
+        if reader is None or self._runner.loops.used:
             return
         followed = self._journal.open or self._interrupted is not None
         self._interrupted = None
@@ -158,6 +158,9 @@ class JournalKeeper:
             return
         if waits is not None:
             self._keep_z(*waits)
+        elif self._runner.loops.used:
+            self._end()
+            self._warn("This print cannot be resumed after a power cut: it repeats its lines")
         else:
             self._follow_print()
 

@@ -19,6 +19,7 @@ from passo.job.live.job_state import TRANSITIONS, JobState
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
 from passo.job.live.reader import Reader
+from passo.job.loops import Loops
 from passo.job.preflight import prepare, survey_in_pieces
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
@@ -53,6 +54,7 @@ class Runner:
         self._printer, self._reply = printer, reply
         self.park = Park(printer)
         self._cooling = Cooling(printer)
+        self.loops = Loops(self._go_to)
         self._park_words: Mapping[str, float] = {}
         self._macro_parks = False  # the macro that has paused the print parks the nozzle
         self._reader: Reader | None = None
@@ -337,8 +339,16 @@ class Runner:
             job.restart(line)
         self._begin, self.first_line = offset, line
         self._cooling.forget()
+        self.loops.forget()
         if self._reader:
             self._reader.seek(offset)
+
+    def _go_to(self, offset: int, line: int) -> None:
+        """Continues to read the file at the byte of a line; modes and plan stay."""
+        self._printer.job.restart(line)
+        self._begin = offset
+        assert self._reader is not None
+        self._reader.seek(offset)
 
     # -- the print --------------------------------------------------------------------------------
 
@@ -542,8 +552,11 @@ class Runner:
         elif found == status.EVENT:
             command = self._command = Command(*job.event)
             try:
+                if self.loops.take(command, self._begin + job.offset, job.macro_depth):
+                    await asyncio.sleep(0)  # the loop may have no move
+                    return False
                 self._waits_for = printer.dispatch.run_command(command, self._reply)
-            except InputError as error:
+            except (InputError, CommandError) as error:
                 raise InputError(self._placed(error, command.line)) from None
             return await self._wait()
         elif found == status.ERROR:

@@ -8,7 +8,6 @@ from passo.gcode.registry import Subject, When, command
 from passo.printer.wait_requests import Reply
 
 _SYNC = "One motor pushes the filament of each tool; no other motor can follow it yet."
-_LOOP = "Files are read once, from begin to end; a macro can repeat its lines with for."
 
 
 class NotYet:
@@ -25,27 +24,6 @@ class NotYet:
     )
     def _sync(self, command: Command, _: Reply) -> None:
         raise _refused(command, _SYNC)
-
-    @command(
-        "SDCARD_LOOP_BEGIN",
-        Subject.PRINTS,
-        When.PLANNED,
-        "COUNT",
-        f"Is refused. {_LOOP}",
-        bare=None,
-        lacks=_LOOP,
-    )
-    @command(
-        "SDCARD_LOOP_END",
-        Subject.PRINTS,
-        When.PLANNED,
-        "",
-        f"Is refused. {_LOOP}",
-        bare=None,
-        lacks=_LOOP,
-    )
-    def _loop(self, command: Command, _: Reply) -> None:
-        raise _refused(command, _LOOP)
 
 
 def _refused(command: Command, why: str) -> CommandError:

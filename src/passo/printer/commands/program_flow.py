@@ -133,6 +133,26 @@ class ProgramFlow:
     def _finish_moves(self, _: Command, __: Reply) -> Wait:
         return WaitForMoves()
 
+    @command(
+        "SDCARD_LOOP_BEGIN",
+        Subject.PRINTS,
+        When.PLANNED,
+        "COUNT",
+        "Begins lines of a file that are printed COUNT times, with 0 until SDCARD_LOOP_DESIST.",
+        bare=None,
+    )
+    @command(
+        "SDCARD_LOOP_END",
+        Subject.PRINTS,
+        When.PLANNED,
+        "",
+        "Ends the lines of SDCARD_LOOP_BEGIN. Loops may be within each other.",
+        bare=None,
+    )
+    def _loop(self, command: Command, _: Reply) -> None:
+        """Refuses a loop outside of a file, whose reader carries it out."""
+        raise CommandError.of("command.only-in-file", axis=command.code)
+
     @in_program("M112", "M410")
     def _stop(self, command: Command, _: Reply) -> Wait:
         self._omitted.count(SkippedCommand.STOP, command.code, command.line)

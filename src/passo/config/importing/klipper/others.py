@@ -82,7 +82,7 @@ OTHERS: dict[str, Other] = {
     "manual_stepper": lost("the motor does not move"),
     "extruder_stepper": lost("the further motor of the extruder does not move"),
     "dual_carriage": lost("the second carriage does not move"),
-    "sdcard_loop": lost("loops in files are not carried out"),
+    "sdcard_loop": built_in("SDCARD_LOOP_BEGIN is always there"),
     "ad5206": lost("the currents of the motors stay as the board sets them"),
     "mcp4018": lost("the currents of the motors stay as the board sets them"),
     "mcp4451": lost("the currents of the motors stay as the board sets them"),

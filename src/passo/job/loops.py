@@ -1,0 +1,79 @@
+"""Loops in files: SDCARD_LOOP_BEGIN and SDCARD_LOOP_END, as in Klipper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+
+LOOPS = frozenset({"SDCARD_LOOP_BEGIN", "SDCARD_LOOP_END"})
+_MAX_DEPTH = 100
+
+
+class _Loop(NamedTuple):
+    """The rounds that are left (0: for ever), and where the lines of the loop begin."""
+
+    left: int
+    offset: int
+    line: int
+
+
+class Loops:
+    """The open loops of one file. `go_to` lets the reader continue at a byte and its line."""
+
+    def __init__(
+        self, go_to: Callable[[int, int], None], once: Callable[[Command], None] | None = None
+    ) -> None:
+        """With `once`, which is called with its command, a loop without an end is read once."""
+        self._go_to, self._once = go_to, once
+        self._open: list[_Loop] = []
+        self.used = False  # the file has repeated lines, so that a line may come twice
+
+    def take(self, command: Command, offset: int, depth: int) -> bool:
+        """Carries out a command of a loop; returns False for any other one. `offset` is that of the
+        next line of the file, `depth` the number of macros around the command. Raises
+        CommandError."""
+        if command.code not in LOOPS:
+            return False
+        if depth > 0:
+            raise CommandError.of("command.loop-in-macro", axis=command.code)
+        if command.code == "SDCARD_LOOP_BEGIN":
+            self._begin(command, offset)
+        else:
+            self._end()
+        return True
+
+    def _begin(self, command: Command, offset: int) -> None:
+        given = command.pairs().get("COUNT", "")
+        if not given.isdecimal():
+            limit = "a whole number, 0 for a loop until SDCARD_LOOP_DESIST"
+            shown = given or "missing"
+            raise CommandError.of("command.value", axis="COUNT", value=shown, limit=limit)
+        if len(self._open) >= _MAX_DEPTH:
+            limit = f"at most {_MAX_DEPTH} loops within each other"
+            raise CommandError.of("command.value", axis="COUNT", value=given, limit=limit)
+        self.used, left = True, int(given)
+        if left == 0 and self._once is not None:
+            self._once(command)
+            left = 1
+        self._open.append(_Loop(left, offset, command.line + 1))
+
+    def _end(self) -> None:
+        if not self._open:
+            return
+        loop = self._open.pop()
+        if loop.left == 1:
+            return
+        self._open.append(loop._replace(left=max(loop.left - 1, 0)))
+        self._go_to(loop.offset, loop.line)
+
+    def desist(self) -> None:
+        """SDCARD_LOOP_DESIST: the lines of all open loops are read once more at most."""
+        self._open.clear()
+
+    def forget(self) -> None:
+        """Call this when the file is read from another place."""
+        self._open.clear()
+        self.used = False
