@@ -373,6 +373,10 @@ def test_an_object_is_cancelled_and_restored_in_the_midst_of_it():
     job.cancel_object(1, False)
     assert reads("G1 X30 E1\n") == [(20, 20, 0, 1), (30, 20, 0, 2)]
     assert [job.object_of_line(n) for n in (1, 2, 3, 4, 9)] == [-1, -1, 1, 1, 1]
+    job.restart(2)  # lines that are read again come in order again
+    assert job.object_of_line(9) == -1
+    assert reads("M83\nM486 S0\nG1 X31\n") == [(31, 20, 0, 2)]
+    assert [job.object_of_line(n) for n in (2, 3, 9)] == [-1, 0, 0]
     with pytest.raises(IndexError):
         job.cancel_object(-1)
 
