@@ -129,7 +129,7 @@ def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
     lines += ["M117 Print X of Y", "M0 Click S", "M20 L", "M23 Part.gco", 'M569 S1 X Y"a"', "M503"]
     path.write_text("\n".join([*lines, "G29 A J", "M862.3 P MK3S"]))
     warnings = printed(capsys, str(path), "--levelling", "skip")["warnings"]
-    assert [w.split(": ")[1].split()[0] for w in warnings] == ["M23", "M569", "G29", "M0"]
+    assert [w.split(": ")[1].split()[0] for w in warnings] == ["M569", "G29", "M0", "M23"]
 
 
 @pytest.mark.parametrize(

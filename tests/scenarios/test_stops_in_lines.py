@@ -112,7 +112,7 @@ def test_m410_in_a_file_ends_its_print(tmp_path):
     (tmp_path / "a.g").write_text("G92 X0\nG1 X5 F600\nM400\nM410\nG1 X50\n")
     with Scenario(card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        s.host.expect("Print of a.g stopped: M410", 20)
+        s.host.expect("Print of a.g stopped: a.g:4: the print was stopped by M410", 20)
         s.passes(5)
         assert s.positions()["x"] == pytest.approx(START + 5, abs=0.02)
 

@@ -68,10 +68,10 @@ def test_a_word_without_a_number_stops_a_print_at_its_line(s, folder, line):
 
 
 def test_failed_print_reports_next_action_once(s, folder):
-    (folder / "a.g").write_text("M140 S50\nM106 S255\nM23 nothere.g\nG4 P9\n")
+    (folder / "a.g").write_text("M140 S50\nM106 S255\nM36 nothere.g\nG4 P9\n")
     s.host.ok("M32 a.g")
     assert s.host.expect("stopped", 5) == (
-        "echo:Print of a.g stopped: a.g:3: file.open failed, File: nothere.g. /nothere.g: is not"
+        "echo:Print of a.g stopped: a.g:3: /nothere.g: is not"
         " on the card. List the files (M20), and give one of these names. Correct the cause, then"
         " continue after this command"
         " (M24), or cancel (M524)."
