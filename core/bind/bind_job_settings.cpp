@@ -92,54 +92,15 @@ void bind_job_settings(JobClass& job) {
           },
           "first"_a, "spacing"_a, "heights"_a, "fade"_a = nb::none(), kHeightMapText)
       .def(
-          "set_shaper",
-          [](JobView& self, int axis, const std::vector<std::pair<double, double>>& impulses) {
-            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+          "set_filter",
+          [](JobView& self, const std::string& name, size_t index, const Numbers& numbers) {
             self.job.motion.flush();
-            self.job.motion.set_shaper(axis, shaper_of(impulses));
+            self.job.motion.set_filter(name, index, numbers);
           },
-          "axis"_a, "impulses"_a,
-          "Sets the shaper of X, Y or Z: (weight, seconds) of each impulse; empty: the axis is not "
-          "shaped. Call it only at standstill.")
-      .def(
-          "set_jerk_box",
-          [](JobView& self, double box_s) {
-            self.job.motion.flush();
-            self.job.motion.set_jerk_box(box_s);
-          },
-          "box_s"_a,
-          "Sets the time, in s, over which the position of each axis is averaged to limit jerk; 0: "
-          "it is not averaged. Call it only at standstill.")
-      .def(
-          "set_backlash",
-          [](JobView& self, int axis, double mm, double over_mm) {
-            if (axis < 0 || axis > 2) throw nb::index_error("only X, Y and Z");
-            if (!(mm >= 0 && mm <= over_mm && over_mm > 0 && over_mm < kInfinity))
-              throw nb::value_error("no such gap, or no such distance");
-            self.job.motion.flush();
-            self.job.motion.set_gap(axis, {mm, over_mm});
-          },
-          "axis"_a, "mm"_a, "over_mm"_a,
-          "The gap in the drive of X, Y or Z from now on, 0 for none, and the distance over which "
-          "it is taken up after a turn. The axis must have its own motors. Call it only at "
-          "standstill.")
-      .def(
-          "set_smoothing",
-          [](JobView& self, size_t extruder, double half_s) {
-            check_extruder(self, extruder);
-            self.job.motion.flush();
-            self.job.motion.set_smoothing(extruder, half_s);
-          },
-          "extruder"_a, "half_s"_a,
-          "Sets half of the width, in s, over which the advance is smoothed; 0: the extruder has "
-          "no advance. Call it only at standstill.")
-      .def(
-          "smoothing",
-          [](JobView& self, size_t extruder) {
-            const std::vector<double>& all = self.job.motion.machine().filters.smooth_s;
-            return extruder < all.size() ? all[extruder] : 0.0;
-          },
-          "extruder"_a, "The value of set_smoothing, s.")
+          "name"_a, "index"_a, "numbers"_a,
+          "Changes a setting of a motion filter (core/machine/filters/) for one axis or extruder, "
+          "0 for a setting of the machine: its name and numbers, as in the machine's description, "
+          "without brackets between them. Call it only at standstill.")
       .def(
           "set_advance",
           [](JobView& self, size_t extruder, double seconds) {

@@ -30,9 +30,12 @@ Machine machine_of(const nb::dict& spec) {
                       get<double>(a, "cornering_steps"),
                       nb::cast<nb::dict>(a).contains("filament") && get<bool>(a, "filament"),
                       nb::cast<nb::dict>(a).contains("by_arms") && get<bool>(a, "by_arms")});
-  for (nb::handle e : spec["extruders"])
+  for (nb::handle e : spec["extruders"]) {
     m.extruders.push_back({get<std::string>(e, "name"), get<double>(e, "speed"),
                            get<double>(e, "accel"), get<double>(e, "jerk")});
+    if (nb::cast<nb::dict>(e).contains("advance_s"))
+      m.extruders.back().advance_s = get<double>(e, "advance_s");
+  }
   for (nb::handle t : spec["tools"]) {
     auto offset = get<std::vector<double>>(t, "offset");
     m.tools.push_back({get<int>(t, "extruder"), {offset.at(0), offset.at(1), offset.at(2)}});
@@ -61,27 +64,18 @@ Machine machine_of(const nb::dict& spec) {
     m.boards = get<size_t>(spec, "boards");
     m.output_boards = get<std::vector<uint16_t>>(spec, "output_boards");
   }
-  if (spec.contains("filters")) {
-    nb::dict filters = get<nb::dict>(spec, "filters");
-    const auto shapers =
-        get<std::vector<std::vector<std::pair<double, double>>>>(filters, "shapers");
-    for (size_t j = 0; j < 3; ++j) m.filters.shapers[j] = shaper_of(shapers.at(j));
-    m.filters.smooth_s = get<std::vector<double>>(filters, "smooth_s");
-    if (filters.contains("shaped")) m.filters.shaped = get<std::vector<bool>>(filters, "shaped");
-    if (filters.contains("box_s")) m.filters.box_s = get<double>(filters, "box_s");
-    const auto advance = get<std::vector<double>>(filters, "advance_s");
-    for (size_t i = 0; i < m.extruders.size(); ++i) m.extruders[i].advance_s = advance.at(i);
-    if (filters.contains("knees"))
-      for (const auto& knees :
-           get<std::vector<std::vector<std::pair<double, double>>>>(filters, "knees")) {
-        m.filters.knees.emplace_back();
-        for (auto [mm_s, share] : knees) m.filters.knees.back().push_back({mm_s, share});
+  // By name of the setting: a value of the machine, or one for each axis or extruder.
+  if (spec.contains("filters"))
+    for (auto [key, value] : get<nb::dict>(spec, "filters")) {
+      const std::string name = nb::cast<std::string>(key);
+      const bool each = nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value);
+      const nb::list values = each ? nb::list(value) : nb::list(nb::make_tuple(value));
+      for (size_t i = 0; i < values.size(); ++i) {
+        Numbers numbers;
+        add_numbers(values[i], numbers);
+        m.filters.set(name, i, numbers);
       }
-  }
-  if (spec.contains("backlash")) {
-    const auto gaps = get<std::vector<std::pair<double, double>>>(spec, "backlash");
-    for (size_t j = 0; j < 3; ++j) m.filters.gaps[j] = {gaps.at(j).first, gaps.at(j).second};
-  }
+    }
   nb::dict limits = get<nb::dict>(spec, "limits");
   m.limits = {get<double>(limits, "print_accel"),
               get<double>(limits, "travel_accel"),

@@ -41,12 +41,12 @@ inline std::unique_ptr<Geometry> geometry_of(const nb::dict& spec) {
   return make_geometry(get<std::string>(spec, "kind"), geometry_params(spec));
 }
 
-// (weight, seconds) of each impulse.
-inline std::vector<Impulse> shaper_of(const std::vector<std::pair<double, double>>& impulses) {
-  std::vector<Impulse> shaper;
-  for (const auto& [weight, at] : impulses) shaper.push_back({weight, at});
-  if (shaper.size() > 5) throw nb::value_error("a shaper has 5 impulses at most");
-  return shaper;
+// A number, or the numbers of nested sequences in their order.
+inline void add_numbers(const nb::handle& value, Numbers& numbers) {
+  if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value))
+    for (nb::handle part : value) add_numbers(part, numbers);
+  else
+    numbers.push_back(nb::cast<double>(nb::float_(value)));
 }
 
 // The machine that the dict describes.

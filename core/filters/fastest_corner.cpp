@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "filters/planned_laws.hpp"
+#include "filters/smooth_law.hpp"
 
 namespace passo {
 
@@ -70,7 +71,7 @@ void FastestCorner::begin(const Move& m, const std::function<int64_t(size_t)>& l
     const StepperSpec* motor = own_motor(j);
     if (!motor) continue;
     const double steps = motor->steps_per_unit;
-    const Gap& of = machine_.filters.gaps[motor->index];
+    const Gap& of = machine_.filters.gaps.of[motor->index];
     gap.set(of.mm * steps, of.over_mm * steps);
     gap.rest_with(double(lead(size_t(motor - machine_.steppers.data()))));
     gap.begin(m.start, m.p0[j] * steps);
@@ -153,8 +154,10 @@ std::vector<FastestCorner::Part> FastestCorner::law(int slot, bool filtered) con
   const bool rests = c.rests || open_;  // open_: the print has ended
   if (rests) laws.stand();
   SmoothLaw plain, full;
-  for (Phases& p : laws.all()) plain.add(&p, 1, delay, 0);
-  laws.add_to(full);
+  for (size_t i = 0; i < laws.all().size(); ++i) {
+    plain.add(&laws.all()[i], Kernel(), delay, hz_);
+    full.add(&laws.all()[i], laws.kernel(i), delay, hz_);
+  }
   SmoothLaw& law = filtered ? full : plain;
   Parts parts{{}, scale};
   double lead = 0;

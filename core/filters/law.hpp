@@ -91,7 +91,8 @@ class Law {
   double hz_;
   std::variant<Taps, Advance, SmoothLaw, FollowedNozzle, RaisedNozzle> form_;
 
-  void choose(const Filters& filters, int extruder);
+  // The first form that is exact for the kernels of the planned laws.
+  void choose(double delay);
 
   static PartKind parts_of(const Taps&) { return PartKind::quadratics; }
   static PartKind parts_of(const Advance&) { return PartKind::cubics; }

@@ -14,12 +14,13 @@ bool NozzleLaw::needed() const {
 // At rest: filters may have changed since.
 void NozzleLaw::begin(const Move& m) {
   const Filters& filters = machine_.filters;
-  track_.cubic = filters.boxed();
+  track_.cubic = false;
   earliest_ = filters.delay(machine_.clock_hz);
   for (int i = 0; i < 3; ++i) {
     Law& law = laws_[i];
     law.follow_axis(filters, i);
     law.begin(m);
+    track_.cubic |= law.parts() == PartKind::cubics;
     earliest_ = std::min(earliest_, law.earliest());
   }
   going_ = true;

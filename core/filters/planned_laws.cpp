@@ -8,47 +8,31 @@ namespace passo {
 void PlannedLaws::clear(const Filters& filters) {
   filters_ = &filters;
   extruder_ = -1;
-  advances_ = shaped_ = parted_ = false;
+  parted_ = false;
   parts_.clear();
   all_.clear();
 }
 
 void PlannedLaws::follow_axis(int slot, double scale) {
-  parts_.push_back({slot, slot, scale});
+  parts_.push_back({slot, filters_->kernel(slot), scale});
   all_.emplace_back();
 }
 
 void PlannedLaws::follow_extruder(int extruder, double scale) {
   const size_t i = size_t(extruder);
   extruder_ = extruder;
-  advances_ = filters_->advances(i);
-  shaped_ = filters_->shapes(i);
-  parted_ = shaped_ && filters_->shapers[kX] != filters_->shapers[kY];
+  Kernel x = filters_->kernel(kX, extruder), y = filters_->kernel(kY, extruder);
+  const bool in_step = filters_->in_step(i);
+  parted_ = in_step && x.copies != y.copies;
   if (parted_)
-    for (int as : {int(kX), int(kY), int(kE)}) parts_.push_back({kE, as, scale});
+    parts_ = {{kE, x, scale}, {kE, y, scale}, {kE, filters_->kernel(kE, extruder), scale}};
   else
-    parts_.push_back({kE, shaped_ ? kX : kE, scale});
+    parts_ = {{kE, in_step ? x : filters_->kernel(kE, extruder), scale}};
+  const bool advances = filters_->advances(i);
+  const auto& knees = filters_->advance.knees;
   std::vector<Phases::Bend> bends;
-  if (advances_ && i < filters_->knees.size())
-    bends = Phases::bends(filters_->knees[i], scale, hz_);
-  for (size_t k = 0; k < parts_.size(); ++k) all_.emplace_back(advances_, bends);
-}
-
-void PlannedLaws::add_to(Taps& taps) {
-  for (size_t i = 0; i < all_.size(); ++i)
-    passo::add_to(taps, *filters_, hz_, parts_[i].shaped_as, &all_[i]);
-}
-
-void PlannedLaws::add_to(SmoothLaw& law) {
-  for (size_t i = 0; i < all_.size(); ++i) {
-    passo::add_to(law, *filters_, hz_, parts_[i].shaped_as, &all_[i]);
-    if (!advances_) continue;
-    const double wide = filters_->wide_s(size_t(extruder_)) * hz_,
-                 narrow = filters_->narrow_s(size_t(extruder_)) * hz_;
-    each_impulse(*filters_, hz_, parts_[i].shaped_as, [&](double weight, double delay) {
-      law.add_advance(&all_[i], weight, delay, wide, narrow);
-    });
-  }
+  if (advances && i < knees.size()) bends = Phases::bends(knees[i], scale, hz_);
+  for (size_t k = 0; k < parts_.size(); ++k) all_.emplace_back(advances, bends);
 }
 
 void PlannedLaws::begin(const Move& m) {

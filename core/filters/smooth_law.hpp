@@ -22,6 +22,15 @@ namespace passo {
 
 class SmoothLaw {
  public:
+  // What a kernel makes of the planned law, `delay` ticks later.
+  void add(Phases* phases, const Kernel& kernel, double delay, double hz) {
+    for (const Impulse& copy : kernel.copies)
+      add(phases, copy.weight, delay + copy.at * hz, kernel.box_s * hz);
+    for (const Impulse& copy : kernel.copies)
+      if (kernel.advances())
+        add_advance(phases, copy.weight, delay + copy.at * hz, kernel.wide_s * hz,
+                    kernel.narrow_s * hz);
+  }
   // The planned law `delay` ticks later, in the mean of a box of this width; 0: no box.
   void add(Phases* phases, double weight, double delay, double box) {
     if (!(box > 0)) return put({phases, delay, weight, 0, 0});

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -104,31 +105,17 @@ class Motion {
   // Motion is filtered from now on, or not. Only at rest.
   void use_filters(bool on) {
     filters_wanted_ = on;
-    machine_.filters.suspended = !on || machine_.joints;
+    machine_.filters.suspend(!on || machine_.joints);
     remember_nothing();
   }
-  // The shaper of X, Y or Z from now on; none: the axis is not shaped. Only at rest.
-  void set_shaper(int j, std::vector<Impulse> shaper) {
-    machine_.filters.shapers[j] = std::move(shaper);
-    remember_nothing();
-  }
-  // The gap in the drive of actuator j from now on. Positions stay. Only at rest.
-  void set_gap(int j, Gap gap) {
-    machine_.filters.gaps[j] = gap;
-    stream_.use_gaps();
-    remember_nothing();
-  }
-  // Half of the width in s over which the advance of an extruder is smoothed; 0: it has none. Only
-  // at rest.
-  void set_smoothing(size_t extruder, double half_s) {
-    machine_.filters.smooth_s.resize(machine_.extruders.size());
-    machine_.filters.smooth_s[extruder] = half_s;
-    remember_nothing();
-  }
-  // The time over which the position of each axis is averaged, s, to limit jerk; 0: it is not. Only
-  // at rest.
-  void set_jerk_box(double box_s) {
-    machine_.filters.box_s = box_s;
+  // A setting of a motion filter from now on (Filters::set). Positions stay. Only at rest. Throws
+  // std::invalid_argument.
+  void set_filter(std::string_view name, size_t index, const Numbers& numbers) {
+    if (index >= std::max(machine_.extruders.size(), size_t(3)))
+      throw std::invalid_argument("no such axis or extruder");
+    const DriveGaps before = machine_.filters.gaps;
+    machine_.filters.set(name, index, numbers);
+    if (machine_.filters.gaps != before) stream_.use_gaps();
     remember_nothing();
   }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }

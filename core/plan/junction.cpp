@@ -28,7 +28,7 @@ double JunctionRule::advance_cap2(const Move& before, const Move& m, const Rules
   double cap = kInfinity;
   auto limit = [&](const Move* out, const Move* in, size_t extruder) {
     if (!machine_.filters.advances(extruder)) return;
-    const double h = machine_.filters.smooth_s[extruder];
+    const double h = machine_.filters.advance.half_s[extruder];
     const Row& row = rules.constraints->extruders[extruder];
     double advanced[2] = {0, 0}, fastest = 0, added = 0;
     const Move* moves[2] = {out, in};

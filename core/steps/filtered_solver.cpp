@@ -14,7 +14,7 @@ FilteredSolver::FilteredSolver(const Machine& machine, const StepperSpec& spec,
 
 void FilteredSolver::use_gap() {
   if (spec_.drive != Drive::actuator || spec_.index > kZ) return;
-  const Gap& gap = machine_.filters.gaps[spec_.index];
+  const Gap& gap = machine_.filters.gaps.of[spec_.index];
   backlash_.set(gap.mm * spec_.steps_per_unit, gap.over_mm * spec_.steps_per_unit);
 }
 

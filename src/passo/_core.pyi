@@ -2226,28 +2226,10 @@ class Job:
         Sets the bed correction: heights in mm on an even grid. Rows are along X; the first row is at the Y of `first`. Between the points the height is bilinear; beyond the grid it continues level. With a `fade` of start, end and target in mm, the correction acts in full up to Z start, and changes linearly to the target at Z end. Without rows the bed is flat. No motor moves, but Z of the plan changes. Call it only while nothing is queued. Raises ValueError.
         """
 
-    def set_shaper(self, axis: int, impulses: Sequence[tuple[float, float]]) -> None:
+    def set_filter(self, name: str, index: int, numbers: Sequence[float]) -> None:
         """
-        Sets the shaper of X, Y or Z: (weight, seconds) of each impulse; empty: the axis is not shaped. Call it only at standstill.
+        Changes a setting of a motion filter (core/machine/filters/) for one axis or extruder, 0 for a setting of the machine: its name and numbers, as in the machine's description, without brackets between them. Call it only at standstill.
         """
-
-    def set_jerk_box(self, box_s: float) -> None:
-        """
-        Sets the time, in s, over which the position of each axis is averaged to limit jerk; 0: it is not averaged. Call it only at standstill.
-        """
-
-    def set_backlash(self, axis: int, mm: float, over_mm: float) -> None:
-        """
-        The gap in the drive of X, Y or Z from now on, 0 for none, and the distance over which it is taken up after a turn. The axis must have its own motors. Call it only at standstill.
-        """
-
-    def set_smoothing(self, extruder: int, half_s: float) -> None:
-        """
-        Sets half of the width, in s, over which the advance is smoothed; 0: the extruder has no advance. Call it only at standstill.
-        """
-
-    def smoothing(self, extruder: int) -> float:
-        """The value of set_smoothing, s."""
 
     def set_advance(self, extruder: int, seconds: float) -> None:
         """Sets the pressure advance of later moves."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shutil
 import site
 import subprocess
 import sys
+from collections.abc import Iterable
+from math import ceil
 from pathlib import Path
 
 import pytest
@@ -29,7 +32,8 @@ RUN = (
     "level-a-gantry",
     "turn-bed-screws",
 )
-CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry")
+CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry", "add-a-motion-filter")
+COMPILED = ("add-a-geometry", "add-a-motion-filter")  # their tests are below
 
 
 def page(name: str) -> str:
@@ -77,10 +81,11 @@ def test_commands_of_how_to_print_what_is_shown(tmp_path, name):
 
 
 def apply(text: str, folder: Path) -> None:
-    """Applies the changes of a page: in each part the old lines occur once."""
+    """Applies the changes of a page: in each part the old lines occur once, or the file is new."""
     for block in blocks(text, "diff"):
         path, _, changes = block.removeprefix("--- ").partition("\n")
         target = folder / path
+        target.touch()
         for change in changes.split("@@\n"):
             lines = change.rstrip("\n").split("\n")
             old = "\n".join(line[1:] for line in lines if not line.startswith("+"))
@@ -96,8 +101,9 @@ def copy(tmp_path):
     shutil.copytree(ROOT / "src/passo", tmp_path / "src/passo")
     shutil.copy(passo._core.__file__, tmp_path / "src/passo")
     shutil.copytree(ROOT / "core", tmp_path / "core")
-    (tmp_path / "tests/geometry").mkdir(parents=True)
-    shutil.copy(ROOT / "tests/geometry/test_kernels.py", tmp_path / "tests/geometry")
+    for test in ("tests/geometry/test_kernels.py", "tests/motion/test_filters.py"):
+        (tmp_path / test).parent.mkdir(parents=True)
+        shutil.copy(ROOT / test, tmp_path / test)
     return tmp_path
 
 
@@ -109,7 +115,7 @@ def paths(folder: Path) -> str:
 def test_changes_of_how_to_apply_and_run(copy, name):
     apply(page(name), copy)
     shown = run(page(name), copy, paths(copy))
-    assert shown >= (0 if name == "add-a-geometry" else 2)
+    assert shown >= (0 if name in COMPILED else 2)
     for number, code in enumerate(blocks(page(name), "python")):
         test = copy / f"test_{number}.py"
         test.write_text(code, encoding="utf-8")
@@ -128,6 +134,15 @@ def test_changes_of_how_to_apply_and_run(copy, name):
         assert "1 passed" in done.stdout, done.stdout + done.stderr
 
 
+def compiled(folder: Path, sources: list[str], words: Iterable[str] = ()) -> str:
+    """What the program of main.cpp and sources of the core prints."""
+    flags = ["-std=c++20", "-O0", "-ffp-contract=off", "-Icore"]
+    build = ["c++", *flags, "main.cpp", *sources, "-o", "main"]
+    subprocess.run(build, cwd=folder, check=True)
+    done = subprocess.run([folder / "main", *words], capture_output=True, text=True, check=True)
+    return done.stdout
+
+
 def test_added_geometry_compiles_and_agrees_with_its_model(copy):
     apply(page("add-a-geometry"), copy)
     (copy / "main.cpp").write_text(
@@ -139,11 +154,7 @@ def test_added_geometry_compiles_and_agrees_with_its_model(copy):
         "  g->forward(q, back);\n"
         '  std::printf("%g %g %g %g %g %g", q[0], q[1], q[2], back[0], back[1], back[2]);\n}\n'
     )
-    sources = ["main.cpp", "core/geometry/registry.cpp", "core/geometry/track.cpp"]
-    subprocess.run(
-        ["c++", "-std=c++20", "-O0", "-Icore", *sources, "-o", "main"], cwd=copy, check=True
-    )
-    core = subprocess.run([copy / "main"], capture_output=True, text=True, check=True).stdout
+    core = compiled(copy, ["core/geometry/registry.cpp", "core/geometry/track.cpp"])
     code = (
         "from pydantic import TypeAdapter\nfrom passo.geometry.registry import AnyGeometry\n"
         'g = TypeAdapter(AnyGeometry).validate_python({"kind": "hybrid_corexy"})\n'
@@ -156,3 +167,88 @@ def test_added_geometry_compiles_and_agrees_with_its_model(copy):
     )
     assert (model.stdout, model.stderr) == (core, "")
     assert core == "10 20 5 30 20 5"
+
+
+MAIN = """
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "filters/law.hpp"
+using namespace passo;
+
+struct Print {
+  void add(double end, double q, double v0, double v1, double) {
+    std::printf("%.4f %.4f %.4f %.4f|", end / 1e6, q, v0 * 1e6, v1 * 1e6);
+  }
+  template <class... Parts> void bent(Parts...) {}
+  template <class... Parts> void counted(Parts...) {}
+  template <class... Parts> void cubic(Parts...) {}
+  void piece(const Piece&) {}
+};
+
+// Each setting: its name, how many numbers it has, and these.
+int main(int count, char** words) {
+  Filters filters;
+  for (int i = 1; i < count;) {
+    const std::string name = words[i++];
+    Numbers numbers(std::size_t(std::atoi(words[i++])));
+    for (double& number : numbers) number = std::atof(words[i++]);
+    filters.set(name, 0, numbers);
+  }
+  Law law(1e6);
+  law.follow_axis(filters, kX);
+  Move m{};  // 12 mm, 0.1 s each to accelerate to 60 mm/s, to cruise and to brake
+  m.kind = MoveKind::travel, m.p1[kX] = m.d = 12, m.vc = 60, m.a = m.b = 600;
+  m.d_acc = 3, m.d_cru = 6, m.start = 1e6, m.t_acc = m.t_cru = m.t_dec = 1e5;
+  law.begin(m);
+  law.start(m.start);
+  law.add(m, kNeverTicks);
+  law.stand();
+  Print sink;
+  law.advance(0, true, sink);
+  std::printf("%g %g", filters.delay(1e6), filters.memory(1e6));
+}
+"""
+SPEC = """
+from passo import config
+text = config.shipped_text("i3") + "\\n[shaping.x]\\nfrequency_hz = 47\\nsecond_hz = 80\\n"
+filters = config.load_text(text).core_spec()["filters"]
+print(filters["shapers"][0], filters["second_shapers"], sep="\\n")
+"""
+
+
+def test_added_filter_compiles_and_acts_after_the_shaper(copy):
+    apply(page("add-a-motion-filter"), copy)
+    (copy / "main.cpp").write_text(MAIN)
+    environment = {**os.environ, "PYTHONPATH": paths(copy)}
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", SPEC], env=environment, capture_output=True, text=True
+    )
+    first, seconds = (ast.literal_eval(line) for line in done.stdout.splitlines())
+    assert (len(first), [len(shaper) for shaper in seconds]) == (3, [2, 0, 0]), done.stderr
+    both = sorted((t + u, a * b) for a, t in first for b, u in seconds[0])
+    settings = {"shapers": first, "second_shapers": seconds[0]}
+    flat = {
+        name: [str(x) for impulse in value for x in impulse] for name, value in settings.items()
+    }
+    words = [word for name, value in flat.items() for word in (name, str(len(value)), *value)]
+    sources = [f"core/filters/{name}.cpp" for name in ("law", "planned_laws", "followed_nozzle")]
+    *intervals, reach = compiled(copy, sources, words).split("|")
+    rows = [[float(number) for number in interval.split()] for interval in intervals]
+    mean = sum(t * weight for t, weight in both)
+    delay, after = ceil(mean * 1e6), ceil((both[-1][0] - mean) * 1e6)
+    assert [float(x) for x in reach.split()] == [delay, delay + after]
+    # Each impulse delays the four phases of the move.
+    begins = sorted(1 + phase / 10 + t for t, _ in both for phase in range(4))
+    assert [end for end, *_ in rows] == pytest.approx(begins, abs=1e-4)
+    for end, q, *_ in rows:
+        assert q == pytest.approx(sum(a * moved_mm(end - 1 - t) for t, a in both), abs=0.01)
+
+
+def moved_mm(t: float) -> float:
+    """The planned position of the move, t seconds after its begin."""
+    t = min(max(t, 0.0), 0.3)
+    if t < 0.1:
+        return 300 * t * t
+    return 3 + 60 * (t - 0.1) if t < 0.2 else 12 - 300 * (0.3 - t) ** 2

@@ -24,7 +24,7 @@ STEPS = [16, 4, 40, 0]  # of the gaps
 
 
 def geared(spec=None, **filters):
-    return filtered(spec, **filters) | {"backlash": GAPS}
+    return filtered(spec, **filters, gaps=GAPS)
 
 
 def net(messages, target):
@@ -135,13 +135,13 @@ def test_motor_keeps_the_limits_of_its_axis_while_it_takes_up_a_gap():
 
 
 def test_positions_stay_where_the_gap_changes():
-    job = Job(load("i3").core_spec() | {"backlash": GAPS})
+    job = Job(load("i3").core_spec() | {"filters": {"gaps": GAPS}})
     job.feed(b"G1 X10 Y4 F6000\n")
     job.advance()
     job.flush()
     before = job.steppers()
-    job.set_backlash(0, 0.4, 2.0)
-    job.set_backlash(1, 0.0, 1.0)
+    job.set_filter("gaps", 0, [0.4, 2.0])
+    job.set_filter("gaps", 1, [0.0, 1.0])
     after = job.steppers()
     for row, was in zip(after, before, strict=True):
         assert (row["count"], row["expected_net"]) == (was["count"], was["expected_net"])
@@ -154,7 +154,7 @@ def test_positions_stay_where_the_gap_changes():
 
 
 def test_trigger_takes_up_the_gap_in_its_direction():
-    job = Job(load("i3").core_spec() | {"backlash": GAPS})
+    job = Job(load("i3").core_spec() | {"filters": {"gaps": GAPS}})
     job.feed(b"G1 X10 F6000\nG1 X9.5\n")
     job.advance()
     job.flush()

@@ -26,17 +26,28 @@ NONE: list[tuple[float, float]] = []
 
 
 def filtered(
-    spec=None, x=NONE, y=NONE, z=NONE, smooth=0.0, advance=0.0, box=0.0, knees=(), in_step=False
+    spec=None,
+    x=NONE,
+    y=NONE,
+    z=NONE,
+    smooth=0.0,
+    advance=0.0,
+    box=0.0,
+    knees=(),
+    in_step=False,
+    gaps=(),
 ):
     filters = {
         "shapers": [x, y, z],
         "smooth_s": [smooth / 2],
-        "advance_s": [advance],
         "box_s": box,
         "knees": [list(knees)],
         "shaped": [in_step],
+        "gaps": list(gaps),
     }
-    return (spec or machines.cartesian()) | {"filters": filters}
+    spec = spec or machines.cartesian()
+    extruders = [extruder | {"advance_s": advance} for extruder in spec["extruders"]]
+    return spec | {"extruders": extruders, "filters": filters}
 
 
 def mean_of(shaper):

@@ -39,13 +39,14 @@ static Machine machine(const std::string& kind, const GeometryParams& params, do
 static Machine filtered(Machine m, const char* name, double box_s) {
   Filters& f = m.filters;
   m.name = name;
-  f.shapers[0] = {{0.365, 0}, {0.407, 0.0075}, {0.228, 0.015}};
-  f.shapers[1] = {{0.58, 0}, {0.42, 0.01}};
-  f.shapers[2] = {{0.22, 0}, {0.28, 0.0108}, {0.26, 0.0206}, {0.165, 0.0301}, {0.075, 0.0397}};
-  f.smooth_s = {0.02};
-  f.knees = {{{1.0, 0.5}, {3.0, 0.1}}};
-  f.gaps[0] = {0.1, 1.5}, f.gaps[2] = {0.05, 0.5};
-  f.box_s = box_s;
+  f.set("shapers", 0, {0.365, 0, 0.407, 0.0075, 0.228, 0.015});
+  f.set("shapers", 1, {0.58, 0, 0.42, 0.01});
+  f.set("shapers", 2, {0.22, 0, 0.28, 0.0108, 0.26, 0.0206, 0.165, 0.0301, 0.075, 0.0397});
+  f.set("smooth_s", 0, {0.02});
+  f.set("knees", 0, {1.0, 0.5, 3.0, 0.1});
+  f.set("gaps", 0, {0.1, 1.5});
+  f.set("gaps", 2, {0.05, 0.5});
+  f.set("box_s", 0, {box_s});
   m.extruders[0].advance_s = 0.05;
   return m;
 }

@@ -305,6 +305,7 @@ class MachineConfig(Model):
                     "speed": extruder.speed_mm_s,
                     "accel": extruder.accel_mm_s2,
                     "jerk": extruder.jerk_mm_s,
+                    "advance_s": extruder.advance_s or 0.0,
                 }
                 for name, extruder in self.extruders.items()
             ],
@@ -316,7 +317,6 @@ class MachineConfig(Model):
             "steppers": self._steppers_spec(),
             "limits": self._limits_spec(),
             "filters": self._filters_spec(),
-            "backlash": [(mm, self.backlash.smooth_mm) for mm in self.gaps_mm.values()],
             "budgets": self._budgets_spec(),
             "laser": self._laser_spec(),
             "boards": 1 + len(self.boards),
@@ -418,12 +418,13 @@ class MachineConfig(Model):
         }
 
     def _filters_spec(self) -> dict[str, Any]:
+        """The settings of motion filters (core/machine/filters/) by name: for each axis or
+        extruder, or one for the machine."""
         shapers = [self.shaping.get(name) for name in "xyz"]
         extruders = self.extruders.values()
         return {
             "shapers": [impulses(s.type, s.frequency_hz, s.damping) if s else [] for s in shapers],
             "smooth_s": [half_smooth_s(self.path_limits, extruder) for extruder in extruders],
-            "advance_s": [extruder.advance_s or 0.0 for extruder in extruders],
             "knees": [
                 [(speed, advance / (extruder.advance_s or 1.0)) for speed, advance in knees]
                 for extruder in extruders
@@ -431,6 +432,7 @@ class MachineConfig(Model):
             ],
             "shaped": [extruder.shaped for extruder in extruders],
             "box_s": box_s(self.largest_accel_mm_s2, self.limits.jerk_mm_s3 or 0.0),
+            "gaps": [(mm, self.backlash.smooth_mm) for mm in self.gaps_mm.values()],
         }
 
     def _limits_spec(self) -> dict[str, Any]:

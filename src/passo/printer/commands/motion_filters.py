@@ -138,7 +138,8 @@ class MotionFilters:
             for axis, new in changed.items():
                 shapes = new.frequency_hz > 0
                 found = impulses(new.kind, new.frequency_hz, new.damping) if shapes else []
-                self._job.set_shaper(_AXES.index(axis), found)
+                numbers = [number for impulse in found for number in impulse]
+                self._job.set_filter("shapers", _AXES.index(axis), numbers)
 
         return WaitForMoves(apply)
 
@@ -176,7 +177,7 @@ class MotionFilters:
             limits = f"0 (no limit), or {least:.0f} to {MAX_JERK:g} mm/s³"
             _within("JERK", jerk, least, MAX_JERK, limits)
         self.jerk_mm_s3 = jerk
-        return WaitForMoves(lambda: self._job.set_jerk_box(self.box_s))
+        return WaitForMoves(lambda: self._job.set_filter("box_s", 0, [self.box_s]))
 
     def jerk_line(self) -> str:
         """SET_JERK_LIMIT with the current value."""
@@ -305,7 +306,7 @@ class MotionFilters:
         self._smooths[extruder] = True
 
         def apply() -> None:
-            self._job.set_smoothing(extruder, smooth / 2)
+            self._job.set_filter("smooth_s", extruder, [smooth / 2])
             self._job.set_advance(extruder, advance)
 
         return WaitForMoves(apply)
