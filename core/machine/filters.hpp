@@ -20,9 +20,9 @@ namespace passo {
 // plan and of the steps is then at one clock.
 class Filters {
  public:
-  // The filters, in the order in which they act. Filters that act on kernels have `apply(kernel,
-  // slot, extruder)`: of an axis, with extruder -1, or of the filament of an extruder, in slot kE
-  // or in the slot of the axis that it follows.
+  // The filters, in the order in which they act; only `set` changes them. Those that act on kernels
+  // have `apply(kernel, slot, extruder)`: of an axis, with extruder -1, or of the filament of an
+  // extruder, in slot kE or in the slot of the axis that it follows.
   InputShaper shaper;
   JerkLimit jerk;
   PressureAdvance advance;

@@ -91,7 +91,8 @@ bool Bounds::apply(Move& m, const Rules& rules) const {
     // Smoothed by a triangle of half width h, the advance adds A a to the filament's speed, and
     // A a / h to its acceleration, at most. Half of the speed is left for the speed itself.
     const Row& row = constraints.extruders[m.extruder];
-    const double part = std::fabs(delta[kE]) * inverse, h = machine_.filters.advance.half_s[m.extruder];
+    const double part = std::fabs(delta[kE]) * inverse,
+                 h = machine_.filters.advance.half_s[m.extruder];
     const double hardest =
         std::min(row.accel / (part * (1 + m.advance / h)), 0.5 * row.speed / (part * m.advance));
     if (a > hardest) a = hardest, accel_id = kAdvance;

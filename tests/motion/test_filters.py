@@ -128,6 +128,24 @@ def test_advanced_steps_are_those_of_the_oracle(smooth):
     executed.assert_within_bound(executed.executed_ticks(motion.take_messages(), 3), wanted)
 
 
+@pytest.mark.parametrize(
+    ("name", "index", "numbers", "reason"),
+    [
+        ("shaper", 0, [1.0, 0.0], "no motion filter has the setting shaper"),
+        ("shapers", 3, [1.0, 0.0], "no such axis or extruder"),
+        ("shapers", 0, [0.5, 0.0, 0.5], "each a weight and a time"),
+        ("shapers", 0, [0.125, 0.0] * 8, "5 impulses at most"),
+        ("gaps", 0, [2.0, 1.0], "no such gap"),
+        ("box_s", 0, [], "one number"),
+    ],
+)
+def test_refused_setting_of_a_filter_changes_nothing(name, index, numbers, reason):
+    job = Job(filtered(x=impulses("zv", 50.0, 0.1)))
+    with pytest.raises(ValueError, match=reason):
+        job.set_filter(name, index, numbers)
+    assert job.filters_delay_s == delay_of(impulses("zv", 50.0, 0.1)) / HZ
+
+
 BOX = 0.03
 
 
