@@ -140,10 +140,11 @@ def test_advanced_steps_are_those_of_the_oracle(smooth):
     ],
 )
 def test_refused_setting_of_a_filter_changes_nothing(name, index, numbers, reason):
-    job = Job(filtered(x=impulses("zv", 50.0, 0.1)))
+    shaper = impulses("zv", 50.0, 0.1)
+    job = Job(load("i3").core_spec() | {"filters": {"shapers": [shaper, [], []]}})
     with pytest.raises(ValueError, match=reason):
         job.set_filter(name, index, numbers)
-    assert job.filters_delay_s == delay_of(impulses("zv", 50.0, 0.1)) / HZ
+    assert job.filters_delay_s == delay_of(shaper) / HZ
 
 
 BOX = 0.03
