@@ -88,7 +88,9 @@ def test_i3_for_the_core() -> None:
         (0.0, 250.0, 12.0, 100.0, 0.4),
     ]
     assert spec["axes"][0]["cornering_steps"] == 40.0
-    assert spec["extruders"] == [{"name": "e", "speed": 100.0, "accel": 5000.0, "jerk": 1.0}]
+    assert spec["extruders"] == [
+        {"name": "e", "speed": 100.0, "accel": 5000.0, "jerk": 1.0, "advance_s": 0.0}
+    ]
     assert spec["tools"] == [{"extruder": 0, "offset": [0.0, 0.0, 0.0]}]
     assert spec["geometry"]["kind"] == "cartesian"
     assert spec["laser"] is None
