@@ -110,7 +110,7 @@ int main(int files, char** argv) {
       program);
   Machine short_of_commands = machine("cartesian", {}, 80, 300);
   short_of_commands.name = "short of commands";
-  short_of_commands.budget = {20000, 600, 40, true};
+  short_of_commands.budgets = {{20000, 600, 40, true}};
   run(short_of_commands, program);
   Machine bent = machine("delta", towers, 80, 600);
   bent.name = "above a bent bed";
