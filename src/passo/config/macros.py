@@ -11,7 +11,7 @@ from pydantic import Field
 
 from passo.config.types import CommandName, Model, VariableName
 
-MAX_LITERAL = 4096  # characters
+MAX_LITERAL = 65_536  # characters
 
 
 def literal(text: str) -> Any:
