@@ -329,6 +329,24 @@ void bind_job_motion(JobClass& job) {
           "Shifts all motion after the moves read so far. False if an end would be out of range, "
           "see error.")
       .def(
+          "shift_zero",
+          [](JobView& self, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            self.job.interpreter.shift_zero(axis, mm);
+          },
+          "axis"_a, "mm"_a,
+          "Moves the program's zero (X, Y, Z) without motion: the next move of the axis carries it "
+          "out.")
+      .def(
+          "keep_offset",
+          [](JobView& self, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            self.job.interpreter.keep_offset(axis, mm);
+          },
+          "axis"_a, "mm"_a,
+          "Whenever the axis (X, Y, Z) homes, the program's zero is `mm` further from that of the "
+          "axis. Calls add up. Now nothing changes.")
+      .def(
           "absorb_shift",
           [](JobView& self, int axis, double mm) {
             if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");

@@ -147,6 +147,9 @@ class Interpreter {
   // A shift of `mm` is part of the axis' own zero from now on: what the program means by each of
   // its coordinates is lower by `mm` along slot j. `position` stays.
   void absorb_shift(int j, double mm);
+  // Whenever the axis of slot j (X, Y or Z) homes, the program's zero is `mm` further from that of
+  // the axis.
+  void keep_offset(int j, double mm) { offset_[j] += mm; }
   // There is no room for a hop of `mm`: removes it from the last move taken and from the rest of
   // its line.
   void drop_hop(double mm);
@@ -282,6 +285,7 @@ class Interpreter {
 
   double position_[kAxes] = {};  // see position()
   double origin_[kAxes] = {};    // machine position of the program's zero
+  double offset_[3] = {};        // the same after homing, without a tool's offset
   double due_[kAxes] = {};       // see offset_due(); 0 beyond Z
   bool any_due_ = false;
   struct {

@@ -95,6 +95,7 @@ void Interpreter::resume(const Interpreter& before) {
   volumetric_ = mine.volumetric_;
   change_ = std::move(mine.change_);
   std::copy(std::begin(mine.homed_), std::end(mine.homed_), homed_);
+  std::copy(std::begin(mine.offset_), std::end(mine.offset_), offset_);
   clamp = mine.clamp;
   ignore_tools = mine.ignore_tools;
   auto_retract_ = mine.auto_retract_;
@@ -133,7 +134,9 @@ void Interpreter::set_axis(int j, double position, bool homed) {
   position_[j] = position;
   if (homed) homed_[j] = position;
   gap_[j] = 0;
-  if (j < 3) origin_[j] = -tool_offset(j), owe(j, 0);
+  if (j >= 3) return;
+  origin_[j] = (homed ? offset_[j] : 0) - tool_offset(j);
+  owe(j, 0);
 }
 
 void Interpreter::home(const std::string& letters) {
@@ -148,7 +151,7 @@ void Interpreter::home(const std::string& letters) {
     position_[j] = homed_[j] = home_[i];
     gap_[j] = 0;
     cut_ &= uint8_t(~(1u << j));
-    origin_[j] = j < 3 ? -tool_offset(j) : 0;
+    origin_[j] = j < 3 ? offset_[j] - tool_offset(j) : 0;
     owe(j, 0);
     double c[3];
     if (j == kZ || !machine_->geometry->linear(kZ, c)) hop_ = 0;  // all arms home together

@@ -2103,6 +2103,16 @@ class Job:
         Shifts all motion after the moves read so far. False if an end would be out of range, see error.
         """
 
+    def shift_zero(self, axis: int, mm: float) -> None:
+        """
+        Moves the program's zero (X, Y, Z) without motion: the next move of the axis carries it out.
+        """
+
+    def keep_offset(self, axis: int, mm: float) -> None:
+        """
+        Whenever the axis (X, Y, Z) homes, the program's zero is `mm` further from that of the axis. Calls add up. Now nothing changes.
+        """
+
     def absorb_shift(self, axis: int, mm: float) -> None:
         """
         Earlier shifts of `mm` are part of the height map or of the axis' zero from now on. Call it at standstill, after stand_at or set_height_map: no coordinate of the program changes, and suspended moves end where they did.

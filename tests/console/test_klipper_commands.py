@@ -62,6 +62,56 @@ def test_babysteps_survive_a_restored_state():
         assert s.printer.job.machine_position[2] == pytest.approx(10.02)
 
 
+def test_gcode_offset_stays_when_axes_home():
+    """As in Klipper, also an offset that is set before. Babysteps of M290 end, as in Marlin."""
+    with Scenario("i3") as s:
+        send(s, "SET_GCODE_OFFSET Z=0.2 X=1", "SET_GCODE_OFFSET Z_ADJUST=-0.05", "G28")
+        assert s.printer.offsets.babysteps_mm == {"x": 1.0, "y": 0.0, "z": pytest.approx(0.15)}
+        send(s, "M290 Z0.3", "G28 Z", "G1 X20 Z10 F6000", "M400")
+        assert position(s).startswith("X:20.000 Y:0.000 Z:10.000")
+        assert s.printer.job.machine_position[0] == pytest.approx(21)
+        assert s.printer.job.machine_position[2] == pytest.approx(10.15)
+        send(s, "SET_GCODE_OFFSET Z=0", "G28", "G1 Z10 F600", "M400")
+        assert s.printer.job.machine_position[2] == pytest.approx(10)
+
+
+def test_gcode_offset_that_became_part_of_z_ends():
+    with Scenario("i3") as s:
+        send(s, "G28", "G1 Z10 F600", "SET_GCODE_OFFSET Z=0.1", "Z_OFFSET_APPLY_ENDSTOP")
+        assert s.printer.offsets.babysteps_mm["z"] == 0
+        send(s, "G28", "G1 Z10 F600", "M400")
+        assert s.printer.job.machine_position[2] == pytest.approx(10)
+        s.host.ok("SET_GCODE_OFFSET Z=0.1")
+        s.host.send("M112").expect("Printer halted")
+        s.host.ok("M999")
+        send(s, "G28", "G1 Z10 F600", "M400")
+        assert s.printer.job.machine_position[2] == pytest.approx(10)
+
+
+def test_gcode_offset_at_a_limit_acts_on_the_next_move():
+    """Nothing moves below the end of Z, where the machine is after G28."""
+    with Scenario("i3") as s:
+        send(s, "G28", "SET_GCODE_OFFSET Z=-0.1", "M400")
+        assert s.printer.job.machine_position[2] == pytest.approx(0)
+        assert s.printer.offsets.babysteps_mm["z"] == pytest.approx(-0.1)
+        send(s, "G1 Z10 F600", "M400")
+        assert s.printer.job.machine_position[2] == pytest.approx(9.9)
+        assert "at most 2 mm" in s.host.ok("SET_GCODE_OFFSET Z=-3")[0]
+
+
+def test_gcode_offset_of_a_file_stays_when_axes_home(tmp_path):
+    file = tmp_path / "a.gcode"
+    lines = ["SET_GCODE_OFFSET Z=-0.2", "G28", "SET_GCODE_OFFSET Z_ADJUST=0.5", "G28 Z", "G1 Z10"]
+    file.write_text("\n".join(lines) + "\n")
+    machine = passo.Machine.load("i3")
+    assert machine.print(str(file)).final_position_mm["z"] == pytest.approx(10.3)
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M23 a.gcode")
+        s.host.ok("M24")
+        s.host.expect("Done printing file", 120)
+        assert s.printer.job.machine_position[2] == pytest.approx(10.3)
+
+
 def test_heaters_and_fans_are_set_by_klippers_names():
     with Scenario("i3") as s:
         s.host.ok('SET_HEATER_TEMPERATURE HEATER="extruder" TARGET=200')

@@ -324,7 +324,7 @@ class Printer:
         self.manual_probe.begin()
         self.homer.begin()
         self.dispatch.begin()
-        self.offsets.homed("xyz")
+        self.offsets.restarted()
         self.endstops.begin()
         state.restarted()
         for line in lines:

@@ -99,7 +99,8 @@ class RehearsedCommands(Commands):
         numbers = [number for number, name in enumerate(self._axes) if name in names]
         if "O" in wait.letters:
             lost = [number for number in self._job.locked_axes if number in numbers]
-            self._job.set_axes([(number, point[self._axes[number]]) for number in lost])
+            places = [(number, point[self._axes[number]]) for number in lost]
+            self._job.set_axes(places, homed=True)
             if lost and wait.letters == "O":
                 self.flow.homed()
             return

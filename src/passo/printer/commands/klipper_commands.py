@@ -44,9 +44,9 @@ class KlipperCommands:
     """Translates the Klipper commands of one job."""
 
     def __init__(
-        self, machine: MachineConfig, job: _core.Job, babysteps_mm: Mapping[str, float]
+        self, machine: MachineConfig, job: _core.Job, babysteps_mm: dict[str, float]
     ) -> None:
-        """`babysteps_mm` are those of the program so far."""
+        """`babysteps_mm` are those of the program so far; SET_GCODE_OFFSET changes them."""
         self._machine, self._job, self._babysteps_mm = machine, job, babysteps_mm
         self._saved: dict[str, _Saved] = {}
 
@@ -112,8 +112,14 @@ class KlipperCommands:
 
     @in_program("SET_GCODE_OFFSET")
     def _shift(self, command: Command, _: Reply) -> None:
-        if line := babystep_line(offset_steps(command, self._babysteps_mm)):
-            self._become([line])
+        steps = offset_steps(command, self._babysteps_mm)
+        job = self._job
+        for slot, (name, mm) in enumerate(steps.items()):
+            self._babysteps_mm[name] += mm
+            job.keep_offset(slot, mm)
+            homed = slot not in job.locked_axes
+            if mm and homed and not job.shift(slot, mm):
+                job.shift_zero(slot, mm)  # at a limit, where the next move may lead away
 
     # -- heaters, fans, tools ---------------------------------------------------------------------
 
@@ -275,12 +281,6 @@ def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, fl
             by = number(words, name.upper()) - done_mm[name]
         found[name] = by
     return found
-
-
-def babystep_line(steps_mm: Mapping[str, float]) -> str:
-    """M290 with these babysteps, mm by axis; empty if there are none."""
-    words = [f"{name.upper()}{numeral(mm)}" for name, mm in steps_mm.items() if mm]
-    return f"M290 {' '.join(words)}" if words else ""
 
 
 def heater_named(machine: MachineConfig, words: Mapping[str, str], key: str) -> str:

@@ -171,7 +171,7 @@ class ProbeOffsetCommands:
         self.set_offsets({"Z": -round(before - by, 6)}, faded=True)
         # Z of the machine has changed with the zero or the correction; that of the program stays.
         job.absorb_shift(Z, z - job.machine_position[Z])
-        self._offsets.babysteps_mm["z"] = 0.0
+        job.keep_offset(Z, self._offsets.absorbed("z"))
         after = self._prober.trigger_height_mm
         reply.say(f"// z_offset: {before:.3f} -> {after:.3f}")
         held = "the zero of Z" if self._homes_z else "the correction of the bed"

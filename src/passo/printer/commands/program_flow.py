@@ -40,9 +40,14 @@ def babysteps(command: Command) -> list[tuple[int, float]]:
     words.setdefault("Z", words.get("S", 0.0))
     found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
     for i, mm in found:
-        if abs(mm) > _BABYSTEP_MM:
-            raise CommandError.bad_value("XYZ"[i], mm, f"at most {_BABYSTEP_MM:g} mm")
+        require_babystep("XYZ"[i], mm)
     return found
+
+
+def require_babystep(letter: str, mm: float) -> None:
+    """Raises CommandError for a distance that is too long for one babystep."""
+    if abs(mm) > _BABYSTEP_MM:
+        raise CommandError.bad_value(letter, mm, f"at most {_BABYSTEP_MM:g} mm")
 
 
 class ProgramFlow:

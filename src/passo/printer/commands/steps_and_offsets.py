@@ -15,8 +15,8 @@ from passo.motion.axis_slots import Z
 from passo.motion.homing import Homer
 from passo.motion.offsets import Offsets
 from passo.printer.commands.extruder_words import extruder_of, with_extruders
-from passo.printer.commands.klipper_commands import babystep_line, offset_steps
-from passo.printer.commands.program_flow import babysteps
+from passo.printer.commands.klipper_commands import offset_steps
+from passo.printer.commands.program_flow import babysteps, require_babystep
 from passo.printer.live_rig import LiveRig
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
@@ -299,13 +299,23 @@ class MotionCommands:
         while_halted=False,
     )
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
+        self._require_no_homing(command)
+        for axis, mm in babysteps(command):
+            self._shift(axis, mm)
+        return None
+
+    def _require_no_homing(self, command: Command) -> None:
         if self._homer.active:
             raise CommandError.of("input.homing", axis=command.code)
-        for axis, mm in babysteps(command):
-            if not self._rig.queue.shift(axis, mm):
+
+    def _shift(self, axis: int, mm: float, *, at_rest: bool = False) -> None:
+        """Shifts all moves that are not done yet. `at_rest`: if that is beyond a limit, only later
+        moves. Raises CommandError."""
+        if not self._rig.queue.shift(axis, mm):
+            if not at_rest:
                 raise CommandError([self._rig.commands.problem()])
-            self.offsets.babysteps_mm["xyz"[axis]] += mm
-        return None
+            self._rig.job.shift_zero(axis, mm)
+        self.offsets.babysteps_mm["xyz"[axis]] += mm
 
     @command(
         "SET_GCODE_OFFSET",
@@ -313,13 +323,25 @@ class MotionCommands:
         When.IMMEDIATE,
         "X Y Z X_ADJUST Y_ADJUST Z_ADJUST (mm)",
         "Shifts all moves that are not done yet, as M290: X, Y and Z to this offset, the others by"
-        " so much. MOVE has no meaning: the shift is a motion of its own.",
+        " so much. The offset stays when the axis homes, and can be set before. MOVE has no"
+        " meaning: the shift is a motion of its own.",
         bare=None,
         while_halted=False,
     )
-    def _offset(self, command: Command, reply: Reply) -> Wait | None:
-        line = babystep_line(offset_steps(command, self.offsets.babysteps_mm))
-        return self._babystep(Command(command.line, "M", 290, 0, "", line[5:]), reply)
+    def _offset(self, command: Command, _: Reply) -> Wait | None:
+        self._require_no_homing(command)
+        job, offsets = self._rig.job, self.offsets
+        lost = job.locked_axes
+        done_mm = {
+            name: offsets.kept_mm[name] if slot in lost else mm
+            for slot, (name, mm) in enumerate(offsets.babysteps_mm.items())
+        }
+        steps = offset_steps(command, done_mm)
+        for slot, (name, mm) in enumerate(steps.items()):
+            if mm and slot not in lost:
+                require_babystep("XYZ"[slot], mm)
+                self._shift(slot, mm, at_rest=self._rig.queue.idle and not job.suspended)
+            job.keep_offset(slot, offsets.keep(name, done_mm[name] + mm))
 
     @in_program("M290", "SET_GCODE_OFFSET")
     def _babystep_in_place(self, command: Command, reply: Reply) -> Wait | None:
@@ -354,7 +376,7 @@ class MotionCommands:
         job.stand_at([(Z, job.machine_position[Z] - by)])
         job.absorb_shift(Z, by)
         self._homer.offset_mm["z"] = after
-        self.offsets.babysteps_mm["z"] = 0.0
+        job.keep_offset(Z, self.offsets.absorbed("z"))
         reply.say(f"// M206 Z: {before:.3f} -> {after:.3f}. M500 or SAVE_CONFIG stores it")
 
 
