@@ -18,8 +18,8 @@ from passo.geometry.base import Point, Unreachable
 from passo.motion.axis_slots import slot_of_axis
 from passo.motion.homing import Homer
 from passo.motion.rig import Rig
-from passo.motion.set_position import place_of_axes
 from passo.motion.triggered_moves import TriggeredMoves
+from passo.printer.commands.kinematic_position import positions
 from passo.printer.commands.klipper_commands import number
 from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
@@ -128,26 +128,19 @@ class MotorMoves:
         When.EXCLUSIVE,
         "X Y Z (mm) SET_HOMED CLEAR_HOMED (axes)",
         "Sets the positions of axes in the machine, which count as homed then, without a move; with"
-        " SET_HOMED only the axes in its list. CLEAR_HOMED takes that from axes.",
+        " SET_HOMED only the axes in its list. CLEAR_HOMED takes that from axes. A print sets only"
+        " axes that are not homed.",
         kind=Kind.SERVED,
         bare=None,
     )
     def _set_position(self, command: Command, _: Reply) -> Wait | None:
-        pairs, at = command.pairs(), self._rig.job.machine_position
-        given = [axis for axis in "XYZ" if axis in pairs]
-        if not given and "CLEAR_HOMED" not in pairs:
-            given = list("XYZ")
-        text = " ".join(f"{axis}{number(pairs, axis, at['XYZ'.index(axis)]):.9f}" for axis in given)
-        places = place_of_axes(
-            Command(command.line, "G", 92, 0, "", text), self._machine, self._rig.job
-        )
-        homed = pairs.get("SET_HOMED", "xyz").lower()
-        lost = {a for a in pairs.get("CLEAR_HOMED", "").lower() if a in "xyz"}
-        lost |= {axis.lower() for axis in given if axis.lower() not in homed}
-        self._require_no_print(command)
+        job = self._rig.job
+        places, lost, touches_homed = positions(command, self._machine, job)
+        if touches_homed:
+            self._require_no_print(command)
 
         def place() -> None:
-            self._rig.job.set_axes(list(places.items()))
+            job.set_axes(list(places.items()))
             self._rig.lock(sorted(lost))
 
         return WaitForMoves(place)

@@ -14,6 +14,7 @@ from passo.gcode.registry import ANY, Subject, When, command, in_program
 from passo.motion.axis_slots import SLOTS
 from passo.motion.predefined_moves import named, not_made, target_of
 from passo.motion.set_position import place_of_actuators, place_of_axes
+from passo.printer.commands.kinematic_position import positions
 from passo.printer.input_errors import problem_of
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
 from passo.printer.wait_requests import Reply, Stop, Wait, WaitForHoming, WaitForMoves
@@ -112,6 +113,15 @@ class ProgramFlow:
             return None
         places = place_of_actuators(command, self._machine, self._job)
         return self._placed(places) if places else None
+
+    @in_program("SET_KINEMATIC_POSITION")
+    def _set_kinematic_position(self, command: Command, _: Reply) -> Wait:
+        """Positions of axes that are not homed, as macros set them to raise a nozzle before
+        homing."""
+        places, _lost, touches_homed = positions(command, self._machine, self._job)
+        if touches_homed:
+            raise CommandError.of("motors.print", axis=command.code)
+        return self._placed(places)
 
     def _placed(self, places: dict[int, float]) -> Wait:
         """Sets positions at standstill, because a plan in progress cannot be replanned with

@@ -1,0 +1,37 @@
+"""SET_KINEMATIC_POSITION: its parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from passo.gcode.command import Command
+from passo.motion.set_position import place_of_axes
+from passo.printer.commands.klipper_commands import number
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+
+
+class Positions(NamedTuple):
+    """The new positions, mm by axis number, and the names of the axes that do not count as homed
+    then. `touches_homed`: an axis that is homed now is among them."""
+
+    places: dict[int, float]
+    lost: set[str]
+    touches_homed: bool
+
+
+def positions(command: Command, machine: MachineConfig, job: _core.Job) -> Positions:
+    """What the command sets. Raises CommandError."""
+    pairs, at = command.pairs(), job.machine_position
+    given = [axis for axis in "XYZ" if axis in pairs]
+    if not given and "CLEAR_HOMED" not in pairs:
+        given = list("XYZ")
+    text = " ".join(f"{axis}{number(pairs, axis, at['XYZ'.index(axis)]):.9f}" for axis in given)
+    places = place_of_axes(Command(command.line, "G", 92, 0, "", text), machine, job)
+    homed = pairs.get("SET_HOMED", "xyz").lower()
+    lost = {a for a in pairs.get("CLEAR_HOMED", "").lower() if a in "xyz"}
+    lost |= {axis.lower() for axis in given if axis.lower() not in homed}
+    touched = set(places) | {"xyz".index(name) for name in lost}
+    return Positions(places, lost, bool(touched - set(job.locked_axes)))
