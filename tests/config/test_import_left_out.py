@@ -226,3 +226,47 @@ def test_axis_without_the_place_of_its_endstop_does_not_home(load) -> None:
     assert "position_endstop is not in the file: G28 does not move this axis" in "\n".join(
         remarks(draft, "decide")
     )
+
+
+READERS = """
+[gcode_macro READ]
+gcode:
+  {% if printer["output_pin lock"].value and printer.motors_sync.applied %}
+  {% endif %}
+  {% set current = printer.configfile.settings["tmc5160 stepper_x"].run_current %}
+  SET_FAN_SPEED FAN=both SPEED=1
+[output_pin lock]
+pin: PC9
+value: 1
+[motors_sync]
+axes: x,y
+[tmc5160 stepper_x]
+cs_pin: PC9
+spi_bus: spi1
+run_current: 0.8
+[fan_generic both]
+pin: multi_pin:both
+[servo arm]
+pin: PC9
+[idle_timeout]
+gcode: PARK
+[virtual_sdcard]
+path: ~/gcodes
+on_error_gcode: CANCEL
+"""
+
+
+def test_parts_that_macros_name_are_kept_for_them(load) -> None:
+    draft, machine = load(more=READERS)
+    assert {name: dict(options) for name, options in machine.klipper.items()} == {
+        "output_pin lock": {"pin": "PC9", "value": "1"},
+        "motors_sync": {"axes": "x,y"},
+        "tmc5160 stepper_x": {"cs_pin": "PC9", "spi_bus": "spi1", "run_current": "0.8"},
+        "fan_generic both": {"pin": "multi_pin:both"},
+        "idle_timeout": {"gcode": "PARK"},
+        "virtual_sdcard": {"path": "~/gcodes", "on_error_gcode": "CANCEL"},
+        **{name: machine.klipper[name] for name in ("extruder",)},
+    }
+    dropped = "\n".join(remarks(draft, "dropped"))
+    assert "of output_pin lock macros read the value that SET_PIN has given it" in dropped
+    assert "of motors_sync macros read its settings and no state" in dropped

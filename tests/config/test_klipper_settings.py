@@ -8,6 +8,7 @@ from passo import config
 from passo.config.exporting.settings import Sections, typed
 from passo.config.klipper_options import option_of
 from passo.config.load import shipped_machines
+from passo.config.notes import notes
 from passo.errors import ConfigError
 
 MACHINES = shipped_machines()
@@ -109,9 +110,44 @@ def test_kept_options_are_read_by_macros_and_exported():
     [
         ('[klipper.extruder]\nnozzle_diameter = "wide"', "'wide': expected a number"),
         ('[klipper.extruder]\ncolour = "red"', "expected an option that Klipper has in [extruder]"),
-        ('[klipper.toaster]\na = "1"', "expected a section of Klipper: mcu, printer"),
+        ('[klipper.""]\na = "1"', "expected the name of a section of Klipper"),
     ],
 )
 def test_kept_options_that_macros_cannot_read_are_errors(kept, told):
     with pytest.raises(ConfigError, match=re.escape(told)):
         config.load_text(f"{config.shipped_text('i3')}{kept}\n", "mine.toml")
+
+
+LEFT_OUT = """
+[klipper."output_pin Lamp"]
+value = "0.5"
+[klipper."filament_switch_sensor roll"]
+switch_pin = "PA1"
+[klipper."tmc2240 stepper_x"]
+run_current = "0.8"
+[klipper.motors_sync]
+axes = "x,y"
+[klipper.heater_bed]
+smooth_time = "2"
+"""
+
+
+def test_parts_that_are_left_out_keep_their_settings_for_macros():
+    machine = config.load_text(config.shipped_text("i3") + LEFT_OUT, "mine.toml")
+    sections = Sections(machine)
+    assert [*sections.left_out] == [
+        "output_pin Lamp",
+        "filament_switch_sensor roll",
+        "tmc2240 stepper_x",
+        "motors_sync",
+    ]
+    assert sections.settings["output_pin lamp"]["value"] == 0.5
+    assert sections.settings["filament_switch_sensor roll"]["pause_on_runout"] is True
+    assert sections.settings["tmc2240 stepper_x"]["rref"] == 12000.0
+    assert sections.settings["motors_sync"] == {"axes": "x,y"}
+    told = [note for note in notes(machine) if "does not drive this part" in note]
+    assert [note.partition(" macros read ")[2].partition(",")[0] for note in told] == [
+        "the value that SET_PIN has given it",
+        "that there is filament",
+        "its settings and no state",
+    ]

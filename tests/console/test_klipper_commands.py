@@ -4,6 +4,8 @@ import pytest
 from tests.support.scenario import Scenario
 
 import passo
+from passo import config
+from passo.config.part_names import found_name
 
 
 def send(s, *lines):
@@ -125,6 +127,21 @@ def test_heaters_and_fans_are_set_by_klippers_names():
         assert s.printer.commands.outputs.fans == {"part": 0.5}
         send(s, "TURN_OFF_HEATERS", "M400")
         assert [heater.target for heater in heaters.values()] == [0.0, 0.0]
+
+
+def test_parts_are_found_by_the_names_of_a_printer_cfg():
+    """Klipper's whole name of a heater, and blanks where names of parts have _."""
+    assert found_name(["heater_fan Hotend_Fan", "fan"], "heater_fan hotend fan") is not None
+    assert found_name(["a_b", "a-b"], "A b") == "a_b"
+    assert found_name(["a_b", "A_B"], "a b") is None
+    chamber = (
+        config.shipped_text("i3")
+        .replace("[heaters.bed]", "[heaters.box]")
+        .replace('kind = "bed"', 'kind = "chamber"')
+    )
+    with Scenario(config.load_text(chamber, "i3.toml")) as s:
+        send(s, 'SET_HEATER_TEMPERATURE HEATER="heater_generic box" TARGET=40', "M400")
+        assert s.printer.connection.heaters["box"].target == 40
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 from tests.support.macro_machine import macro, with_macros
 from tests.support.scenario import Scenario
 
-from passo.errors import InputError
+from passo.errors import InputError, MachineError
 from passo.job.batch.estimate import estimate
 from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
@@ -135,3 +135,69 @@ def test_a_print_follows_the_delayed_gcode_of_the_start(tmp_path):
         s.passes(10)
         printed(s, "a.g")
         assert s.positions()["x"] == 30
+
+
+KEPT = """
+[klipper."output_pin lock"]
+[klipper."filament_switch_sensor roll"]
+[klipper."fan_generic Bed Fans"]
+[klipper."heater_generic box"]
+[klipper.motors_sync]
+"""
+READS = macro(
+    "READ",
+    "{% set fan = printer['fan_generic bed_fans'].speed %}"
+    "{% if not printer.motors_sync.applied %}"
+    "G1 X{printer['output_pin lock'].value + 10 * fan}"
+    " Y{printer['filament_switch_sensor roll'].filament_detected|int + 4 *"
+    " printer['filament_switch_sensor roll'].enabled|int}{% endif %}",
+)
+SETS = "SET_PIN PIN=lock VALUE=20\nSET_FAN_SPEED FAN='bed fans' SPEED=0.5\n"
+SETS += "SET_FILAMENT_SENSOR SENSOR=Roll ENABLE=0\nSET_HEATER_TEMPERATURE HEATER=box TARGET=0\n"
+
+
+def test_macros_go_on_with_parts_that_are_left_out(tmp_path):
+    """The same in a print from the card; a heater that is missing never gets a target."""
+    path = tmp_path / "a.g"
+    path.write_text(f"G28\nREAD\n{SETS}READ\n")
+    machine = with_macros(READS + KEPT)
+    result = Print(machine, Policy(checked=True)).run(path)
+    assert result.final_position_mm["x"] == pytest.approx(25)
+    assert result.final_position_mm["y"] == pytest.approx(1)
+    told = "\n".join(result.warnings)
+    assert all(f"{code} does nothing here" in told for code in ("SET_PIN", "SET_FAN_SPEED"))
+    with Scenario(machine, card=str(tmp_path)) as s:
+        printed(s, "a.g")
+        assert (s.positions()["x"], s.positions()["y"]) == (25, 1)
+    path.write_text("SET_HEATER_TEMPERATURE HEATER=box TARGET=50\n")
+    with pytest.raises(InputError, match="HEATER is box: expected"):
+        Print(machine, Policy(checked=True)).run(path)
+
+
+def test_a_print_without_console_has_the_objects_of_the_probe(tmp_path):
+    path = tmp_path / "a.g"
+    go = "G1 X{printer.probe.last_query|int + 7} Y{printer.bed_mesh.profile_name|length}"
+    path.write_text("G28\nGO\n")
+    machine = with_macros(macro("GO", go), machine="i3-probe")
+    assert Print(machine, Policy()).run(path).final_position_mm["x"] == 7
+
+
+def test_an_emergency_stop_of_a_macro_says_its_reason(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text("G28\nHALT\n")
+    machine = with_macros(macro("HALT", "{ action_emergency_stop('no [save_variables]') }"))
+    with pytest.raises(MachineError, match=r"a\.g:2: macro HALT stops the printer: no \[save_var"):
+        Print(machine, Policy(checked=True)).run(path)
+
+
+def test_a_print_may_place_an_axis_that_is_not_homed(tmp_path):
+    """Macros raise the nozzle so before they home."""
+    path = tmp_path / "a.g"
+    path.write_text("SET_KINEMATIC_POSITION Z=0\nG1 Z10 F600\nG28\n")
+    result = Print(with_macros(""), Policy(checked=True)).run(path)
+    assert result.steps["z"] > 0
+    with Scenario("i3", card=str(tmp_path)) as s:
+        assert "Done printing file" in printed(s, "a.g")
+    path.write_text("G28\nSET_KINEMATIC_POSITION Z=0\n")
+    with pytest.raises(InputError, match="not allowed while a print is running"):
+        Print(with_macros(""), Policy(checked=True)).run(path)

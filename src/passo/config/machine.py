@@ -128,7 +128,9 @@ class MachineConfig(Model):
     klipper: dict[str, dict[str, str]] = {}
     """Options of Klipper's printer.cfg that have no key here, by section, for macros that read them
     in printer.configfile: `[klipper.extruder]` with `nozzle_diameter = "0.6"`. They change nothing
-    else. Values of the machine win."""
+    else. Values of the machine win. For a section of a part that Passo does not drive, such as
+    `[klipper."output_pin light"]`, macros also read a state, which `passo check` lists; SET_PIN and
+    SET_FILAMENT_SENSOR set it."""
     board: Board
     """The main board. Print time is its clock."""
     boards: dict[PartName, Board] = {}

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 from passo.config.advance import smoothing_note
 from passo.config.board_files import known_pins
+from passo.config.exporting.settings import Sections
 from passo.config.findings import key_text
 from passo.config.heat import AMBIENT_C
 from passo.config.heater_numbers import number_of
 from passo.config.jerk import box_s, right_angle_mm
+from passo.config.klipper_options.left_out import sentences
 from passo.config.klippers_firmware import NAME
 from passo.config.pin_names import section
 from passo.config.shapers import impulses
@@ -60,6 +62,8 @@ def notes(machine: MachineConfig) -> Iterator[str]:
         yield _jerk_note(machine, machine.limits.jerk_mm_s3)
     for board in machine.all_boards.values():
         yield from board.notes
+    for sentence in sentences(Sections(machine).left_out) if machine.klipper else ():
+        yield f"{sentence}, because Passo does not drive this part (table klipper)"
 
 
 def _queue_note(board: str, moves: int) -> str:

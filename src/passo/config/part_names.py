@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Iterable
+
+
+def part_name(name: str) -> str:
+    """The name of a part in its own case, with _ in place of other characters than letters, digits,
+    - and _."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", name).lstrip("-") or "part"
 
 
 def found_name(known: Iterable[str], written: str) -> str | None:
-    """The known name that is written here. The same case wins; else the only name that differs in
-    case alone. None without such a name."""
+    """The known name that is written here. The same name wins; else the only one that differs in
+    case alone; else the only one that differs in case and in the characters that names of parts do
+    not have, such as blanks. None without such a name."""
     names = list(known)
     if written in names:
         return written
-    folded = written.casefold()
-    same = [name for name in names if name.casefold() == folded]
-    return same[0] if len(same) == 1 else None
+    alike: tuple[Callable[[str], str], ...] = (
+        str.casefold,
+        lambda name: part_name(name).casefold(),
+    )
+    for form in alike:
+        wanted = form(written)
+        same = [name for name in names if form(name) == wanted]
+        if same:
+            return same[0] if len(same) == 1 else None
+    return None

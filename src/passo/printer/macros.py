@@ -16,6 +16,7 @@ from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Subject, When, command
 from passo.printer.klipper.objects import Object, Objects, objects
+from passo.printer.stand_ins import StandIns
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -72,6 +73,7 @@ class Macros:
     def __init__(self, machine: MachineConfig) -> None:
         self._machine, self._sections = machine, Sections(machine)
         self._names = machine.macro_names
+        self.stand_ins = StandIns(self._sections)
         self.status: Callable[[], Status] | None = None
         self.variables: dict[str, dict[str, Any]] = {
             name: macro.values() for name, macro in machine.macros.items()
@@ -229,6 +231,7 @@ class Macros:
     def _tree(self, status: Status) -> PrinterTree:
         found = objects(self._machine, self._sections, status, deepcopy(self.variables))
         saved = deepcopy(self.saved)
+        found = self.stand_ins.objects | found
         return PrinterTree(found | {"save_variables": lambda: {"variables": saved}})
 
 

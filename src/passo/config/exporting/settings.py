@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.exporting.klipper import sections_of
 from passo.config.klipper_options import OPTIONS, kind_of, option_of
+from passo.config.part_names import found_name
 
 if TYPE_CHECKING:
     from passo.config.klipper_options.option import Value
@@ -25,9 +26,22 @@ class Sections:
         self._machine = machine
 
     @cached_property
+    def _own(self) -> dict[str, dict[str, str]]:
+        """The sections of the parts that Passo drives."""
+        return sections_of(self._machine)
+
+    @cached_property
+    def left_out(self) -> dict[str, dict[str, str]]:
+        """The sections of parts that Passo does not drive, which the machine file keeps for
+        macros."""
+        kept = self._machine.klipper
+        return {name: kept[name] for name in kept if found_name(self._own, name) is None}
+
+    @cached_property
     def texts(self) -> dict[str, dict[str, str]]:
-        """The options as written, by section: the machine's own values."""
-        written = sections_of(self._machine)
+        """The options as written, by section: the machine's own values, and those that its file
+        keeps."""
+        written = self._own | self.left_out
         return {
             section: {name.lower(): _stripped(value) for name, value in options.items()}
             for section, options in written.items()

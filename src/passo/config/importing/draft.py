@@ -52,12 +52,6 @@ def bad(place: Place, key: str, value: str, limit: str) -> ConfigError:
     return ConfigError.of("config.value", place.file, place.line, key=key, value=value, limit=limit)
 
 
-def part_name(name: str) -> str:
-    """The name of a part in its own case, with _ in place of other characters than letters, digits,
-    - and _."""
-    return re.sub(r"[^A-Za-z0-9_-]+", "_", name).lstrip("-") or "part"
-
-
 def plain_name(name: str) -> str:
     """A name of lower-case letters, digits, - and _."""
     plain = re.sub(r"[^a-z0-9_-]+", "_", name.lower()).strip("_") or "part"

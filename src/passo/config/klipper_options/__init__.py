@@ -11,13 +11,14 @@ from passo.config.klipper_options.commands import COMMANDS
 from passo.config.klipper_options.drivers import DRIVERS
 from passo.config.klipper_options.heat import HEAT
 from passo.config.klipper_options.motion import MOTION
+from passo.config.klipper_options.outputs import OUTPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from passo.config.klipper_options.option import Option, Options
 
-OPTIONS: Mapping[str, Options] = {**MOTION, **DRIVERS, **HEAT, **BED, **COMMANDS}
+OPTIONS: Mapping[str, Options] = {**MOTION, **DRIVERS, **HEAT, **BED, **OUTPUTS, **COMMANDS}
 """The options by the kind of section."""
 
 

@@ -13,10 +13,12 @@ def check_kept_options(data: Mapping[str, Any]) -> Iterator[Finding]:
     """Checks the table `klipper` of a machine file: names of sections and options, and values that
     macros can read."""
     for section, options in tables(data, "klipper"):
-        if not section.strip() or kind_of(section) not in OPTIONS:
-            limit = f"a section of Klipper: {', '.join(OPTIONS)}"
+        if not section.strip():
+            limit = "the name of a section of Klipper"
             yield Finding("config.value", ("klipper", section), section, limit)
             continue
+        if kind_of(section) not in OPTIONS:
+            continue  # of a plug-in
         for name, value in options.items():
             path = ("klipper", section, name)
             row = option_of(section, name)

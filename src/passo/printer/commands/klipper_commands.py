@@ -14,10 +14,13 @@ from passo.config.part_names import found_name
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
 from passo.gcode.registry import Subject, When, command, in_program
+from passo.printer.stand_ins import FANS, HEATERS
+from passo.printer.wait_requests import without_effect
 
 if TYPE_CHECKING:
     from passo import _core
     from passo.config.machine import MachineConfig
+    from passo.printer.stand_ins import StandIns
     from passo.printer.wait_requests import Reply
 
 _Words = Mapping[str, str]
@@ -25,6 +28,7 @@ _OF_PAGES = "_ui_"  # prefix of states that web pages save before manual moves, 
 _DEFAULT = "default"  # name of a state that is saved without a name
 _SETS = {"hotend": "M104 T{}", "bed": "M140 P{}", "chamber": "M141 P{}"}
 _FULL_FAN = 255
+_NOT_DRIVEN = "Passo does not drive this part, which the machine file keeps for macros."
 _TUNED = "a heater that H of M303 means"
 
 
@@ -44,10 +48,15 @@ class KlipperCommands:
     """Translates the Klipper commands of one job."""
 
     def __init__(
-        self, machine: MachineConfig, job: _core.Job, babysteps_mm: dict[str, float]
+        self,
+        machine: MachineConfig,
+        job: _core.Job,
+        babysteps_mm: dict[str, float],
+        stand_ins: StandIns,
     ) -> None:
         """`babysteps_mm` are those of the program so far; SET_GCODE_OFFSET changes them."""
         self._machine, self._job, self._babysteps_mm = machine, job, babysteps_mm
+        self._stand_ins = stand_ins
         self._saved: dict[str, _Saved] = {}
 
     def _become(self, lines: Iterable[str]) -> None:
@@ -131,7 +140,13 @@ class KlipperCommands:
         "Sets the temperature of a heater by its name. Without TARGET it switches the heater off.",
         bare=None,
     )
-    def _heat(self, command: Command, _: Reply) -> None:
+    def _heat(self, command: Command, reply: Reply) -> None:
+        words = command.pairs()
+        if self._stand_ins.named(HEATERS, words.get("HEATER", "")) and not number(
+            words, "TARGET", 0.0
+        ):
+            reply.note(command.code, without_effect(command.code, _NOT_DRIVEN))
+            return
         self._become(self.lines_of(command))
 
     @command(
@@ -179,7 +194,12 @@ class KlipperCommands:
         "Sets the speed of a fan by its name, as M106.",
         bare=None,
     )
-    def _fan(self, command: Command, _: Reply) -> None:
+    def _fan(self, command: Command, reply: Reply) -> None:
+        words = command.pairs()
+        if (state := self._stand_ins.named(FANS, words.get("FAN", ""))) is not None:
+            state["speed"] = number(words, "SPEED", 0.0)
+            reply.note(command.code, without_effect(command.code, _NOT_DRIVEN))
+            return
         self._become(self.lines_of(command))
 
     def lines_of(self, command: Command) -> list[str]:
@@ -285,9 +305,9 @@ def offset_steps(command: Command, done_mm: Mapping[str, float]) -> dict[str, fl
 
 def heater_named(machine: MachineConfig, words: Mapping[str, str], key: str) -> str:
     """The heater with this Klipper name. Raises CommandError."""
-    named = {heater_object(machine, name): name for name in machine.heaters}
-    named = {name.removeprefix("heater_generic "): own for name, own in named.items()}
-    return _one_of(words, key, named)
+    kind = "heater_generic "
+    named = {heater_object(machine, name).removeprefix(kind): name for name in machine.heaters}
+    return _one_of({key: words.get(key, "").removeprefix(kind)}, key, named)
 
 
 def number(words: _Words, key: str, default: float | None = None) -> float:

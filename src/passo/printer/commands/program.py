@@ -20,6 +20,7 @@ from passo.printer.commands.plan import Plan, PlanAhead
 from passo.printer.commands.program_flow import ProgramFlow, by_interpreter
 from passo.printer.commands.set_points import Heat, NoHeat, SetPoints
 from passo.printer.commands.speed_and_flow import SpeedAndFlow
+from passo.printer.commands.stand_ins import StandInCommands
 from passo.printer.commands.tuning_tower import TuningTower
 from passo.printer.input_errors import problem, problem_of
 from passo.printer.macros import Macros, Respond
@@ -56,6 +57,7 @@ _PARTS = {
     "tower": TuningTower,
     "macros": Macros,
     "not_yet": NotYet,
+    "stand_ins": StandInCommands,
 }
 _METHODS: dict[Role, dict[str, tuple[str, str]]] = {role: {} for role in Role}
 for _name, _part in _PARTS.items():
@@ -117,9 +119,11 @@ class Commands:
         self.filters = MotionFilters(machine, job)
         self.backlash = BacklashCommands(machine, job)
         self.factors = SpeedAndFlow(machine, job, plan)
-        self.klipper = KlipperCommands(machine, job, self.flow.babysteps_mm)
+        stand_ins = self.macros.stand_ins
+        self.klipper = KlipperCommands(machine, job, self.flow.babysteps_mm, stand_ins)
         self.tower = TuningTower(machine, job)
         self.not_yet = NotYet()
+        self.stand_ins = StandInCommands(stand_ins, self.omitted)
         # For a command that needs a probe: its wait, or None if it is skipped.
         self.probing: Callable[[Command], Wait | None] = lambda command: None
         # The status of a plan, with what has been measured for it.

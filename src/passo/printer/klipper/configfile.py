@@ -27,7 +27,10 @@ def configfile(sections: Sections, folder: str, unsaved: Mapping[str, Mapping[st
         for name in _BUILT_IN
         if f"gcode_macro {name}".lower() not in own
     }
-    added["virtual_sdcard"] = {"path": folder} if folder else {}
+    card = {
+        name: value for name, value in sections.texts["virtual_sdcard"].items() if name != "path"
+    }
+    added["virtual_sdcard"] = card | ({"path": folder} if folder else {})
     return {
         "settings": {
             **sections.settings,

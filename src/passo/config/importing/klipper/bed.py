@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import floor, sqrt
 from typing import TYPE_CHECKING
 
 from passo.config.importing.draft import bad
@@ -35,6 +36,7 @@ def _put_probe(job: Import, section: Section) -> None:
         if option not in section.options:
             raise section.missing(option)
         section.used.update(section.options)
+        job.left_out.add(section.name)
         return  # it is on a board that Passo does not drive
     put, path = job.draft.put, ("probe",)
     height = section.number("z_offset", 0.0) or 0.0
@@ -105,9 +107,16 @@ def put_mesh(job: Import) -> None:
 
 def _put_mesh(job: Import, section: Section) -> None:
     put, path = job.draft.put, ("levelling",)
+    radius = section.number("mesh_radius")
     corners = [pair(section, name) for name in ("mesh_min", "mesh_max")]
+    if radius is not None:
+        x, y = pair(section, "mesh_origin") or (0.0, 0.0)
+        half = floor(abs(radius) / sqrt(2))
+        corners = [(x - half, y - half), (x + half, y + half)]
+        text = "a mesh is a square here: the one within the circle"
+        job.draft.changed(section.at("mesh_radius"), "[bed_mesh] mesh_radius", text)
     if None in corners:
-        job.draft.decide(section.place, "[bed_mesh]", "a round mesh: choose [levelling] by hand")
+        job.draft.decide(section.place, "[bed_mesh]", "it has no area: choose [levelling] by hand")
         section.used.update(section.options)
         return
     put((*path, "method"), "mesh", section.place)
@@ -117,8 +126,9 @@ def _put_mesh(job: Import, section: Section) -> None:
     if area != written:
         text = "the probe does not get so far: the area is smaller"
         job.draft.changed(section.at("mesh_max"), "[bed_mesh] mesh_min, mesh_max", text)
-    count = pair(section, "probe_count") or (3.0, 3.0)
-    place = section.at("probe_count")
+    option = "probe_count" if radius is None else "round_probe_count"
+    count = pair(section, option) or ((3.0, 3.0) if radius is None else (5.0, 5.0))
+    place = section.at(option)
     counts = [Read(value, "probe_count in [bed_mesh]", place).whole() for value in count]
     put((*path, "count"), [*counts], place)
     algorithm = section.text("algorithm", "lagrange").lower()

@@ -20,6 +20,8 @@ class Import:
     draft: Draft
     pins: Pins
     used: set[str] = field(default_factory=set[str])
+    left_out: set[str] = field(default_factory=set[str])  # of `used`, those that gave no part
+    kept: set[str] = field(default_factory=set[str])  # left out, and kept for macros
     heaters: dict[str, str] = field(default_factory=dict[str, str])
     probe_pin: str | None = None
     probe_offset: tuple[float, float] = (0.0, 0.0)
@@ -39,6 +41,7 @@ class Import:
         done = self.draft.attempt(section.place, name, lambda: convert(self, section), what)
         if not done:
             section.used.update(section.options)
+            self.left_out.add(section.name)
         return done
 
     @property

@@ -5,10 +5,11 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import MOTORS_ALONE, bad, part_name
+from passo.config.importing.draft import MOTORS_ALONE, bad
 from passo.config.importing.klipper.buses import wires_of_bus
 from passo.config.importing.klipper.cfg import Section
 from passo.config.importing.klipper.pins import JOINED
+from passo.config.part_names import part_name
 from passo.config.pin_names import named_on, placed
 from passo.config.sensor_names import values_of
 from passo.config.thermistor import ZERO_C, Ntc
@@ -249,6 +250,7 @@ def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
     put, kind, pin = job.draft.put, section.kind, job.pins.of(section, "pin")
     if pin is None:
         job.draft.dropped(section.place, f"[{section.name}]", "it has no pin that Passo drives")
+        job.left_out.add(section.name)
         section.used.update(section.options)
         return
     put((*path, "pin"), pin, section.at("pin"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from passo.config.importing.draft import Draft
+from passo.config.importing.draft import Draft, lost
 from passo.config.importing.klipper.accelerometer import put_accelerometer
 from passo.config.importing.klipper.bed import put_mesh, put_probe
 from passo.config.importing.klipper.cfg import Config
@@ -19,6 +19,7 @@ from passo.config.importing.klipper.motion import put_motion
 from passo.config.importing.klipper.others import OPTIONS, OTHERS
 from passo.config.importing.klipper.pins import MAIN, Pins
 from passo.config.importing.klipper.settings import put_settings
+from passo.config.klipper_options.left_out import sentences
 
 # Options with values that Passo determines itself, or that have no meaning in Passo.
 _SILENT = {
@@ -70,8 +71,8 @@ def _remark_on_the_rest(job: Import) -> None:
                     text = OPTIONS.get(option, "Passo has no such setting")
                     job.draft.dropped(found.place, f"[{name}] {option}", text)
             continue
-        other = OTHERS.get(section.kind)
-        if other is None:
-            job.draft.dropped(section.place, f"[{name}]", "Passo does not have this part")
-        else:
-            job.draft.other(section.place, f"[{name}]", other)
+        other = OTHERS.get(section.kind, lost("Passo does not have this part"))
+        if name in job.kept:
+            [says] = sentences([name])
+            other = other._replace(text=f"{other.text}; {says}")
+        job.draft.other(section.place, f"[{name}]", other)

@@ -114,6 +114,7 @@ def _in_reach(job: Import, section: Section, at: list[float], table: str) -> boo
         return True
     job.draft.decide(section.place, f"[{section.name}]", _FAR.format(*at, table))
     section.used.update(section.options)
+    job.left_out.add(section.name)
     return False
 
 

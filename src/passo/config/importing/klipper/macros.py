@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, cast
 
-from passo.config.importing.draft import part_name
 from passo.config.importing.klipper.safe_home import put_homing_macro
 from passo.config.macro_checks import KEPT, LETTERED, is_built_in
 from passo.config.macros import literal
+from passo.config.part_names import part_name
 from passo.config.types import COMMAND, VARIABLE
 
 if TYPE_CHECKING:

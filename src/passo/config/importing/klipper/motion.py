@@ -242,6 +242,7 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
             text = "Passo does not set this driver's registers: it runs as its pins are wired"
             job.draft.dropped(section.place, f"[{section.name}]", text)
             section.used.update(section.options)
+            job.left_out.add(section.name)
             continue
         run, hold = section.number("run_current"), section.number("hold_current")
         silent = section.number("stealthchop_threshold", 0.0)
@@ -254,6 +255,7 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
                 text += f", with run_current_a = {run:g}"
             job.draft.decide(section.at("spi_bus"), f"[{section.name}]", text)
             section.used.update(section.options)
+            job.left_out.add(section.name)
             continue
         put((*path, "driver"), chip.upper(), section.place)
         tmc = (*path, "tmc")

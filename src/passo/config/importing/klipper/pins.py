@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import bad, part_name
+from passo.config.importing.draft import bad
 from passo.config.importing.klipper.cfg import Config, Option, Section
+from passo.config.part_names import part_name
 from passo.config.pin_names import bare, named_on
 
 if TYPE_CHECKING:

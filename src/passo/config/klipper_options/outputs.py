@@ -1,0 +1,77 @@
+"""Options of pins, lights, buttons, and sensors that switch or show something."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.klipper_options.option import flag, number, text, whole, words
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from passo.config.klipper_options.option import Options
+
+_PIN: Options = (
+    text("pin"),
+    flag("pwm", default=False),
+    number("value", 0.0),
+    number("shutdown_value", 0.0),
+    number("cycle_time", 0.1),
+    flag("hardware_pwm", default=False),
+    number("scale"),
+    number("maximum_mcu_duration", 0.0),
+)
+_COLOUR: Options = tuple(
+    number(f"initial_{name}", 0.0) for name in ("red", "green", "blue", "white")
+)
+_CHAIN: Options = (whole("chain_count", 1), *_COLOUR)
+_FILAMENT: Options = (
+    text("switch_pin"),
+    flag("pause_on_runout", default=True),
+    text("runout_gcode", ""),
+    text("insert_gcode", ""),
+    number("event_delay", 3.0),
+    number("pause_delay", 0.5),
+)
+
+OUTPUTS: Mapping[str, Options] = {
+    "output_pin": _PIN,
+    "pwm_tool": _PIN,
+    "pwm_cycle_time": _PIN,
+    "static_digital_output": (words("pins"),),
+    "servo": (
+        text("pin"),
+        number("maximum_servo_angle", 180.0),
+        number("minimum_pulse_width", 0.001),
+        number("maximum_pulse_width", 0.002),
+        number("initial_angle"),
+        number("initial_pulse_width"),
+    ),
+    "neopixel": (text("pin"), *_CHAIN, text("color_order", "GRB")),
+    "dotstar": (text("data_pin"), text("clock_pin"), *_CHAIN),
+    "led": (
+        *(text(f"{name}_pin") for name in ("red", "green", "blue", "white")),
+        number("cycle_time", 0.01),
+        flag("hardware_pwm", default=False),
+        *_COLOUR,
+    ),
+    "gcode_button": (
+        text("pin"),
+        text("analog_range"),
+        text("press_gcode", ""),
+        text("release_gcode", ""),
+    ),
+    "filament_switch_sensor": _FILAMENT,
+    "filament_motion_sensor": (
+        *_FILAMENT,
+        number("detection_length", 7.0),
+        text("extruder"),
+    ),
+    "temperature_sensor": (
+        text("sensor_type"),
+        text("sensor_pin"),
+        number("min_temp", -273.15),
+        number("max_temp", 99999999.9),
+        text("gcode_id"),
+    ),
+}

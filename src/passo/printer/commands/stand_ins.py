@@ -1,0 +1,43 @@
+"""Commands that set parts which Passo does not drive, for the macros that read them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.gcode.registry import in_program
+from passo.printer.commands.klipper_commands import number
+from passo.printer.skipped_commands import SkippedCommand
+from passo.printer.stand_ins import FILAMENT_SENSORS, PINS
+
+if TYPE_CHECKING:
+    from passo.gcode.command import Command
+    from passo.printer.skipped_commands import SkippedCommands
+    from passo.printer.stand_ins import StandIns
+    from passo.printer.wait_requests import Reply
+
+
+class StandInCommands:
+    """The commands of one job that set parts which Passo does not drive. Each is counted in
+    `omitted`."""
+
+    def __init__(self, stand_ins: StandIns, omitted: SkippedCommands) -> None:
+        self._stand_ins, self._omitted = stand_ins, omitted
+
+    @in_program("SET_PIN")
+    def _pin(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        self._set(command, PINS, words.get("PIN", ""), "value", number(words, "VALUE", 0.0))
+
+    @in_program("SET_FILAMENT_SENSOR")
+    def _filament(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        on = number(words, "ENABLE", 1.0) != 0
+        self._set(command, FILAMENT_SENSORS, words.get("SENSOR", ""), "enabled", on)
+
+    def _set(
+        self, command: Command, kinds: tuple[str, ...], name: str, key: str, value: float | bool
+    ) -> None:
+        state = self._stand_ins.named(kinds, name)
+        if state is not None:
+            state[key] = value
+        self._omitted.count(SkippedCommand.NOT_BUILT, command.code, command.line)
