@@ -190,7 +190,7 @@ def test_an_emergency_stop_of_a_macro_says_its_reason(tmp_path):
         Print(machine, Policy(checked=True)).run(path)
 
 
-def test_a_print_may_place_an_axis_that_is_not_homed(tmp_path):
+def test_a_print_may_set_positions_of_its_axes(tmp_path):
     """Macros raise the nozzle so before they home."""
     path = tmp_path / "a.g"
     path.write_text("SET_KINEMATIC_POSITION Z=0\nG1 Z10 F600\nG28\n")
@@ -198,6 +198,39 @@ def test_a_print_may_place_an_axis_that_is_not_homed(tmp_path):
     assert result.steps["z"] > 0
     with Scenario("i3", card=str(tmp_path)) as s:
         assert "Done printing file" in printed(s, "a.g")
-    path.write_text("G28\nSET_KINEMATIC_POSITION Z=0\n")
-    with pytest.raises(InputError, match="not allowed while a print is running"):
+    path.write_text("G28\nSET_KINEMATIC_POSITION X=9 CLEAR_HOMED=Y\nG1 X19 F600\nG1 Y5\n")
+    with pytest.raises(InputError, match=r"a\.g:4: axis Y is not homed"):
         Print(with_macros(""), Policy(checked=True)).run(path)
+    with Scenario("i3", card=str(tmp_path)) as s:
+        assert any("axis Y is not homed" in line for line in printed(s, "a.g"))
+        assert s.printer.job.machine_position[0] == 19
+
+
+def test_klippers_commands_do_not_call_macros_that_replace_others(tmp_path):
+    """A macro M106 or M140 often calls the command that Passo carries out as M106 or M140."""
+    fan = "SET_FAN_SPEED FAN=fan SPEED={params.S|float / 510}"
+    bed = "SET_HEATER_TEMPERATURE HEATER=heater_bed TARGET={params.S|float + 1}"
+    machine = with_macros(
+        macro("M106", fan, rename_existing='"M9106"')
+        + macro("m140", bed, rename_existing='"M9140"')
+    )
+    (tmp_path / "a.g").write_text("M106 S255\nM140 S40\nM400\n")
+    with Scenario(machine, card=str(tmp_path)) as s:
+        printed(s, "a.g")
+        assert s.printer.commands.outputs.fans == {"part": 0.5}
+        assert s.printer.commands.set_points.targets_c["bed"] == 41
+
+
+def test_macros_go_on_where_a_fan_is_missing(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text("G28\nCOOL\n")
+    machine = with_macros(macro("COOL", "M106 P2 S0\nM107 P3\nG1 X5 F6000"))
+    result = Print(machine, Policy(checked=True)).run(path)
+    assert result.final_position_mm["x"] == 5
+    assert ["P2 does nothing here. The fans are 0" in text for text in result.warnings] == [
+        True,
+        False,
+    ]
+    path.write_text("G28\nM106 P2 S0\n")
+    with pytest.raises(InputError, match="P is 2: expected 0"):
+        Print(machine, Policy(checked=True)).run(path)

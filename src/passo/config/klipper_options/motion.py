@@ -73,6 +73,7 @@ MOTION: Mapping[str, Options] = {
         number("max_z_velocity", same_as("max_velocity")),
         number("max_z_accel", same_as("max_accel")),
         number("minimum_cruise_ratio", 0.5),
+        number("max_accel_to_decel", lambda section: _accel_to_decel(section)),  # until 2024
         number("square_corner_velocity", 5.0),
         number("delta_radius"),
         number("print_radius", same_as("delta_radius")),
@@ -134,3 +135,9 @@ MOTION: Mapping[str, Options] = {
     "force_move": (flag("enable_force_move", default=False),),
     "skew_correction": (),
 }
+
+
+def _accel_to_decel(printer: Settings) -> float | None:
+    """The limit that minimum_cruise_ratio has replaced: old macros read it."""
+    accel, ratio = printer.get("max_accel"), printer.get("minimum_cruise_ratio")
+    return accel * (1 - ratio) if isinstance(accel, float) and isinstance(ratio, float) else None

@@ -13,6 +13,7 @@ from passo.gcode.command import Command
 from passo.job.batch.program import with_option
 from passo.motion.endstops import axes_lost, homed_axes, named_axes, named_motors
 from passo.printer.cold_extrusion import ColdExtrusion
+from passo.printer.commands.kinematic_position import positions
 from passo.printer.commands.program import Commands
 from passo.printer.commands.set_points import Heat
 from passo.printer.status import HeaterStatus
@@ -66,6 +67,8 @@ class RehearsedCommands(Commands):
         """Like `Commands.run`."""
         if command.code == "M302":
             return self._guard_set(command)
+        if command.code == "SET_KINEMATIC_POSITION":
+            return self._position_set(command)
         wait = super().run(command, reply)
         if command.code in ("M18", "M84") and "S" not in command.words():
             self._lock(axes_lost(self._machine, named_motors(self._machine, command.text)))
@@ -173,6 +176,15 @@ class RehearsedCommands(Commands):
             self.cold.set(command.words())
 
         return WaitForMoves(take)
+
+    def _position_set(self, command: Command) -> Wait:
+        places, lost = positions(command, self._machine, self._job)
+
+        def place() -> None:
+            self._job.set_axes(list(places.items()))
+            self._lock(lost)
+
+        return WaitForMoves(place)
 
     def _lock(self, names: set[str]) -> None:
         if self._machine.unhomed_moves == "refuse":

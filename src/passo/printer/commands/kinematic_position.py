@@ -15,11 +15,10 @@ if TYPE_CHECKING:
 
 class Positions(NamedTuple):
     """The new positions, mm by axis number, and the names of the axes that do not count as homed
-    then. `touches_homed`: an axis that is homed now is among them."""
+    then."""
 
     places: dict[int, float]
     lost: set[str]
-    touches_homed: bool
 
 
 def positions(command: Command, machine: MachineConfig, job: _core.Job) -> Positions:
@@ -33,5 +32,4 @@ def positions(command: Command, machine: MachineConfig, job: _core.Job) -> Posit
     homed = pairs.get("SET_HOMED", "xyz").lower()
     lost = {a for a in pairs.get("CLEAR_HOMED", "").lower() if a in "xyz"}
     lost |= {axis.lower() for axis in given if axis.lower() not in homed}
-    touched = set(places) | {"xyz".index(name) for name in lost}
-    return Positions(places, lost, bool(touched - set(job.locked_axes)))
+    return Positions(places, lost)

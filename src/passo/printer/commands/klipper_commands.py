@@ -60,7 +60,15 @@ class KlipperCommands:
         self._saved: dict[str, _Saved] = {}
 
     def _become(self, lines: Iterable[str]) -> None:
-        self._job.insert("".join(f"{line}\n" for line in lines).encode())
+        """Reads these lines next. They mean the built-in commands, also where a macro replaces
+        one, because such a macro often calls the command that becomes these lines."""
+        self._job.insert("".join(f"{self._built_in(line)}\n" for line in lines).encode())
+
+    def _built_in(self, line: str) -> str:
+        code, _, words = line.partition(" ")
+        name = self._machine.macro_names.get(code)
+        other = self._machine.macros[name].rename_existing if name else None
+        return f"{other or code} {words}".rstrip()
 
     # -- modes of reading -----------------------------------------------------------------------
 

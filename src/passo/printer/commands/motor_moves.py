@@ -128,15 +128,15 @@ class MotorMoves:
         When.EXCLUSIVE,
         "X Y Z (mm) SET_HOMED CLEAR_HOMED (axes)",
         "Sets the positions of axes in the machine, which count as homed then, without a move; with"
-        " SET_HOMED only the axes in its list. CLEAR_HOMED takes that from axes. A print sets only"
-        " axes that are not homed.",
+        " SET_HOMED only the axes in its list. CLEAR_HOMED takes that from axes. During a print"
+        " only its own file may do so.",
         kind=Kind.SERVED,
         bare=None,
     )
-    def _set_position(self, command: Command, _: Reply) -> Wait | None:
+    def _set_position(self, command: Command, reply: Reply) -> Wait | None:
         job = self._rig.job
-        places, lost, touches_homed = positions(command, self._machine, job)
-        if touches_homed:
+        places, lost = positions(command, self._machine, job)
+        if job.suspended or self._state.is_other_source(reply):
             self._require_no_print(command)
 
         def place() -> None:

@@ -136,7 +136,7 @@ class Outputs:
         share, given = None, words.get("S", _FULL_FAN)
         if "S" in words or not ("F" in words or _SETTINGS & set(command.letters())):
             share = min(max(given / _FULL_FAN, 0.0), 1.0)
-        self._set_fan(command, share)
+        self._set_fan(command, share, reply)
         if "F" in words:
             reply.note("M106 F", "M106 sets no frequency; the machine file has it")
         elif share is None:
@@ -153,18 +153,23 @@ class Outputs:
         bare="F",
         forced=True,
     )
-    def _fan_off(self, command: Command, _: Reply) -> None:
-        self._set_fan(command, 0.0)
+    def _fan_off(self, command: Command, reply: Reply) -> None:
+        self._set_fan(command, 0.0, reply)
 
-    def _set_fan(self, command: Command, share: float | None) -> None:
-        """Sets a fan to the fraction `share`; None changes only its settings. Raises CommandError
-        if P does not name a fan. A machine without fans ignores a command without P."""
+    def _set_fan(self, command: Command, share: float | None, reply: Reply) -> None:
+        """Sets a fan to the fraction `share`; None changes only its settings. If P does not name a
+        fan, it raises CommandError; but macros, which are written for other printers, go on. A
+        machine without fans ignores a command without P."""
         words, fans = command.words(), self._machine.fans
         number = words.get("P")
         at_once = "F" not in words and "F" in command.letters()
         numbers = [fans[name].number for name in self.commanded_fans]
         if number is not None and number not in numbers:
             limit = ", ".join(map(str, numbers)) or "no fan"
+            if self._job.macro_depth:
+                text = f"{command.code} P{number:g} does nothing here. The fans are {limit}."
+                reply.note(f"{command.code} P{number:g}", text)
+                return
             raise CommandError.bad_value("P", number, limit)
         fan = next((n for n in self.commanded_fans if fans[n].number == int(number or 0)), None)
         if fan is not None and share is not None:

@@ -116,12 +116,7 @@ class ProgramFlow:
 
     @in_program("SET_KINEMATIC_POSITION")
     def _set_kinematic_position(self, command: Command, _: Reply) -> Wait:
-        """Positions of axes that are not homed, as macros set them to raise a nozzle before
-        homing."""
-        places, _lost, touches_homed = positions(command, self._machine, self._job)
-        if touches_homed:
-            raise CommandError.of("motors.print", axis=command.code)
-        return self._placed(places)
+        return self._placed(positions(command, self._machine, self._job).places)
 
     def _placed(self, places: dict[int, float]) -> Wait:
         """Sets positions at standstill, because a plan in progress cannot be replanned with
