@@ -6,7 +6,7 @@ import pytest
 from tests.support.macro_machine import macro, with_macros
 from tests.support.scenario import Scenario
 
-from passo.errors import InputError, MachineError
+from passo.errors import InputError
 from passo.job.batch.estimate import estimate
 from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
@@ -171,22 +171,6 @@ def test_macros_go_on_with_parts_that_are_left_out(tmp_path):
         assert (s.positions()["x"], s.positions()["y"]) == (25, 1)
     path.write_text("SET_HEATER_TEMPERATURE HEATER=box TARGET=50\n")
     with pytest.raises(InputError, match="HEATER is box: expected"):
-        Print(machine, Policy(checked=True)).run(path)
-
-
-def test_a_print_without_console_has_the_objects_of_the_probe(tmp_path):
-    path = tmp_path / "a.g"
-    go = "G1 X{printer.probe.last_query|int + 7} Y{printer.bed_mesh.profile_name|length}"
-    path.write_text("G28\nGO\n")
-    machine = with_macros(macro("GO", go), machine="i3-probe")
-    assert Print(machine, Policy()).run(path).final_position_mm["x"] == 7
-
-
-def test_an_emergency_stop_of_a_macro_says_its_reason(tmp_path):
-    path = tmp_path / "a.g"
-    path.write_text("G28\nHALT\n")
-    machine = with_macros(macro("HALT", "{ action_emergency_stop('no [save_variables]') }"))
-    with pytest.raises(MachineError, match=r"a\.g:2: macro HALT stops the printer: no \[save_var"):
         Print(machine, Policy(checked=True)).run(path)
 
 

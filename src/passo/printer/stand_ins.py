@@ -16,12 +16,11 @@ FANS = ("fan_generic", "heater_fan", "controller_fan")
 HEATERS = ("heater_generic",)
 PINS = ("output_pin", "pwm_tool", "pwm_cycle_time")
 FILAMENT_SENSORS = ("filament_switch_sensor", "filament_motion_sensor")
-_OF_PROBE = ("bed_mesh", "probe")  # a program that is only planned has not measured the bed
 
 
 class StandIns:
     """The states of the parts of one machine that Passo does not drive, by Klipper's names. Macros
-    read them, where a printer has no object of this name; nothing is switched or measured."""
+    read them; nothing is switched or measured."""
 
     def __init__(self, sections: Sections) -> None:
         self._sections = sections
@@ -37,10 +36,9 @@ class StandIns:
         """The states. They are made at the first use."""
         if self._states is None:
             settings = self._sections.settings
-            planned = _OF_PROBE if _OF_PROBE[0] in settings else ()
-            parts = ((name, stand_in(name)) for name in (*planned, *self._sections.left_out))
+            parts = ((name, stand_in(name)) for name in self._sections.left_out)
             self._states = {
-                name: part.begun(settings.get(name.lower(), {})) for name, part in parts if part
+                name: part.begun(settings[name.lower()]) for name, part in parts if part
             }
         return self._states
 
