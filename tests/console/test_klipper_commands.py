@@ -134,6 +134,7 @@ def test_parts_are_found_by_the_names_of_a_printer_cfg():
     assert found_name(["heater_fan Hotend_Fan", "fan"], "heater_fan hotend fan") is not None
     assert found_name(["a_b", "a-b"], "A b") == "a_b"
     assert found_name(["a_b", "A_B"], "a b") is None
+    assert found_name(["part", "_"], "") is None
     chamber = (
         config.shipped_text("i3")
         .replace("[heaters.bed]", "[heaters.box]")

@@ -9,7 +9,11 @@ from collections.abc import Callable, Iterable
 def part_name(name: str) -> str:
     """The name of a part in its own case, with _ in place of other characters than letters, digits,
     - and _."""
-    return re.sub(r"[^A-Za-z0-9_-]+", "_", name).lstrip("-") or "part"
+    return _plain(name).lstrip("-") or "part"
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", name)
 
 
 def found_name(known: Iterable[str], written: str) -> str | None:
@@ -21,7 +25,7 @@ def found_name(known: Iterable[str], written: str) -> str | None:
         return written
     alike: tuple[Callable[[str], str], ...] = (
         str.casefold,
-        lambda name: part_name(name).casefold(),
+        lambda name: _plain(name).casefold(),
     )
     for form in alike:
         wanted = form(written)
