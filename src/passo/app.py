@@ -92,7 +92,7 @@ def _hold(printer: Printer, state: Path) -> None:
     except BlockingIOError:
         raise InputError.of("state.busy", str(state)) from None
     if held is not None:
-        printer.closers.append(lambda: os.close(held))
+        printer.lifetime.at_end(lambda: os.close(held))
 
 
 def _furnish(
@@ -101,44 +101,76 @@ def _furnish(
     folder = None if state is None else Path(state)
     if folder is not None:
         _hold(printer, folder)
-    answers = Reports(printer, card=card is not None, settings=folder is not None)
-    printer.waits.temperatures = answers.temperatures
-    runner = Runner(printer, AllConsoles(printer))
-    options = OptionCommands(printer)
-    library = Library(printer, runner, card)
-    statistics = Statistics(printer, folder)
-    progress = Progress(printer, runner, statistics, library.reader)
-    jobs = JobCommands(printer, runner, progress)
-    objects = PrintObjects(printer, runner)
-    status = StatusReader(printer, runner, progress, objects, library)
-    printer.rig.macros.status = status.read
+    live = printer.rig, printer.state, printer.lifetime
+    answers = Reports(
+        *(printer.control, printer.motion, printer.driver_commands, printer.lateness),
+        card=card is not None,
+        settings=folder is not None,
+    )
+    runner = Runner(
+        *(printer.control, printer.outputs, printer.motion, printer.heat, printer.suspension),
+        AllConsoles(printer.state),
+    )
+    options = OptionCommands(printer.dispatch, printer.settings)
+    library = Library(printer.state, printer.lifetime, runner, card)
+    statistics = Statistics(*live, printer.suspension, printer.lateness, folder)
+    progress = Progress(*live, printer.suspension, runner, statistics, library.reader)
+    jobs = JobCommands(printer.control, printer.suspension, printer.heat, runner, progress)
+    objects = PrintObjects(printer.rig, printer.dispatch, runner)
     printer.dispatch.add(
-        *(answers, ConsoleCommands(printer, answers), options, statistics, jobs),
-        *(CardCommands(printer, runner, library), ObjectCommands(objects)),
-        JsonStatus(printer, status, options),
-        DelayedGcode(printer),
+        *(answers, options, statistics, jobs, ObjectCommands(objects)),
+        ConsoleCommands(*(printer.rig, printer.state, printer.stops), answers, printer.heat.report),
+        CardCommands(printer.rig, printer.state, runner, library),
+        DelayedGcode(printer.control, printer.lifetime),
     )
     keeper = None
     if folder is not None:
-        keeper = JournalKeeper(printer, runner, library, objects, folder)
-        printer.dispatch.add(RecoveryCommands(printer, runner, keeper))
-        printer.state.greeting = keeper.offer
-        status.interrupted = keeper.status
+        keeper = JournalKeeper(
+            *(printer.control, printer.lifetime, printer.outputs, printer.motion, printer.heat),
+            printer.settings,
+            runner,
+            library,
+            objects,
+            folder,
+        )
+        printer.dispatch.add(RecoveryCommands(printer.machine.uuid, printer.skips, runner, keeper))
+        printer.state.greetings.append(keeper.offer)
     stem = folder / "halt" if folder is not None else Path(reports) if reports else None
     if stem is not None:
-        HaltReports(printer, runner, progress, stem)
+        HaltReports(*live, printer.settings, runner, progress, stem)
     store = None if folder is None else Store(folder / "settings.json", printer.machine.uuid)
-    settings = SettingsCommands(printer, store, options)
+    settings = SettingsCommands(
+        *(
+            printer.state,
+            printer.dispatch,
+            printer.motion,
+            printer.settings,
+            store,
+            options,
+        )
+    )
     printer.dispatch.add(settings)
-    printer.state.settings = settings.lines
     if store is not None:
-        printer.state.store_settings = settings.store
+        printer.state.stores.append(settings.store)
     settings.load_at_start()
-    status.unsaved = settings.unsaved
     _keep_variables(printer, folder)
     _keep_meshes(printer, folder, objects)
-    queue = PrintQueue(printer, runner, library, folder)
-    status.queue = queue.status
+    queue = PrintQueue(printer.state, runner, library, folder)
+    status = StatusReader(
+        *(
+            printer.control,
+            printer.outputs,
+            printer.motion,
+            printer.heat,
+            printer.levelling,
+        ),
+        *(runner, progress, objects, library),
+        interrupted=(lambda: None) if keeper is None else keeper.status,
+        unsaved=settings.unsaved,
+        queue=queue.status,
+    )
+    printer.rig.macros.status = status.read
+    printer.dispatch.add(JsonStatus(printer.rig, printer.outputs.power, status, options))
     if card is not None:
         library.mount()
         _start_by_itself(printer, library, keeper)
@@ -160,10 +192,10 @@ def _keep_variables(printer: Printer, folder: Path | None) -> None:
 
 def _keep_meshes(printer: Printer, folder: Path | None, objects: PrintObjects) -> None:
     """Gives the printer the stored meshes, and the area of the bed that the print covers."""
-    printer.levelling.job_area = lambda: covered(objects.all)
+    printer.levelling.bed.job_area = lambda: covered(objects.all)
     if folder is None:
         return
-    printer.corrections.meshes = meshes = MeshFolder(folder / "meshes")
+    printer.levelling.correction.meshes = meshes = MeshFolder(folder / "meshes")
     for error in meshes.refused:
         printer.state.announce(_log, logging.WARNING, str(error), error.problems[0])
 
@@ -174,7 +206,7 @@ def _start_by_itself(printer: Printer, library: Library, keeper: JournalKeeper |
     if not offered and printer.state.start_failure is None:
         library.autostart()
     elif library.starts_itself and keeper is not None and offered:
-        keeper.instead = f". {AUTOSTART} was not started"
+        keeper.offer_instead(AUTOSTART)
     elif library.starts_itself:
         text = f"{AUTOSTART} was not started, for the printer is halted"
         printer.state.announce(_log, logging.WARNING, text)

@@ -48,6 +48,7 @@ from passo.printer.commands import (
     speed_and_flow,
     steps_and_offsets,
     temperature,
+    temperature_report,
     tuning_tower,
     user_prompts,
     z_motors,
@@ -78,7 +79,14 @@ MODULES = (
     ),
     *(power_supply, klipper_commands, levelling, probe_deployment, probing, program_flow, reports),
     *(bed_correction, manual_probe, predefined_moves, probe_moves, probe_offsets, set_points),
-    *(simulated_faults, speed_and_flow, steps_and_offsets, temperature, tuning_tower),
+    *(
+        simulated_faults,
+        speed_and_flow,
+        steps_and_offsets,
+        temperature,
+        temperature_report,
+        tuning_tower,
+    ),
     user_prompts,
     *(endstops, delayed_gcode, macros),
 )

@@ -23,6 +23,7 @@ from passo.clock import new_loop
 from passo.console.client import Client, Reply
 from passo.console.observer import Observer
 from passo.console.printer_console import welcome
+from passo.console.session import Session, Wire
 from passo.errors import CommandError, MachineError
 from passo.machine import Machine
 from passo.printer.program_restart import ProgramRestart
@@ -31,8 +32,7 @@ from passo.version import __version__
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
-    from passo.console.session import Session
-    from passo.console.transports.streams import Console, Opened
+    from passo.console.transports.streams import Console, NewSession
     from passo.events import Event
     from passo.job.live.job_state import JobState
     from passo.live_bridge import LiveBridge
@@ -177,7 +177,7 @@ class Printer:
         """
         self._raise_if_ended()
         if self._client is None:
-            self._client = Client(self._printer)
+            self._client = Client(self._printer.control)
         return await self._client.send(line)
 
     async def print(self, path: str | os.PathLike[str]) -> PrintSummary:
@@ -193,7 +193,7 @@ class Printer:
         assembly, printer = self._opened, self._printer
         runner = assembly.runner
         assembly.library.open(local_uri(path))
-        before_mm = printer.filament_mm()
+        before_mm = printer.suspension.filament_mm()
         over: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         begun = False
 
@@ -219,7 +219,7 @@ class Printer:
                 raise CommandError(runner.problems)
             faults = [
                 HeaterFault.of(name, heater.fault).problem
-                for name, heater in printer.connection.heaters.items()
+                for name, heater in printer.rig.connection.heaters.items()
                 if heater.fault is not None
             ]
             if faults:
@@ -229,7 +229,7 @@ class Printer:
             os.fspath(path),
             "cancelled" if runner.ended == "cancelled" else "done",
             assembly.progress.printed_s,
-            printer.filament_mm() - before_mm,
+            printer.suspension.filament_mm() - before_mm,
         )
 
     async def pause(self) -> None:
@@ -248,7 +248,7 @@ class Printer:
     def faults(self) -> dict[str, tuple[str, ...]]:
         """The faults that each part of a simulated printer can have, by the part's name; empty for
         real boards."""
-        injector = self._printer.connection.injector
+        injector = self._printer.rig.connection.injector
         return {} if injector is None else dict(injector.values)
 
     def inject_fault(
@@ -270,19 +270,19 @@ class Printer:
     @property
     def time_s(self) -> float:
         """Print time since the start or the last restart (M999), seconds."""
-        return max(self._printer.queue.now_s, 0.0)
+        return max(self._printer.rig.queue.now_s, 0.0)
 
     @property
     def start_messages(self) -> tuple[str, ...]:
         """The messages of the start that no console has shown so far, and the reason if the printer
         is halted."""
         printer = self._printer
-        halted = (f"Printer halted: {printer.state.why_halted}",) if printer.halted else ()
+        halted = (f"Printer halted: {printer.state.why_halted}",) if printer.state.halted else ()
         return (*printer.state.unheard, *halted)
 
     def show_message(self, text: str) -> None:
         """Shows a line on all consoles."""
-        self._printer.tell(f"echo:{text}")
+        self._printer.state.tell(f"echo:{text}")
 
     def on_status(
         self, call: Callable[[Status], object], *, every_s: float = 1.0
@@ -324,29 +324,28 @@ class Printer:
         Returns `tcp HOST:PORT`. Raises ConsoleError."""
         from passo.console.transports.streams import open_tcp
 
-        opened = self._greet(advanced_ok=advanced_ok)
-        return await self._add(open_tcp(self._printer, host, port, clients, opened))
+        new_session = self._new_session(advanced_ok=advanced_ok)
+        return await self._add(open_tcp(new_session, host, port, clients))
 
     async def open_pty(self, path: str, *, advanced_ok: bool = False) -> str:
         """Opens a pseudo terminal; `path` becomes a link to it. Raises ConsoleError."""
         from passo.console.transports.serial import open_pty
 
-        return await self._add(open_pty(self._printer, path, self._greet(advanced_ok=advanced_ok)))
+        return await self._add(open_pty(self._new_session(advanced_ok=advanced_ok), path))
 
     async def open_serial(self, device: str, baud: int, *, advanced_ok: bool = False) -> str:
         """Opens a serial device as a console. Raises ConsoleError."""
         from passo.console.transports.serial import open_serial
 
-        opened = self._greet(advanced_ok=advanced_ok)
-        return await self._add(open_serial(self._printer, device, baud, opened))
+        new_session = self._new_session(advanced_ok=advanced_ok)
+        return await self._add(open_serial(new_session, device, baud))
 
     async def open_stdin(self, over: Callable[[], None], *, advanced_ok: bool = False) -> str:
         """Opens standard input and output as a console; `over` is called when the input has ended
         and its last line is executed. Raises ConsoleError."""
         from passo.console.transports.streams import open_stdin
 
-        opened = self._greet(advanced_ok=advanced_ok)
-        return await self._add(open_stdin(self._printer, opened, over))
+        return await self._add(open_stdin(self._new_session(advanced_ok=advanced_ok), over))
 
     def open_http(
         self,
@@ -449,7 +448,11 @@ class Printer:
     def _observer(self) -> Observer:
         if self._observed is None:
             opened = self._opened
-            self._observed = Observer(opened.printer, opened.runner, opened.progress, opened.status)
+            printer = opened.printer
+            self._observed = Observer(
+                *(printer.rig, printer.state, printer.lifetime),
+                *(opened.runner, opened.progress, opened.status),
+            )
         return self._observed
 
     @property
@@ -487,16 +490,18 @@ class Printer:
             self._web.start(self._temperatures.record(self._bridge), endless=True)
         return self._web
 
-    def _greet(self, *, advanced_ok: bool) -> Opened:
-        def opened(session: Session) -> None:
+    def _new_session(self, *, advanced_ok: bool) -> NewSession:
+        def new_session(wire: Wire) -> Session:
+            session = Session(self._printer.control, wire)
             session.advanced_ok = advanced_ok
-            welcome(self._printer, session)
+            welcome(self.config.name, self._printer.state, session)
+            return session
 
-        return opened
+        return new_session
 
     async def _add(self, opening: Awaitable[Console]) -> str:
         console = await opening
-        self._printer.closers.append(console.close)
+        self._printer.lifetime.at_end(console.close)
         self._places.append(console.place)
         return console.place
 

@@ -56,8 +56,8 @@ class LiveBridge:
         self._assembly, self._source, self._places = assembly, machine_source, places
         self._printer = assembly.printer
         self._loop = asyncio.get_running_loop()
-        self._scripts = Client(self._printer)
-        self._overtaking = Client(self._printer)
+        self._scripts = Client(self._printer.control)
+        self._overtaking = Client(self._printer.control)
         self._turn = asyncio.Lock()  # scripts run one after the other
         self._in_turn = 0  # scripts that run or wait for their turn
         self._listeners: dict[asyncio.AbstractEventLoop, list[Listener]] = {}
@@ -269,15 +269,15 @@ class LiveBridge:
         """Like `Bridge.endstops`."""
 
         def states() -> dict[str, bool]:
-            if self._printer.halted:
-                raise CommandError.of("command.halted", value=self._printer.halted)
-            return self._printer.homer.states()
+            if self._printer.state.halted:
+                raise CommandError.of("command.halted", value=self._printer.state.halted)
+            return self._printer.motion.homer.states()
 
         return await self._call(states)
 
     def emergency_stop(self) -> None:
         """Like `Bridge.emergency_stop`."""
-        self._loop.call_soon_threadsafe(self._printer.emergency_stop)
+        self._loop.call_soon_threadsafe(self._printer.stops.emergency_stop)
 
     async def restart(self) -> None:
         """Like `Bridge.restart`."""
@@ -360,14 +360,14 @@ class LiveBridge:
 
     async def bed(self) -> BedState:
         """Like `Bridge.bed`."""
-        bed = self._printer.correction
+        bed = self._printer.motion.correction
         return await self._call(lambda: BedState(bed.correction, bed.on))
 
     async def simulated_parts(self) -> list[SimulatedPart]:
         """Like `Bridge.simulated_parts`."""
 
         def parts() -> list[SimulatedPart]:
-            injector = self._printer.connection.injector
+            injector = self._printer.rig.connection.injector
             if injector is None:
                 return []
             active = injector.active

@@ -228,7 +228,7 @@ def test_temperature_wait_lets_a_print_heat(capsys, program):
     with Scenario("i3") as s:
         s.host.ok("G28", 60)
         s.host.ok("M104 S200")
-        begun_s = s.printer.queue.now_s
+        begun_s = s.printer.rig.queue.now_s
         s.host.ok("TEMPERATURE_WAIT SENSOR=extruder MINIMUM=197 MAXIMUM=203", 300)
-        assert result["heat_time_s"] == pytest.approx(s.printer.queue.now_s - begun_s, abs=30)
-        assert s.printer.connection.heaters["hotend"].celsius > 196
+        assert result["heat_time_s"] == pytest.approx(s.printer.rig.queue.now_s - begun_s, abs=30)
+        assert s.printer.rig.connection.heaters["hotend"].celsius > 196

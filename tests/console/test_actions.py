@@ -85,8 +85,8 @@ def test_an_unreported_fault_ends_a_wait():
         s.passes(5)
         s.board.force_sensor("hotend", 0.0)
         s.passes(5)
-        assert s.printer.connection.heaters["hotend"].fault is not None
-        s.printer.connection.faults.clear()
+        assert s.printer.rig.connection.heaters["hotend"].fault is not None
+        s.printer.rig.connection.faults.clear()
         told, ok = s.host.ok("M109 S200")
         assert told.startswith("echo:heater hotend was switched off: its sensor reads")
         assert ok == "ok"

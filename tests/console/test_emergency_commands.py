@@ -14,7 +14,7 @@ from passo import config
 from passo.app import assembled
 from passo.clock import VirtualLoop
 from passo.console.receive_queue import MAX_BYTES, MAX_LINES
-from passo.console.session import AT_ONCE
+from passo.console.session import AT_ONCE, Session
 from passo.console.transports.serial import open_pty
 from passo.console.transports.streams import open_tcp
 from passo.motion.motion_queue import MAX_QUEUED
@@ -56,9 +56,9 @@ def oks(host, start=0):
 def test_m112_acts_after_many_lines_of_its_console(s, numbers):
     start = len(s.host.heard)
     s.host.send(*piped("M112", numbers=numbers))
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
     s.passes(1)
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     assert oks(s.host, start) == MANY + 2
     assert s.positions()["x"] == 20.0
     number = MANY + 3 if numbers else 1
@@ -78,7 +78,7 @@ def test_m112_acts_out_of_its_order(s):
     """The line before it was lost, and a host that pipes does not hear that it is asked for it."""
     lines = list(numbered(["M110", *["G1 X80 F600"] * 3, "M112"], 0))
     s.host.send(*lines[:2], *lines[3:])
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
     s.host.expect("^Resend: 2$")
     assert s.host.heard.count("Resend: 2") == 2
 
@@ -90,7 +90,7 @@ def test_m112_out_of_its_order_is_text_of_a_file_that_is_sent(tmp_path):
         s.host.expect("^Resend: 2$")
         s.host.send(*lines[2:])
         s.host.expect("Done saving file")
-        assert s.printer.halted == ""
+        assert s.printer.state.halted == ""
     assert (tmp_path / "a.g").read_text() == "G1 X1\nM112\n"
 
 
@@ -100,13 +100,13 @@ def test_m410_discards_all_moves_in_progress(s):
     s.host.send(*(["G1 X20"] * MANY), "M104 S50")
     s.passes(1)
     s.host.send("M410")
-    s.until(lambda: s.printer.queue.standing, 1)
+    s.until(lambda: s.printer.rig.queue.standing, 1)
     at = s.positions()["x"]
     assert 29 < at < 31
     s.passes(2)
     assert s.positions()["x"] == at
     assert oks(s.host, start) == MANY + 3
-    assert s.printer.connection.heaters["hotend"].target == 50
+    assert s.printer.rig.connection.heaters["hotend"].target == 50
     refused = [x for x in s.host.heard if "it was in hand when the machine was stopped" in x]
     assert len(refused) >= MANY - MAX_QUEUED
 
@@ -118,7 +118,7 @@ def test_m108_ends_the_wait_in_front_of_many_lines(s):
     s.host.send("M108")
     s.passes(0.1)
     assert oks(s.host, start) == MANY + 2
-    assert s.printer.connection.heaters["hotend"].target == 200
+    assert s.printer.rig.connection.heaters["hotend"].target == 200
 
 
 def test_consoles_share_time_while_many_lines_run(s):
@@ -202,26 +202,31 @@ def test_m112_comes_through_a_pipe_that_is_full_of_lines(way, numbers, tmp_path)
     async def body():
         printer = assembled(config.load("i3")).printer
         runs = asyncio.get_running_loop().create_task(printer.run())
+
+        def session(wire):
+            sessions.append(Session(printer.control, wire))
+            return sessions[-1]
+
         if way == "pty":
-            console = await open_pty(printer, str(tmp_path / "port"), sessions.append)
+            console = await open_pty(session, str(tmp_path / "port"))
             fd = os.open(tmp_path / "port", os.O_RDWR | os.O_NOCTTY)
         else:
-            console = await open_tcp(printer, "127.0.0.1", 0, 1, sessions.append)
+            console = await open_tcp(session, "127.0.0.1", 0, 1)
             port = int(console.place.rpartition(":")[2])
             fd = socket.create_connection(("127.0.0.1", port)).detach()
         before = data[: data[:-1].rindex(b"\n") + 1]
         assert await Pipe(fd).write(before) == 0
-        await soon(lambda: printer.connection.heaters["hotend"].target == 200)
-        held = not printer.halted
+        await soon(lambda: printer.rig.connection.heaters["hotend"].target == 200)
+        held = not printer.state.halted
         assert await Pipe(fd).write(data[len(before) :]) == 0
-        await soon(lambda: bool(printer.halted))
-        halted = printer.halted
+        await soon(lambda: bool(printer.state.halted))
+        halted = printer.state.halted
         os.close(fd)
         console.close()
         await asyncio.sleep(1)
         runs.cancel()
         await asyncio.gather(runs, return_exceptions=True)
-        return held, halted, printer.connection.heaters["hotend"].target
+        return held, halted, printer.rig.connection.heaters["hotend"].target
 
     loop = VirtualLoop()
     held, halted, target = loop.run_until_complete(body())

@@ -21,7 +21,7 @@ def test_flood_is_read_in_pieces(monkeypatch):
 
     async def flood():
         printer = assembled(config.load("i3")).printer
-        server = await open_tcp(printer, "127.0.0.1", 0, 1, lambda _: None)
+        server = await open_tcp(lambda wire: Session(printer.control, wire), "127.0.0.1", 0, 1)
         host, _, port = server.place.removeprefix("tcp ").rpartition(":")
         with socket.create_connection((host, int(port))) as client:
             client.setblocking(False)
@@ -112,13 +112,13 @@ def test_after_200_consoles_the_printer_is_as_it_was():
         s.passes(0.1)
         assert kept(s) == before
         told = [len(host.heard) for host in hosts]
-        s.printer.tell("to all")
+        s.printer.state.tell("to all")
         assert [len(host.heard) for host in hosts] == told
         assert s.host.ok("M114")[0].startswith("X:100.000 Y:0.000 Z:0.000 E:0.0000 ")
         assert s.positions() == {"x": 100.0, "y": 0.0, "z": 0.0, "e": 0.0}
-        assert s.printer.halted == ""
-        assert s.printer.commands.outputs.fans["part"] == pytest.approx(128 / 255)
-        targets = {name: heater.target for name, heater in s.printer.connection.heaters.items()}
+        assert s.printer.state.halted == ""
+        assert s.printer.rig.commands.outputs.fans["part"] == pytest.approx(128 / 255)
+        targets = {name: heater.target for name, heater in s.printer.rig.connection.heaters.items()}
         assert targets == {"hotend": 45.0, "bed": 0.0}
         s.passes(60)
         assert s.board.temperature("hotend") == pytest.approx(45, abs=1.5)

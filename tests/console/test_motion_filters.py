@@ -86,9 +86,11 @@ def test_command_limits_jerk():
     with Scenario("i3") as s:
         assert s.host.ok("SET_JERK_LIMIT JERK=200000") == ["ok"]
         assert s.host.ok("SET_JERK_LIMIT") == ["SET_JERK_LIMIT JERK=200000", "ok"]
-        assert s.printer.commands.filters.delay_s == s.printer.commands.filters.box_s / 2 > 0
+        assert (
+            s.printer.rig.commands.filters.delay_s == s.printer.rig.commands.filters.box_s / 2 > 0
+        )
         s.host.ok("SET_JERK_LIMIT JERK=0")
-        assert s.printer.commands.filters.delay_s == 0
+        assert s.printer.rig.commands.filters.delay_s == 0
 
 
 def test_commands_report_the_knees_of_the_advance():

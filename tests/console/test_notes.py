@@ -44,13 +44,13 @@ def test_command_without_effect_is_noted_once_a_console(s, line):
 
 def test_a_frequency_sets_no_speed_of_a_fan(s):
     s.host.ok("M106 S51 F")
-    assert s.printer.commands.outputs.fans == {"part": 0.2}
+    assert s.printer.rig.commands.outputs.fans == {"part": 0.2}
     s.host.ok("M106 P0 F250")
-    assert s.printer.commands.outputs.fans == {"part": 0.2}
+    assert s.printer.rig.commands.outputs.fans == {"part": 0.2}
     s.host.ok("M106 F250 S102")
-    assert s.printer.commands.outputs.fans == {"part": 0.4}
+    assert s.printer.rig.commands.outputs.fans == {"part": 0.4}
     s.host.ok("M106 F")
-    assert s.printer.commands.outputs.fans == {"part": 1.0}
+    assert s.printer.rig.commands.outputs.fans == {"part": 1.0}
     s.passes(1)
     assert s.board.output_value("part") == 1_600_000  # of a cycle of 0.1 s
 
@@ -94,7 +94,7 @@ def test_settings_of_a_fan_leave_its_speed(s, words, before):
 def test_m106_with_a_setting_and_a_speed_sets_the_speed(s):
     s.host.ok("M106 S128 X255")
     s.passes(1)
-    assert s.printer.commands.outputs.fans["part"] == pytest.approx(128 / 255)
+    assert s.printer.rig.commands.outputs.fans["part"] == pytest.approx(128 / 255)
 
 
 def test_m204_v_is_the_travel_acceleration(s):

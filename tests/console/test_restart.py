@@ -29,7 +29,7 @@ def test_the_lines_after_it_find_the_printer_ready(s):
     for _ in range(5):
         s.host.expect("^ok", 120)
     assert not [line for line in s.host.heard if "Printer stopped" in line]
-    assert s.printer.connection.heaters["hotend"].target == 50
+    assert s.printer.rig.connection.heaters["hotend"].target == 50
     assert s.positions()["x"] == 5
 
 
@@ -37,7 +37,7 @@ def test_directly_after_the_emergency_stop(s):
     s.host.send("M112", "M999", "G92 X0 Y0 Z0", "G1 X5 F6000", "M400")
     for _ in range(5):
         s.host.expect("^ok", 10)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     ready = s.host.heard.index("echo:The printer is ready again. Home it before you move it")
     assert s.host.heard[:ready].count("ok") == 1  # of M112
     assert s.host.ok("M114")[0].startswith("X:5.00")
@@ -52,9 +52,9 @@ def test_an_emergency_stop_meanwhile_acts(s):
         "ok",
     ]
     s.passes(5)
-    assert s.printer.halted
+    assert s.printer.state.halted
     other.ok("M999")
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 def test_an_emergency_stop_behind_it_in_the_same_moment_holds(s):
@@ -64,7 +64,7 @@ def test_an_emergency_stop_behind_it_in_the_same_moment_holds(s):
     s.host.expect("ready again", 3)
     s.host.expect("Printer stopped: emergency stop by M112", 3)
     s.passes(5)
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
 
 
 @pytest.mark.parametrize("question", ["M119", "M114 R", "M114 D"])
@@ -101,7 +101,7 @@ def test_restart_completes_after_host_left(s):
 
     s.run(go())
     other.expect("ready again")
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 def test_restart_ends_if_board_is_unreachable(s, monkeypatch):
@@ -119,7 +119,7 @@ def test_restart_ends_if_board_is_unreachable(s, monkeypatch):
     assert "Printer stopped" in heard[1]
     monkeypatch.undo()
     s.host.ok("M999")
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 def test_a_fault_of_the_program_in_it_halts_again(s, monkeypatch):
@@ -134,9 +134,9 @@ def test_a_fault_of_the_program_in_it_halts_again(s, monkeypatch):
     assert "a fault of the program" in heard[1]
     assert s.host.ok("G28")[0].startswith("echo:Printer stopped: a fault of the program")
     s.passes(5)
-    assert s.printer.halted
+    assert s.printer.state.halted
     s.host.ok("M999")
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     assert s.host.ok("G28", 60) == ["ok"]
 
 
@@ -147,8 +147,8 @@ def test_plan_changes_do_not_act_while_halted(s, line):
     s.passes(0.5)
     s.host.send(line, "M112")
     s.host.expect("Printer stopped: emergency stop by M112", 3)
-    assert s.printer.offsets.babysteps_mm["z"] == 0
-    assert s.printer.job.speed_factor == 1
+    assert s.printer.motion.offsets.babysteps_mm["z"] == 0
+    assert s.printer.rig.job.speed_factor == 1
     assert s.host.ok("M410") == ["ok"]
     s.host.ok("M999")
     assert s.host.ok("G28", 60) == ["ok"]
@@ -160,9 +160,9 @@ def test_a_stop_of_a_halted_printer_is_answered_and_does_nothing(s, monkeypatch,
     s.passes(seconds)
     s.host.send("M112")
     s.passes(0.1)
-    monkeypatch.setattr(s.printer.queue, "stop", lambda: 1 / 0)
+    monkeypatch.setattr(s.printer.rig.queue, "stop", lambda: 1 / 0)
     assert s.host.ok("M410")[-1] == "ok"
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
 
 
 def test_m999_sent_before_failure_is_refused(s):
@@ -172,10 +172,10 @@ def test_m999_sent_before_failure_is_refused(s):
     s.host.expect("^Error:Printer halted: heater hotend was switched off", 40)
     assert "M999 is not carried out: the printer has failed since" in s.host.expect("M999 is", 1)
     s.passes(5)
-    assert s.printer.halted
+    assert s.printer.state.halted
     assert s.board.output_value("hotend") == 0
     s.host.ok("M999")
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 def test_an_emergency_stop_of_another_host_holds():
@@ -186,7 +186,7 @@ def test_an_emergency_stop_of_another_host_holds():
         other.ok("M112")
         s.host.expect("M999 is not carried out", 1)
         s.passes(5)
-        assert s.printer.halted
+        assert s.printer.state.halted
         assert s.board.output_value("hotend") == 0
 
 
@@ -200,7 +200,7 @@ def test_m922_sent_before_failure_is_refused():
         s.passes(1)
         s.host.send("M108")
         s.passes(1)
-        heater = s.printer.connection.heaters["hotend"]
+        heater = s.printer.rig.connection.heaters["hotend"]
         assert heater.fault is not None
         assert [line for line in s.host.heard if line.startswith("echo:M922 is not carried out")]
         s.board.force_sensor("hotend", None)
@@ -212,8 +212,8 @@ def test_m922_sent_before_failure_is_refused():
 def test_restart_by_name_halts_first_and_its_ok_comes_when_ready(s, line):
     s.host.ok("M104 S50")
     assert s.host.ok(line, 120)[-1] == "ok"
-    assert not s.printer.halted
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert not s.printer.state.halted
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     assert not [text for text in s.host.heard if text.startswith("Error:")]
     assert s.host.ok("G1 X5")[0].startswith("echo:")  # not homed
 
@@ -229,5 +229,5 @@ def test_restart_that_was_sent_before_an_emergency_stop_is_refused(s):
     other = Host(s)
     at_once(s, (s.host, b"G28\nRESTART\n"), (other, b"M112\n"))
     s.passes(5)
-    assert s.printer.halted
+    assert s.printer.state.halted
     assert any("RESTART is not carried out" in text for text in s.host.heard)

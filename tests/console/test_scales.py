@@ -70,5 +70,5 @@ def test_corners_by_steps_follow_the_scale(scale):
             for i in range(1, 30):
                 s.host.send(f"G1 X{i} Y{i % 2 * 5} F9000")
             s.host.ok("M400", 60)
-            seconds.append(s.printer.planned_s())
+            seconds.append(s.printer.rig.planned_s())
     assert seconds[0] == pytest.approx(seconds[1], rel=1e-6)

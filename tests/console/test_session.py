@@ -469,7 +469,7 @@ def test_m112_acts_ahead_of_every_queue(ready, busy, own):
     other.send("M112")
     ready.host.expect("Printer halted: emergency stop by M112", 0.1)
     ready.passes(1)
-    assert all(h.target == 0 for h in ready.printer.connection.heaters.values())
+    assert all(h.target == 0 for h in ready.printer.rig.connection.heaters.values())
     assert ready.positions()["x"] == pytest.approx(at["x"], abs=0.1)
     ready.passes(2)
     number = len(BUSY[busy]) + BACKLOG - 3
@@ -489,7 +489,7 @@ def test_m108_ends_a_wait_after_a_full_backlog(ready, own):
     other.send("M108")
     ready.passes(0.05)
     assert len(oks(ready.host, start)) == BACKLOG + own
-    assert ready.printer.connection.heaters["hotend"].target == 250
+    assert ready.printer.rig.connection.heaters["hotend"].target == 250
     assert ready.host.ok("G1 X25 F6000") == ["ok"]
 
 
@@ -499,7 +499,7 @@ def test_m108_ends_the_wait_for_moves_and_the_moves_continue(ready):
     ready.host.send("M108")
     ready.passes(0.03)
     assert len(oks(ready.host)) == 4  # G92, G1, M400, M108
-    assert not ready.printer.queue.standing
+    assert not ready.printer.rig.queue.standing
     ready.host.ok("G1 X20")
     ready.host.ok("M400")
     assert ready.positions()["x"] == 20.0
@@ -517,7 +517,7 @@ def test_m410_stops_the_moves_after_a_full_backlog(ready, own):
     ready.host.send("G1 X200 F3000", "M400", *["M110"] * (BACKLOG - 2))
     ready.passes(1)
     other.send("M410")
-    ready.until(lambda: ready.printer.queue.standing, 1)
+    ready.until(lambda: ready.printer.rig.queue.standing, 1)
     at = ready.positions()["x"]
     assert 60 < at < 90
     ready.passes(1)
@@ -588,10 +588,10 @@ def test_lines_of_a_file_are_not_commands_ahead_of_the_queue(tmp_path):
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.send("M28 a.g", "M112", "M108", "M410", "M29")
         s.host.expect("Done saving file", 1)
-        assert not s.printer.halted
+        assert not s.printer.state.halted
         assert (tmp_path / "a.g").read_text() == "M112\nM108\nM410\n"
         s.host.ok("M112")
-        assert s.printer.halted
+        assert s.printer.state.halted
 
 
 @pytest.mark.parametrize("command", ["G28", "M109 S250", "G1 X100 F600\nM400", "M303 E0 S200"])
@@ -604,7 +604,7 @@ def test_m999_right_after_m112_leaves_no_wait(ready, command):
     ready.passes(0.1)
     assert len(oks(other)) == len(command.split("\n"))
     assert "does not know where" not in "".join(ready.host.ok("G28", 60))
-    assert ready.printer.job.locked_axes == []
+    assert ready.printer.rig.job.locked_axes == []
 
 
 def test_m108_ends_a_tune_that_has_not_begun(ready):
@@ -613,4 +613,4 @@ def test_m108_ends_a_tune_that_has_not_begun(ready):
     ready.host.send("M108")
     ready.passes(0.1)
     assert len(oks(ready.host)) == 4  # G92, G1, M303, M108
-    assert ready.printer.connection.heaters["hotend"].target == 0
+    assert ready.printer.rig.connection.heaters["hotend"].target == 0

@@ -58,7 +58,7 @@ def test_the_report_sent_back_gives_the_same_state(s):
     for line in changed:
         assert s.host.ok(line) == ["ok"], line
     assert report(s) == changed
-    assert (s.printer.motors.idle_s, s.printer.prompts.kill_s) == (90, 7200.5)
+    assert (s.printer.outputs.motors.idle_s, s.printer.prompts.kill_s) == (90, 7200.5)
     assert s.printer.endstops.stops
 
 
@@ -73,10 +73,10 @@ def test_idle_times_and_the_stop_at_endstops_are_settings(tmp_path):
         for line in ("M84 S90", "M85 S60", "M540 S1", "M500"):
             s.host.ok(line)
     with Scenario("i3", state=str(tmp_path)) as s:
-        assert (s.printer.motors.idle_s, s.printer.prompts.kill_s) == (90, 60)
+        assert (s.printer.outputs.motors.idle_s, s.printer.prompts.kill_s) == (90, 60)
         assert s.printer.endstops.stops
         s.passes(61)
-        assert s.printer.halted == "idle for 60 s (M85)"
+        assert s.printer.state.halted == "idle for 60 s (M85)"
         s.host.send("M999")
         s.host.expect("ready again", 3)
         s.host.ok("M502")
@@ -108,10 +108,10 @@ def test_report_omits_settings_that_follow_from_others(s):
     for line in report(s):
         s.host.ok(line.removeprefix("echo:"))
     s.host.ok("M207 F1200")
-    assert s.printer.job.retraction[1:5:3] == (20.0, 0.0)
+    assert s.printer.rig.job.retraction[1:5:3] == (20.0, 0.0)
     for line in ("M208 F600", "M208 F0"):
         assert s.host.ok(line) == ["ok"]
-    assert s.printer.job.retraction[4] == 0.0
+    assert s.printer.rig.job.retraction[4] == 0.0
 
 
 def test_stored_settings_come_back_at_the_next_start(tmp_path):
@@ -289,7 +289,7 @@ def test_settings_come_back_when_the_machine_is_idle(tmp_path, code):
         s.host.ok("G1 X0")
         s.host.ok("M400", 30)
         assert s.positions()["x"] == pytest.approx(100 * 0.5 / 80)
-        assert not s.printer.halted
+        assert not s.printer.state.halted
 
 
 def with_rows(text, rows):
@@ -379,7 +379,7 @@ def test_a_new_feed_factor_acts_on_moves_that_are_planned(s):
     s.passes(3)
     assert s.positions()["x"] == pytest.approx(120, abs=0.1)
     assert "S is -5" in s.host.ok("M220 S-5")[0]
-    assert s.printer.job.speed_factor == 4
+    assert s.printer.rig.job.speed_factor == 4
 
 
 def test_the_flow_is_reported(s):
@@ -412,7 +412,7 @@ def test_motors_go_off_by_axis_and_forget_where_they_are(s):
 def test_heaters_go_off_after_half_an_hour(s):
     s.host.ok("M140 S40")
     s.passes(1790)
-    assert s.printer.connection.heaters["bed"].target == 40
+    assert s.printer.rig.connection.heaters["bed"].target == 40
     s.host.expect("Heater bed off after an idle time", 30)
 
 
@@ -488,7 +488,7 @@ def test_babysteps_shift_the_moves_that_follow(s):
 
 
 def of_both_extruders(s):
-    job = s.printer.job
+    job = s.printer.rig.job
     scales = {row["name"]: row["steps_per_unit"] for row in job.steppers()}
     return [
         (scales[e], job.axis_limit(e, "speed"), job.axis_limit(e, "accel")) for e in ("e", "e1")

@@ -18,7 +18,7 @@ from passo.printer.setup import boards as setup_boards
 
 def welcomed(s: Scenario, host: Host) -> list[str]:
     async def open_it() -> None:
-        welcome(s.printer, host.session)
+        welcome(s.machine.name, s.printer.state, host.session)
 
     before = len(host.heard)
     s.run(open_it())
@@ -80,7 +80,8 @@ def test_heaters_go_off_before_all_that_may_fail(closed):
         ended.append("failed" if closed else "too early")
         raise CardError.of("card.absent", value="pulled")
 
-    s.printer.closers += [lambda: ended.append("first opened"), fails]
+    s.printer.lifetime.at_end(lambda: ended.append("first opened"))
+    s.printer.lifetime.at_end(fails)
     with pytest.raises(CardError), s:
         pass
     assert ended == ["failed", "first opened"]
@@ -144,20 +145,20 @@ def test_sensor_broken_at_start_halts_until_restart(broken, sensor, ratio):
         s.host.ok("G28", 60)
         assert s.positions()["x"] == pytest.approx(0, abs=0.02)
         s.host.ok("M109 S50", 300)
-        assert s.printer.connection.heaters["hotend"].celsius == pytest.approx(50, abs=1.5)
+        assert s.printer.rig.connection.heaters["hotend"].celsius == pytest.approx(50, abs=1.5)
 
 
 def test_failed_heater_is_named_at_start_and_after_m999(broken):
     broken["bed"] = OPEN
     with Scenario(policy("machine", "heater")) as s:
         assert "heater bed was switched off" in welcomed(s, s.host)[2]
-        assert not s.printer.halted
+        assert not s.printer.state.halted
         assert s.host.ok("G28", 60)[-1] == "ok"
         s.host.ok("M112")
         s.passes(1)
         answer = s.host.ok("M999", 20)
         assert any("heater bed was switched off" in line for line in answer)
-        assert not s.printer.halted
+        assert not s.printer.state.halted
         s.host.ok("G28", 60)
         assert s.positions()["x"] == pytest.approx(0, abs=0.02)
 

@@ -20,6 +20,7 @@ import pytest
 from passo import config
 from passo.app import assembled
 from passo.cli.main import main
+from passo.console.session import Session
 from passo.console.transports import serial as lines
 from passo.console.transports import streams as wires
 from passo.console.transports.serial import open_pty, open_serial
@@ -68,10 +69,6 @@ async def at_tcp(console):
     return Client(reader, writer.write, writer.close)
 
 
-def greet(session):
-    session.say("start")
-
-
 class Served:
     """A printer with its consoles."""
 
@@ -84,11 +81,16 @@ class Served:
         self.consoles.append(await opening)
         return self.consoles[-1]
 
+    def session(self, wire):
+        session = Session(self.printer.control, wire)
+        session.say("start")
+        return session
+
     async def tcp(self, clients=2):
-        return await self.open(open_tcp(self.printer, "127.0.0.1", 0, clients, greet))
+        return await self.open(open_tcp(self.session, "127.0.0.1", 0, clients))
 
     async def pty(self, path):
-        return await self.open(open_pty(self.printer, str(path), greet))
+        return await self.open(open_pty(self.session, str(path)))
 
     async def end(self):
         for console in self.consoles:
@@ -158,7 +160,7 @@ async def test_a_host_that_hangs_up_in_mid_upload_ends_it(s, tmp_path):
             await asyncio.sleep(0)
     host = await at_pty(path)
     assert (await host.ok("M114"))[-2].startswith("X:0.000 ")
-    assert s.printer.commands.outputs.fans.get("part", 0) == 0
+    assert s.printer.rig.commands.outputs.fans.get("part", 0) == 0
     assert "NEW.G" not in " ".join(await host.ok("M20"))
     await host.ok("M28 whole.g")
     await host.ok("G1 X5")
@@ -226,7 +228,7 @@ def test_a_serial_device_at_any_rate(baud):
     async def body():
         s = Served()
         master, slave = os.openpty()
-        await s.open(open_serial(s.printer, os.ttyname(slave), baud, greet))
+        await s.open(open_serial(s.session, os.ttyname(slave), baud))
         attributes = bytearray(44)
         fcntl.ioctl(slave, 0x802C542A, attributes, True)
         assert struct.unpack("4IB19s2I", attributes)[6:] == (baud, baud)
@@ -254,7 +256,7 @@ def test_unplugged_serial_device_is_reopened(tmp_path, monkeypatch):
         master, slave = os.openpty()
         device.symlink_to(os.ttyname(slave))
         if not s.consoles:
-            await s.open(open_serial(s.printer, str(device), 115200, greet))
+            await s.open(open_serial(s.session, str(device), 115200))
         reader = asyncio.StreamReader()
         transport, _ = await asyncio.get_running_loop().connect_read_pipe(
             lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(master, "rb", 0)
@@ -315,7 +317,7 @@ async def test_a_client_that_goes_away_ends_its_wait(s):
     client.close()
     while s.printer.waits.heating:
         await asyncio.sleep(0)
-    assert s.printer.connection.heaters["hotend"].target == 200
+    assert s.printer.rig.connection.heaters["hotend"].target == 200
     while True:  # and its place is free
         client = await at_tcp(console)
         told = await client.line()
@@ -381,9 +383,9 @@ async def test_200_clients(s):
     last = await at_tcp(console)
     await last.ok("M400")
     assert (await last.ok("M114"))[-2].startswith("X:50.000 Y:0.000 Z:0.000 E:0.0000 ")
-    heaters = s.printer.connection.heaters
+    heaters = s.printer.rig.connection.heaters
     assert {name: heater.target for name, heater in heaters.items()} == {"hotend": 45, "bed": 0}
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""
     last.close()
 
 

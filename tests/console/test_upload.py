@@ -142,11 +142,11 @@ def test_lines_for_an_unopened_file_are_reported_once(bare):
     note = "echo:G28 is not carried out: it is for the file a.g. End it with M29"
     assert bare.host.ok("G28") == [note, "ok"]
     assert bare.host.ok("M104 S200") == ["ok"]
-    assert bare.printer.connection.heaters["hotend"].target == 0
+    assert bare.printer.rig.connection.heaters["hotend"].target == 0
     bare.host.ok("M29")
     bare.host.ok("M104 S200")
     bare.passes(1)
-    assert bare.printer.connection.heaters["hotend"].target == 200
+    assert bare.printer.rig.connection.heaters["hotend"].target == 200
 
 
 def test_a_second_upload_does_not_end_the_first(s, tmp_path):
@@ -173,7 +173,7 @@ def test_m112_without_a_number_acts_in_an_upload_with_numbers(s):
     s.host.ok(lines[1])
     s.host.ok("M28 new.g")
     s.host.ok("M112")
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
 
 
 # -- ahead of every queue -------------------------------------------------------------------------
@@ -184,10 +184,10 @@ def test_m112_acts_in_an_upload_that_has_no_file(bare, lines):
     for line in lines:
         bare.host.send(line)
     bare.passes(0.5)
-    assert bare.printer.halted == "emergency stop by M112"
+    assert bare.printer.state.halted == "emergency stop by M112"
     bare.host.send("M999")
     bare.host.expect("ready again", 3)
-    assert not bare.printer.halted
+    assert not bare.printer.state.halted
     bare.host.ok("M29")
     assert bare.host.ok("G28", 60)[-1] == "ok"
 
@@ -198,7 +198,7 @@ def test_m112_acts_where_a_strict_console_has_refused_the_upload(s):
     assert s.host.ok("M28 old.g") == REFUSED
     assert s.host.ok("M933") == ["ok"]
     s.host.ok("M112")
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
 
 
 def test_m410_and_m108_act_in_an_upload_that_has_no_file(bare):
@@ -208,7 +208,7 @@ def test_m410_and_m108_act_in_an_upload_that_has_no_file(bare):
     bare.passes(2)
     bare.host.ok("M410")
     other.expect("^ok", 1)
-    bare.until(lambda: bare.printer.queue.standing, 2)
+    bare.until(lambda: bare.printer.rig.queue.standing, 2)
     at = bare.positions()["x"]
     assert 30 < at < 45
     other.ok("M400")
@@ -224,20 +224,20 @@ def test_m112_after_queued_upload_is_text_if_upload_begins(s, tmp_path):
     s.host.ok("G92 X20 Y20 Z20")
     s.host.send("G1 X30 F600", "M400", "M28 old.g", "M112", "M29")
     s.passes(3)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     assert (tmp_path / "old.g").read_text() == "M112\n"
     s.host.send("G1 X40 F600", "M400", "M28 no/such.g", "M112", "M29")
     s.passes(0.5)
-    assert not s.printer.halted  # nobody knows yet
+    assert not s.printer.state.halted  # nobody knows yet
     s.passes(3)
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
 
 
 def test_m112_after_the_end_of_an_upload_in_hand_acts_at_once(s):
     s.host.ok("G92 X20 Y20 Z20")
     s.host.send("G1 X100 F600", "M400", "M28 old.g", "G28", "M29", "M112")
     s.passes(0.1)
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
 
 
 def test_an_upload_that_lacks_a_line_leaves_the_old_file(s, tmp_path):

@@ -40,7 +40,7 @@ def test_m108_ends_a_wait_that_has_no_room_yet(s, own, feed, waits):
     assert len(oks(s.host, start)) == 1 + own
     if waits.startswith("M109"):
         s.passes(60)
-        assert s.printer.connection.heaters["hotend"].target == 200
+        assert s.printer.rig.connection.heaters["hotend"].target == 200
     s.host.ok("M400", 60)
     assert s.positions()["x"] == 100.0  # the moves went on
 
@@ -155,7 +155,7 @@ def test_the_end_of_the_input_ends_no_other_wait(s, wait):
     assert s.until(lambda: bool(done), 1)
     assert done[0] - start >= (5 if "5" in wait else 0)
     if wait == "M109 S60":
-        assert s.printer.connection.heaters["hotend"].celsius > 58
+        assert s.printer.rig.connection.heaters["hotend"].celsius > 58
 
 
 # -- lines that break -----------------------------------------------------------------------------
@@ -186,10 +186,10 @@ def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, plac
         answer = s.host.ok(line)
     assert answer[-1] == "ok"
     assert any(FAULT in x for x in answer)
-    assert FAULT in s.printer.halted
+    assert FAULT in s.printer.state.halted
     s.host.expect("^Error:Printer halted: a fault of the program", 1)
     assert not s.printer.motion_lock.locked
-    assert s.printer.connection.heaters["bed"].target == 0
+    assert s.printer.rig.connection.heaters["bed"].target == 0
     s.host.send("M999")
     s.host.expect("ready again", 3)
     assert s.host.ok("G28", 60)[-1] == "ok"
@@ -209,13 +209,13 @@ def test_a_fault_as_time_passes_halts(s, line, again):
     s.passes(1)
     assert s.board.output_value("bed") > 0
     s.host.send(line)
-    s.printer.watchers.append(watch)
+    s.printer.lifetime.as_time_passes(watch)
     s.host.expect("^Error:Printer halted: a fault of the program", 3)
     s.passes(0.5)
-    assert FAULT in s.printer.halted
+    assert FAULT in s.printer.state.halted
     assert len(oks(s.host)) == 3  # G92, M140, and this line
     assert not s.printer.motion_lock.locked
-    assert s.printer.connection.heaters["bed"].target == 0
+    assert s.printer.rig.connection.heaters["bed"].target == 0
     assert s.board.output_value("bed") == 0
     faulty[0] = False
     s.host.ok("M999")
@@ -226,15 +226,15 @@ def test_a_fault_in_what_is_waited_for_halts(s, monkeypatch):
     s.host.send("M109 S200")
     s.passes(1)
     s.host._read = len(s.host.heard)
-    heater = type(s.printer.connection.heaters["hotend"])
+    heater = type(s.printer.rig.connection.heaters["hotend"])
     monkeypatch.setattr(heater, "settled", property(lambda _: broken()), raising=True)
     s.host.expect(FAULT, 3)
     s.host.expect("^ok", 1)
     s.host.expect("^Error:Printer halted: a fault of the program", 1)
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     monkeypatch.undo()
     s.host.ok("M999")
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 def test_a_fault_after_a_full_plan_releases_the_motion_lock(s, monkeypatch):
@@ -255,7 +255,7 @@ def test_a_command_that_fails_in_mid_line_ends_its_line_alone(s, monkeypatch, li
     monkeypatch.setitem(s.printer.dispatch.planned, "M500", fails)
     answer = s.host.ok(line)
     assert "there is no card: by the test" in answer[0]
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     assert s.host.ok("G1 X40 F6000") == ["ok"]
     s.host.ok("M400")
     assert s.positions()["x"] == 40.0
@@ -272,7 +272,7 @@ def test_a_wait_that_fails_ends_its_line_and_not_its_console():
         s.passes(2)
         s.board.force_sensor("hotend", 1.0)
         s.host.expect("^ok", 10)
-        assert not s.printer.halted
+        assert not s.printer.state.halted
         assert s.host.ok("G1 X40 F6000") == ["ok"]
         assert s.host.ok("M400") == ["ok"]
         assert s.positions()["x"] == 40.0
@@ -301,11 +301,13 @@ def test_a_line_that_no_plan_holds_is_done_to_its_end():
         s.host.ok("G92 X100 Y100 Z5")
         s.host.send(ARC, "M104 S100", "M118 after")
         s.host.silent(60, "^ok|after")
-        assert s.printer.connection.heaters["hotend"].target == 0
+        assert s.printer.rig.connection.heaters["hotend"].target == 0
         s.host.expect("^after$", 1300)
         s.host.ok("M400", 60)
-        assert s.printer.connection.heaters["hotend"].target == 100
-        circles = s.printer.job.statistics()["print_mm"] + s.printer.job.statistics()["travel_mm"]
+        assert s.printer.rig.connection.heaters["hotend"].target == 100
+        circles = (
+            s.printer.rig.job.statistics()["print_mm"] + s.printer.rig.job.statistics()["travel_mm"]
+        )
         assert circles == pytest.approx(11000 * 2 * pi, rel=2e-3)  # of chords
 
 
@@ -326,5 +328,5 @@ def test_a_line_that_no_plan_holds_can_be_stopped(closes):
         assert not s.printer.motion_lock.locked
         assert other.ok("G1 X60 F6000", 5) == ["ok"]
         s.passes(3)
-        assert s.printer.job.program_position[0] == 60
+        assert s.printer.rig.job.program_position[0] == 60
         assert closes or s.host.heard[-1] in ("ok", "wait")

@@ -42,14 +42,14 @@ def test_older_firmware_heats_and_watches_sensor(bench):
 def test_older_firmware_heats_by_thermocouple():
     machine = config.load_text(text(firmware="passo", policy="heater"), "t.toml")
     with Scenario(machine) as s:
-        asked = s.printer.connection.main.dictionary
+        asked = s.printer.rig.connection.main.dictionary
         assert asked.takes("query_thermocouple", "max_invalid_count")
         assert not asked.takes("config_thermocouple", "consecutive_fault_limit")
         s.host.ok("M109 S150", 300)
         s.board.force_sensor("hotend", 1.0)
         s.host.expect("heater hotend was switched off: its sensor reads .* means a broken cable", 1)
         s.passes(5)
-        assert not s.printer.halted
+        assert not s.printer.state.halted
         s.board.force_sensor("hotend", None)
         s.passes(1)
         s.host.ok("M922")

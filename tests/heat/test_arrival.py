@@ -15,7 +15,7 @@ def scenario(lines: str = "") -> Scenario:
 
 
 def heater(s: Scenario):
-    return s.printer.connection.heaters["hotend"]
+    return s.printer.rig.connection.heaters["hotend"]
 
 
 def near(s: Scenario, target: float, within: float = 300.0) -> float:
@@ -80,7 +80,7 @@ def test_a_new_target_is_waited_for_from_the_beginning():
         s.host.send("M109 S200")
         near(s, 200)
         s.passes(5)
-        s.printer.targets.set_target("hotend", 210.0, at_once=True)
+        s.printer.outputs.targets.set_target("hotend", 210.0, at_once=True)
         begin = near(s, 210)
         assert done(s) - begin == pytest.approx(10, abs=0.3)
 

@@ -57,7 +57,7 @@ def ends(scenario: Scenario, within: float = 10.0) -> None:
     """All moves are made, and nothing has gone wrong."""
     scenario.host.send("M400", "M118 done")
     scenario.host.expect("done", within)
-    assert scenario.printer.halted == ""
+    assert scenario.printer.state.halted == ""
 
 
 def wait_for(cable: Cable, at: Callable[[], bool], within: float = 60.0) -> None:

@@ -37,7 +37,7 @@ def machine(board: KlipperBoard, folder: Path) -> MachineConfig:
 def test_klipper_firmware_moves_heats_and_resets(board: KlipperBoard, tmp_path: Path) -> None:
     it = machine(board, tmp_path)
     with Scenario(it, loop=asyncio.new_event_loop()) as scenario:
-        host, connection = scenario.host, scenario.printer.connection
+        host, connection = scenario.host, scenario.printer.rig.connection
         assert not connection.main.survives
         assert re.search(r"T:2\d\.\d+ /0", host.ok("M105")[0])
         host.ok("M302 P1")
@@ -46,7 +46,7 @@ def test_klipper_firmware_moves_heats_and_resets(board: KlipperBoard, tmp_path: 
             host.send(f"G1 X{10 if i % 2 else 0} Y{i / 4} E{i / 10} F9000")
         host.send("M104 S60", "M106 S128", "M400", "M118 done")
         host.expect("done", 30.0)
-        assert scenario.printer.halted == ""
+        assert scenario.printer.state.halted == ""
         oids = connection.main.oids
         steps = {name: board.steps.get(oid, 0) for name, oid in oids.steppers.items()}
         assert steps == {"x": 800, "y": 380, "z": 0, "e": round(1.9 * 95.5)}

@@ -56,8 +56,8 @@ def test_a_stall_of_the_interpreter_delays_no_step(
         stall()
         scenario.passes(0.7)
         stall()
-        assert not scenario.printer.queue.standing
-        scenario.until(lambda: scenario.printer.queue.standing, 20.0)
+        assert not scenario.printer.rig.queue.standing
+        scenario.until(lambda: scenario.printer.rig.queue.standing, 20.0)
         ends(scenario)
         assert not [line for line in scenario.host.heard if "The machine waits" in line]
     assert net_steps([cable]) == ZIGZAG_STEPS
@@ -67,7 +67,7 @@ def test_a_stall_of_the_interpreter_delays_no_step(
 def test_stall_of_the_interpreter_does_not_stall_links(cable: Cable) -> None:
     """A plan for two seconds is on the way: the thread sends it in time."""
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
-        host, link = scenario.host, scenario.printer.connection.main.link
+        host, link = scenario.host, scenario.printer.rig.connection.main.link
         host.ok("G92 X0")
         host.send("G1 X40 F600", "G1 X60")
         scenario.passes(1.0)
@@ -94,7 +94,7 @@ def test_a_board_that_breaks_its_own_dictionary_is_named() -> None:
 def test_a_stall_at_the_end_of_a_few_long_moves_costs_nothing(cable: Cable) -> None:
     """The host's last move comes when the plan is about to run dry, and then nobody looks."""
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
-        host, queue = scenario.host, scenario.printer.queue
+        host, queue = scenario.host, scenario.printer.rig.queue
         host.ok("G92 X0")
         host.send("G1 X10 F600", "G1 X20")
         scenario.passes(0.5)
@@ -142,10 +142,10 @@ def test_board_reset_in_mid_move_is_configured_again(cable: Cable) -> None:
         host.send("M104 S50")
         zigzag(host)
         scenario.passes(1.2)
-        scenario.printer.connection.main.command("reset")
+        scenario.printer.rig.connection.main.command("reset")
         host.expect("^Error:the board restarted", 3.0)
         host.expect("The printer is ready again", 10.0)
-        assert scenario.printer.connection.heaters["hotend"].target == 50.0
+        assert scenario.printer.rig.connection.heaters["hotend"].target == 50.0
         stood = cable.look(lambda: cable.board.net_steps("x"))
         host.ok("G92 X0 Y0 Z0")
         host.send("G1 X5 F3000")
@@ -183,7 +183,7 @@ def test_emergency_stop_reaches_board_when_cable_is_back() -> None:
         host.expect("Emergency stop confirmed by all boards", 5.0)
         assert cable.look(lambda: cable.board.device.fault) == "Command request"
         host.ok("M999")
-        assert scenario.printer.halted == ""
+        assert scenario.printer.state.halted == ""
     cable.close()
 
 
@@ -193,7 +193,7 @@ def test_cut_cable_halts_board_without_survive() -> None:
         scenario.host.ok("G92 X0 Y0 Z0")
         cable.cut()
         scenario.host.expect("connection to the board has ended", 5.0)
-        assert "connection to the board" in scenario.printer.halted
+        assert "connection to the board" in scenario.printer.state.halted
     cable.close()
 
 
@@ -205,14 +205,14 @@ def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:
         scenario.passes(1.0)
         host.send("M112")
         host.expect("^Error:", 2.0)
-        scenario.until(lambda: scenario.printer.halted != "", 2.0)
+        scenario.until(lambda: scenario.printer.state.halted != "", 2.0)
         host.send("M999")
         host.expect("ready again", 10.0)
         before = cable.look(lambda: cable.board.position("x"))
         host.ok("G92 X0")
         host.ok("G1 X2 F600")
         host.ok("M400")
-        assert scenario.printer.halted == ""
+        assert scenario.printer.state.halted == ""
     cable.cut()
     assert cable.board.device.fault == ""
     assert cable.board.position("x") == pytest.approx(before + 2.0)
@@ -222,7 +222,7 @@ def test_heaters_are_off_when_the_printer_ends(cable: Cable) -> None:
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         scenario.host.ok("M104 S200")
         scenario.passes(2.0)
-        assert scenario.printer.connection.heaters["hotend"].power > 0.5
+        assert scenario.printer.rig.connection.heaters["hotend"].power > 0.5
     cable.cut()
     assert cable.board.device.fault == ""
     assert cable.board.output_value("hotend") == 0

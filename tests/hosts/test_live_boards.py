@@ -57,8 +57,8 @@ def test_a_stall_of_the_interpreter_delays_no_step(scenario, cables):
     zigzag(scenario.host)
     scenario.passes(0.8)
     stall()
-    scenario.until(lambda: scenario.printer.queue.standing, 20.0)
-    assert scenario.printer.halted == ""
+    scenario.until(lambda: scenario.printer.rig.queue.standing, 20.0)
+    assert scenario.printer.state.halted == ""
     assert unplugged(scenario, cables) == ZIGZAG_STEPS
 
 
@@ -79,8 +79,8 @@ def test_a_switch_stops_a_motor_on_the_other_board(scenario, cables):
     scenario.until(lambda: tool.look(lambda: tool.board.position("x")) < stopped + 2.0, 10.0)
     main.look(lambda: main.board.force_switch("x", True))
     host.expect("^ok", 10.0)
-    assert scenario.printer.halted == ""
-    assert 0 not in scenario.printer.job.locked_axes
+    assert scenario.printer.state.halted == ""
+    assert 0 not in scenario.printer.rig.job.locked_axes
 
 
 def test_a_board_plugged_in_again_continues_with_the_other() -> None:
@@ -131,7 +131,7 @@ def test_another_host_resumes_where_both_boards_have_stopped(tmp_path) -> None:
     main, tool = cables[""], cables["tool"]
     start = main.look(lambda: main.board.position("y"))
     assert scenario.until(lambda: main.look(lambda: main.board.position("y")) > start + 42, 60.0)
-    for connection in scenario.printer.connection.connections:
+    for connection in scenario.printer.rig.connection.connections:
         connection.wire.stop()
     time.sleep(0.8)
     stopped = tool.look(lambda: tool.board.position("x"))
@@ -139,12 +139,12 @@ def test_another_host_resumes_where_both_boards_have_stopped(tmp_path) -> None:
     shutil.copytree(tmp_path / "state", tmp_path / "left")
     places["state"] = str(tmp_path / "left")
     with Scenario(wired, **places, loop=asyncio.new_event_loop()) as other:
-        assert other.printer.connection.adopted
+        assert other.printer.rig.connection.adopted
         assert tool.look(lambda: tool.board.position("x")) == stopped
         other.host.send("M1000")
         other.host.expect("Printing a.g from line", 20.0)
         other.host.expect("Done printing", 90.0)
-        assert other.printer.halted == ""
+        assert other.printer.state.halted == ""
     for cable in cables.values():
         cable.cut()
         assert cable.board.device.fault == ""

@@ -54,13 +54,13 @@ def test_next_host_resumes_print_of_killed_one(tmp_path: Path) -> None:
     time.sleep(0.2)
     assert cable.look(lambda: cable.board.position("x")) == stopped
     with Scenario(on("serial", cable.path), **places, loop=asyncio.new_event_loop()) as scenario:
-        assert scenario.printer.connection.adopted
+        assert scenario.printer.rig.connection.adopted
         assert "from where the board has stopped" in scenario.printer.state.greeting()
         assert cable.look(lambda: cable.board.position("x")) == stopped
         scenario.host.send("M1000")
         scenario.host.expect("Printing a.g from line", 20.0)
         scenario.host.expect("Done printing", 90.0)
-        assert scenario.printer.halted == ""
+        assert scenario.printer.state.halted == ""
     cable.cut()
     assert cable.board.device.fault == ""
     assert cable.board.position("x") == pytest.approx(60.0, abs=0.02)

@@ -61,7 +61,7 @@ class Print:
         for line in text.decode().splitlines():
             self.heard.append(line)
             if line == "reached":
-                heaters = self.printer.connection.heaters
+                heaters = self.printer.rig.connection.heaters
                 self.celsius = {n: heaters[n].celsius for n in self.waits.warm}
                 self.done.set()
             if line.startswith(PAUSED):
@@ -77,7 +77,7 @@ class Print:
         ).printer
         serving = asyncio.create_task(self.printer.run())
         try:
-            self.session = Session(self.printer, self)
+            self.session = Session(self.printer.control, self)
             self.session.receive(f"{self.command}\n".encode())
             async with asyncio.timeout(MAX_S):
                 await self.done.wait()

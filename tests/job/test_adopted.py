@@ -37,7 +37,7 @@ def printing(places) -> Scenario:
 
 def killed(s: Scenario):
     """The board, when it has braked, and its clock."""
-    port, queue = s.printer.connection.main.port, s.printer.queue
+    port, queue = s.printer.rig.connection.main.port, s.printer.rig.queue
     port.unplug()
     s.passes(2)
     clock = queue.base + queue.now
@@ -59,7 +59,7 @@ def next_host(monkeypatch, left, places):
     with monkeypatch.context() as patch:
         patch.setattr("passo.printer.printer.connect", connect)
         with Scenario(MACHINE, **places) as s:
-            assert s.printer.connection.adopted
+            assert s.printer.rig.connection.adopted
             yield s
 
 
@@ -72,7 +72,7 @@ def printed_on(s) -> dict[str, float]:
     s.host.send("M1000")
     s.host.expect("Printing a.g from line", 120)
     s.host.expect("Done printing", 120)
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""
     return s.positions()
 
 
@@ -122,7 +122,7 @@ def test_motors_are_trusted_after_all_axes_homed(monkeypatch, places):
     assert journal_of(Path(places["state"]))[1].origins == {}
     s.host.ok("G28 Y Z", 60)
     s.passes(0.1)
-    assert journal_of(Path(places["state"]))[1].origins == s.printer.positions.origins()
+    assert journal_of(Path(places["state"]))[1].origins == s.printer.rig.positions.origins()
     with next_host(monkeypatch, killed(s), places) as s:
         assert OFFER in s.printer.state.greeting()
 
@@ -131,10 +131,10 @@ def test_step_origin_is_recorded_when_axis_is_homed(places):
     state = Path(places["state"])
     with Scenario(MACHINE, **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.homer.active, 10)
-        assert s.until(lambda: not s.printer.homer.active, 60)
+        assert s.until(lambda: s.printer.motion.homer.active, 10)
+        assert s.until(lambda: not s.printer.motion.homer.active, 60)
         s.passes(0.05)
-        assert journal_of(state)[1].origins == s.printer.positions.origins() != {}
+        assert journal_of(state)[1].origins == s.printer.rig.positions.origins() != {}
 
 
 def test_step_origin_is_recorded_while_print_is_paused(places):

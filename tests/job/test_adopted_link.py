@@ -21,7 +21,7 @@ def left_alone(moment: float) -> tuple[SimulatedMachine, int]:
         s.host.ok("G92 X0 Y0 Z0")
         s.host.send("G1 X50 F1200", "G1 Y30")
         s.passes(moment)
-        board, clock = s.board, s.printer.connection.now
+        board, clock = s.board, s.printer.rig.connection.now
     for _ in range(200):
         clock += HZ // 100
         board.device.poll(clock)
@@ -42,7 +42,7 @@ def other(monkeypatch):
 
     monkeypatch.setattr("passo.printer.printer.connect", connect)
     with Scenario(FIRMWARE) as s:
-        assert s.printer.connection.adopted
+        assert s.printer.rig.connection.adopted
         yield s, stood
 
 
@@ -50,7 +50,7 @@ def test_its_place_is_proved_before_anything_was_moved(other):
     s, stood = other
     break_link(s, 1.0)
     s.host.expect("The board is back", 10)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     assert {name: s.board.net_steps(name) for name in stood} == stood
     s.host.ok("G92 X10 Y10")
     s.host.send("G1 X20 Y15 F1200", "M400", "M118 done")

@@ -119,10 +119,10 @@ def test_a_print_that_is_given_up_is_not(tmp_path, end):
 
 
 def heat(s):
-    heaters = s.printer.connection.heaters
+    heaters = s.printer.rig.connection.heaters
     return {
         name: heater.target for name, heater in heaters.items()
-    }, s.printer.commands.outputs.fans
+    }, s.printer.rig.commands.outputs.fans
 
 
 @pytest.mark.parametrize("bad", ["G1 X990", "T7", "M104 SX", "RAISES", "M23 none.g"])

@@ -11,7 +11,7 @@ def test_motor_moves_if_plan_was_cut_before_first_step(between, tmp_path):
     (tmp_path / "a.g").write_text(PROGRAM)
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.send("M32 a.g")
-        assert s.until(lambda: s.positions()["z"] < 0.01 and not s.printer.job.locked_axes, 60)
+        assert s.until(lambda: s.positions()["z"] < 0.01 and not s.printer.rig.job.locked_axes, 60)
         assert s.until(lambda: s.positions()["z"] > 29.0, 60)
         for line in between:
             s.host.ok(line)

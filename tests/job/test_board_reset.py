@@ -30,12 +30,12 @@ def test_whatever_the_printer_is_doing(doing):
         s.host.ok("G28", 60)
         s.host.send(doing)
         s.passes(1.2)
-        target = s.printer.connection.heaters["hotend"].target
+        target = s.printer.rig.connection.heaters["hotend"].target
         reset(s)
         s.host.expect("the board restarted", 1)
         s.host.expect("The printer is ready again", 1)
         s.passes(2)
-        assert s.printer.connection.heaters["hotend"].target == target
+        assert s.printer.rig.connection.heaters["hotend"].target == target
         assert (s.board.output_value("hotend") > 0) == (target > 0)
         assert "axis X is not homed" in s.host.ok("G1 X50")[0]
         s.host.ok("G28", 60)
@@ -57,7 +57,7 @@ def test_one_of_two_boards(board):
         s.host.expect(f"^Error:{name} restarted", 2)
         s.host.expect("The printer is ready again", 2)
         s.passes(2)
-        assert s.printer.connection.heaters["hotend"].target == 60
+        assert s.printer.rig.connection.heaters["hotend"].target == 60
         s.host.ok("G28", 60)
         s.host.ok("G1 X50 F6000")
         s.host.ok("M400", 20)
@@ -75,8 +75,8 @@ def test_a_second_time_within_a_minute_halts_it_cold(seconds, warm):
         s.passes(seconds - 1)
         reset(s)
         s.passes(2)
-        assert (s.printer.halted == "") == warm
-        assert (s.printer.connection.heaters["hotend"].target > 0) == warm
+        assert (s.printer.state.halted == "") == warm
+        assert (s.printer.rig.connection.heaters["hotend"].target > 0) == warm
         assert (s.board.output_value("hotend") > 0) == warm
         if not warm:
             s.host.expect("^Error:Printer halted: the board restarted", 1)

@@ -22,7 +22,7 @@ def s(tmp_path):
 def ends_where_it_should(s: Scenario, more_e: float = 0.0) -> None:
     s.host.expect("^Done printing file$", 120)
     assert way(s.begin, at(s)) == pytest.approx((13, 24, 0, 3 + more_e), abs=0.02)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 @pytest.mark.parametrize("command", ["M600 U80 L50", "M601"])

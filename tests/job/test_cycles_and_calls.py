@@ -31,7 +31,7 @@ class Drilled:
 
     def __init__(self, s):
         self.holes, self._down = [], False
-        s.printer.watchers.append(lambda: self._look(s))
+        s.printer.lifetime.as_time_passes(lambda: self._look(s))
 
     def _look(self, s):
         x, y, z = (s.positions()[axis] for axis in "xyz")
@@ -45,7 +45,7 @@ def started(s, name):
     s.host.ok(f"M32 {name}")
     s.board.place("z", 20.0)
     drilled = Drilled(s)
-    assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 4, 200)
+    assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 4, 200)
     return drilled
 
 
@@ -128,4 +128,4 @@ def test_a_missing_subprogram_stops_a_card_print_first(places, tmp_path):
     with Scenario("i3", **places) as s:
         s.host.ok("M32 bad.g")
         s.host.expect("^echo:Print of bad.g stopped: bad.g:12: M98 P30 cannot be carried out", 5)
-        assert s.printer.job.locked_axes == [0, 1, 2]
+        assert s.printer.rig.job.locked_axes == [0, 1, 2]

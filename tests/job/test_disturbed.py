@@ -35,7 +35,7 @@ def test_a_pause_that_is_over_at_once_takes_nothing_back(whole, before_end_s, pa
     with Scenario("i3", card=str(card)) as s:
         s.host.ok("M32 a.g")
         s.host.expect("Done printing", 900)
-        end = s.printer.queue.now_s
+        end = s.printer.rig.queue.now_s
     with Scenario("i3", card=str(card)) as s:
         s.host.ok("M32 a.g")
         s.passes(end - before_end_s)

@@ -27,9 +27,9 @@ def paused(machine, text, tmp_path, until_s=15):
 def goes_on(s: Scenario, x: float, y: float, z: float) -> None:
     """To the end of the file, and no filament is missing."""
     s.host.expect("^Done printing file$", 120)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     assert s.positions()["e"] == pytest.approx(10.0, abs=0.02)
-    assert s.printer.job.machine_position[:3] == pytest.approx([x, y, z], abs=1e-6)
+    assert s.printer.rig.job.machine_position[:3] == pytest.approx([x, y, z], abs=1e-6)
 
 
 @pytest.mark.parametrize("first", [["G28"], ["M84", "G28"]])
@@ -42,7 +42,7 @@ def test_arms_come_back_from_the_top(tmp_path, machine, place, first):
         s.passes(15)
         for line in first:
             s.host.ok(line, 60)
-        assert s.printer.job.machine_position[2] > place[2] + 10
+        assert s.printer.rig.job.machine_position[2] > place[2] + 10
         s.host.ok("M24")
         goes_on(s, place[0], place[1] + 4.95, place[2])
 
@@ -95,7 +95,7 @@ def test_a_heater_that_fails_on_the_way_is_waited_for_again(tmp_path):
         s.host.ok("M922")
         s.host.ok("M24")
         s.host.expect("^Done printing file$", 120)
-        assert s.printer.connection.heaters["hotend"].celsius > 95
+        assert s.printer.rig.connection.heaters["hotend"].celsius > 95
         way = {name: s.positions()[name] - low[name] for name in "xe"}
         assert way == pytest.approx({"x": 10.0, "e": 22.0}, abs=0.02)
 
@@ -118,7 +118,7 @@ def test_aborted_homing_in_pause_of_unhomed_print(machine, tmp_path):
         s.host.expect("^Done printing file$", 30)
         assert s.positions()[extruder] == pytest.approx(25, abs=0.01)
         assert s.positions() | {extruder: 0} == at | {extruder: 0}
-        assert s.printer.job.locked_axes
+        assert s.printer.rig.job.locked_axes
 
 
 @pytest.mark.parametrize("after", [0.0, 0.05, 0.1, 0.2])
@@ -133,7 +133,7 @@ def test_axes_that_know_no_place_know_none_after_a_pause(after, tmp_path):
         s.passes(after)
         s.host.ok("M524")
         s.passes(5)
-        assert s.printer.job.locked_axes == [0, 1, 2]
+        assert s.printer.rig.job.locked_axes == [0, 1, 2]
 
 
 @pytest.mark.parametrize("unhomed", ["refuse", "allow"])

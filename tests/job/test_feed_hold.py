@@ -34,7 +34,7 @@ def test_a_print_is_at_rest_within_250_ms(machine: str, firmware: str, tmp_path:
             s.board.trace_steps(motor, 0, 2**62)
         for _ in range(40):
             s.passes(chance.uniform(0.3, 1.0))
-            queue = s.printer.queue
+            queue = s.printer.rig.queue
             begun = queue.base + queue.now
             s.host.ok("M25")
             s.passes(0.3)  # parking begins later
@@ -58,7 +58,7 @@ def test_long_commands_hold_up_no_others(tmp_path: Path):
     with Scenario(config.load_text(config.shipped_text("i3") + FIRMWARE), card=str(tmp_path)) as s:
         s.host.ok("M32 dense.gcode")
         s.passes(6)
-        link = s.printer.connection.main.link
+        link = s.printer.rig.connection.main.link
         sent = [link.wire_bytes]
         for _ in range(300):
             s.passes(0.01)

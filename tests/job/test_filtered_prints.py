@@ -93,7 +93,7 @@ def lose_links(machine, card, wanted, generator, factors=(100,)):
             break_link(s, generator.choice((0.02, 0.3, 2.0, 40.0)))
             s.host.expect("The board is back", 10)
             breaks += 1
-            assert not s.printer.halted
+            assert not s.printer.state.halted
         assert s.board.device.fault == ""
         assert steps(s) == wanted
     return breaks
@@ -116,7 +116,7 @@ def test_late_host_resumes_filtered_print_where_board_stopped(whole, seed):
         while "Done printing file" not in s.host.heard:
             s.passes(generator.expovariate(0.5))
             stall(s, generator.choice((0.05, 0.25, 0.6, 3.0)))
-            assert not s.printer.halted
+            assert not s.printer.state.halted
         assert any("braked to a stop" in line for line in s.host.heard)
         assert s.board.device.fault == ""
         assert steps(s) == wanted

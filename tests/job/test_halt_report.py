@@ -189,7 +189,7 @@ def test_full_disk_is_a_warning_and_not_a_second_failure(tmp_path, monkeypatch, 
         monkeypatch.setattr(Path, "write_text", full)
         s.host.send("M112")
         s.host.expect("^echo:The report of this halt could not be written: No space left", 5)
-        assert s.printer.halted == "emergency stop by M112"
+        assert s.printer.state.halted == "emergency stop by M112"
         monkeypatch.undo()
         s.host.send("M999")
         s.host.expect("ready again", 10)
@@ -205,7 +205,7 @@ def test_fault_of_report_does_not_stop_the_halt(tmp_path, monkeypatch):
     with Scenario(state=str(tmp_path)) as s:
         s.host.send("M112")
         s.host.expect("could not be written: an error of the program", 5)
-        assert s.printer.halted
+        assert s.printer.state.halted
     assert reports(tmp_path) == []
 
 
@@ -218,7 +218,7 @@ def test_no_report_without_state_and_log():
 def test_report_has_no_secret(tmp_path):
     with Scenario(state=str(tmp_path)) as s:
         s.host.ok('M587 S"net" P"geheim"')
-        s.printer.halt(in_words(ValueError(f"in {Path.home()}/printer.py")))
+        s.printer.stops.halt(in_words(ValueError(f"in {Path.home()}/printer.py")))
         s.host.expect("report of this halt", 5)
     (path,) = reports(tmp_path)
     text = path.read_text()

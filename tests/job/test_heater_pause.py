@@ -60,7 +60,7 @@ def test_file_waits_again_for_heater_that_failed(s, wait, heater, after_s):
     assert s.host.ok("M27")[0].startswith("SD printing")
     other.send("M922", "M302 P1", "M24")
     s.host.expect("Done printing", 600)
-    found = s.printer.connection.heaters[heater]
+    found = s.printer.rig.connection.heaters[heater]
     assert found.celsius == pytest.approx(found.target, abs=4)
     assert s.positions()["e"] == pytest.approx(8, abs=0.02)
 
@@ -115,7 +115,7 @@ def test_an_answer_to_what_names_the_failure_rearms(s, pause):
     s.passes(20 if pause == "M600" else 0)
     s.board.force_sensor("hotend", OPEN)
     s.passes(5)
-    at, heater = s.positions(), s.printer.connection.heaters["hotend"]
+    at, heater = s.positions(), s.printer.rig.connection.heaters["hotend"]
     if pause == "M600":  # what is asked for is the change
         other.send("M108")
         other.expect("prompt_begin .*heater hotend was switched off", 5)

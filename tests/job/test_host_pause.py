@@ -99,7 +99,7 @@ def test_parameters_of_m600_set_how_it_parks(s):
 
 
 def test_the_new_filament_has_its_own_temperature(s):
-    hotend = s.printer.connection.heaters["hotend"]
+    hotend = s.printer.rig.connection.heaters["hotend"]
     s.host.ok("M104 S60")
     before = at(s)
     s.host.send("M600 T0 U80 L50 S80 B3")
@@ -135,7 +135,7 @@ def test_the_temperature_counts_in_a_file_too(tmp_path):
         s.passes(20)
         s.host.ok("M24")
         s.host.expect("Done printing", 60)
-        hotend = s.printer.connection.heaters["hotend"]
+        hotend = s.printer.rig.connection.heaters["hotend"]
         assert (hotend.target, hotend.celsius) == (60, pytest.approx(60, abs=3))
 
 
@@ -176,7 +176,7 @@ def test_words_of_m600_count_in_a_file_too(tmp_path):
 def test_laser_is_off_while_its_file_is_paused(tmp_path):
     (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nM3 S500\nG1 X20 F3000\nM601\nG1 X60\n")
     with Scenario("laser", card=str(tmp_path)) as s:
-        full = s.printer.connection.full_scale("laser")
+        full = s.printer.rig.connection.full_scale("laser")
         s.host.ok("M23 a.g")
         s.host.ok("M24")
         s.host.expect("Paused; continue with M24", 10)
@@ -237,7 +237,7 @@ def test_an_emergency_stop_ends_the_pause(s):
     s.host.expect("ready again", 10)
     s.host.ok("G92 X0 Y0 Z0")
     s.host.ok("G1 X5 F6000")
-    assert s.printer.job.suspended is False
+    assert s.printer.rig.job.suspended is False
 
 
 def test_a_machine_that_is_not_homed_does_not_move(tmp_path):
@@ -284,7 +284,7 @@ def test_a_heater_s_fault_pauses_what_a_host_sends(mild):
     fail(s)
     s.passes(10)
     park = s.machine.park
-    assert s.printer.queue.standing
+    assert s.printer.rig.queue.standing
     assert way(before, at(s))[2] == pytest.approx(park.raise_mm, abs=0.02)
     assert actions(s.host)[0] == "pause"
     parked, oks = at(s), s.host.heard.count("ok")
@@ -305,7 +305,7 @@ def test_axes_home_to_the_end_before_it_pauses(mild):
     s.passes(1)
     fail(s)
     s.host.expect("busy: paused for user", 60)
-    assert s.printer.job.locked_axes == []
+    assert s.printer.rig.job.locked_axes == []
     s.passes(5)
     assert (s.positions()["x"], s.positions()["y"]) == pytest.approx(PLACE, abs=0.1)
     mend(s)

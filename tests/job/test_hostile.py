@@ -34,11 +34,11 @@ def prints_to_its_end(s, seconds=120):
 
 
 def is_paused(s):
-    return s.host.ok("M27")[0].startswith("SD printing") and s.printer.queue.standing
+    return s.host.ok("M27")[0].startswith("SD printing") and s.printer.rig.queue.standing
 
 
 def target(s):
-    return s.printer.connection.heaters["hotend"].target
+    return s.printer.rig.connection.heaters["hotend"].target
 
 
 def test_a_pause_leaves_the_heaters_on(start):
@@ -55,11 +55,11 @@ def test_a_pause_leaves_the_heaters_on(start):
 @pytest.mark.parametrize("after", [0.3, 1.5, 3.0, 4.2])
 def test_a_pause_while_axes_home_comes_when_they_are_there(start, after):
     s = start(after=after)
-    assert s.printer.homer.active
+    assert s.printer.motion.homer.active
     s.host.ok("M25")
     s.passes(12)
     assert is_paused(s)
-    assert s.printer.job.locked_axes == []
+    assert s.printer.rig.job.locked_axes == []
     s.host.ok("M24")
     assert prints_to_its_end(s) == END["e"]
 
@@ -75,13 +75,13 @@ def test_a_pause_that_is_taken_back_while_axes_home_is_none(start):
 def test_cancelled_on_the_way_to_a_pause_of_its_own(start, command, stop):
     """What was to come behind the moves that were cut does not come: nobody is asked, nor waits."""
     s = start(HEAD + f"G1 X100 Y100 F3000\nG1 X10 F900\n{command}\nG1 X90\n", after=14)
-    assert not s.printer.queue.standing
+    assert not s.printer.rig.queue.standing
     s.host.send(*stop.split())
     s.passes(1)
     at = s.positions()
     s.passes(5)
     assert s.positions() == at
-    assert not s.printer.job.suspended
+    assert not s.printer.rig.job.suspended
     assert not [x for x in s.host.heard if x.startswith("// action:p") and x != "// action:paused"]
     s.host.ok("G1 X90 F3000", 5)
 
@@ -163,7 +163,7 @@ def test_cancelled_while_it_brakes_parks_or_returns(start, moment, again):
     s.passes(moment)
     s.host.ok("M524")
     s.passes(2)
-    assert s.printer.queue.standing
+    assert s.printer.rig.queue.standing
     s.host.ok("M24")
     prints_to_its_end(s)
 
@@ -186,7 +186,7 @@ def test_m410_ends_a_print(start, after):
     s.host.send("M410")
     s.host.expect("Print of a.g stopped: M410", 2)
     s.passes(2)
-    assert s.printer.queue.standing
+    assert s.printer.rig.queue.standing
     assert "Not SD" in s.host.ok("M27")[0]
     s.host.ok("M24")  # from its beginning
     prints_to_its_end(s, 300)

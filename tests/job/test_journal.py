@@ -39,16 +39,16 @@ def test_journal_is_at_most_a_second_late_and_never_early(places):
     generator = random.Random(7)
     starts = []
     with Scenario("i3", **arguments) as s:
-        s.printer.job.keep_moves(True)
+        s.printer.rig.job.keep_moves(True)
         s.host.ok("M32 wall.gcode")
         looked = 0
         while looked < 200:
             s.passes(generator.uniform(0.02, 0.5))
             starts += [
                 (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
-                for m in s.printer.job.take_moves()
+                for m in s.printer.rig.job.take_moves()
             ]
-            now = s.printer.queue.now
+            now = s.printer.rig.queue.now
             under_way = [(at, line) for at, line in starts if at <= now and line]
             found = journal_of(state)
             if found is None:
@@ -60,7 +60,7 @@ def test_journal_is_at_most_a_second_late_and_never_early(places):
                 assert moment.line <= 3
                 continue
             assert moment.line <= max(line for _, line in under_way)
-            second_ago = now - 1.05 * s.printer.queue.hz
+            second_ago = now - 1.05 * s.printer.rig.queue.hz
             before = [line for at, line in under_way if at <= second_ago]
             assert moment.line >= (before[-1] if before and before[-1] > 1 else 0)
         assert looked > 100
@@ -117,7 +117,7 @@ def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
         s.passes(1)
         s.host.send("M108")
         s.host.expect("it was stopped", 2)
-        assert s.printer.connection.heaters["bed"].target == 0
+        assert s.printer.rig.connection.heaters["bed"].target == 0
         assert "Not SD printing" in s.host.ok("M27")[0]
 
 
@@ -137,7 +137,7 @@ def test_card_pulled_during_recovery_leaves_heaters_off(places, monkeypatch):
             s.board.place(stepper, left[stepper])
         s.host.ok("M302 P1")
         s.host.send("M1000")
-        hotend = s.printer.connection.heaters["hotend"]
+        hotend = s.printer.rig.connection.heaters["hotend"]
         assert s.until(lambda: hotend.target > 0, 100)
         with monkeypatch.context() as now:
             now.setattr(os, "preadv", pulled)
@@ -375,14 +375,14 @@ def test_print_with_renamed_heater_is_not_resumed(places):
             " file. Restore that section and restart Passo, or forget the print (M1000 C)."
         ]
         assert s.host.ok("M27")[0] == "Not SD printing"
-        assert s.printer.connection.heaters["bed"].target == 0
+        assert s.printer.rig.connection.heaters["bed"].target == 0
         assert journal_of(state) == (program, renamed)
     journal.begin(program, replace(moment, targets_c={"bed": 45.0, "old": 0.0}, overrides={}))
     journal.leave()
     with Scenario("i3", **arguments) as s:
         s.host.ok("M302 P1")
         assert "from line" in s.host.ok("M1000", 600)[-2]
-        assert s.printer.connection.heaters["bed"].target == 45
+        assert s.printer.rig.connection.heaters["bed"].target == 45
 
 
 def test_the_end_of_a_journal_is_durable(tmp_path, monkeypatch):
@@ -417,14 +417,14 @@ def test_journal_resumes_after_shutdown_without_survive(places):
         s.host.expect("Done printing", 300)
         whole = s.positions()
     with Scenario("i3", **arguments) as s:
-        assert not s.printer.connection.main.survives
+        assert not s.printer.rig.connection.main.survives
         s.host.ok("M104 S60")
         s.host.ok("M32 wall.gcode")
         assert s.until(lambda: s.positions()["e"] > 6.5, 200)
-        port, queue = s.printer.connection.main.port, s.printer.queue
+        port, queue = s.printer.rig.connection.main.port, s.printer.rig.queue
         port.unplug()
         s.host.expect("connection to the board has ended", 5)
-        assert "connection to the board has ended" in s.printer.halted
+        assert "connection to the board has ended" in s.printer.state.halted
         cut = queue.base + queue.now
         s.board.device.poll(cut + 4 * s.board.board.clock_hz)
         assert s.board.device.fault == "Missed scheduling of next digital out event"
@@ -439,7 +439,7 @@ def test_journal_resumes_after_shutdown_without_survive(places):
         before = s.positions()["e"]
         assert f"from line {line}" in s.host.ok("M1000", 600)[-2]
         s.host.expect("Done printing", 300)
-        assert s.printer.halted == s.board.device.fault == ""
+        assert s.printer.state.halted == s.board.device.fault == ""
         end = s.positions()
     for axis in "xyz":
         assert end[axis] == pytest.approx(whole[axis], abs=0.03)

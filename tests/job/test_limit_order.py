@@ -136,7 +136,7 @@ def test_m220_leaves_parking_alone(s, tmp_path):
         s.passes(1)
         start = s.loop.time()
         s.host.ok("M25")
-        assert s.until(lambda: s.positions()["z"] > 5.0 and s.printer.queue.standing, 60)
+        assert s.until(lambda: s.positions()["z"] > 5.0 and s.printer.rig.queue.standing, 60)
         took = s.loop.time() - start
         s.host.ok("M524")
         return took
@@ -163,11 +163,11 @@ def test_console_commands_act_within_seconds_of_long_moves(tmp_path):
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.send("M32 a.g")
         s.passes(10)
-        assert s.printer.queue.ahead_s < 6
+        assert s.printer.rig.queue.ahead_s < 6
         s.host.ok("M106 S255")
         s.host.ok("M104 S200")
         assert s.until(lambda: s.board.output_value("part") > 0, 6)
-        assert s.until(lambda: s.printer.connection.heaters["hotend"].target == 200, 1)
+        assert s.until(lambda: s.printer.rig.connection.heaters["hotend"].target == 200, 1)
         assert "byte" in s.host.ok("M27")[0]
 
 

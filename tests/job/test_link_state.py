@@ -29,7 +29,7 @@ def turned_meanwhile(s, monkeypatch):
 
 
 def halted_meanwhile(s, _):
-    s.printer.connection.main.port.unplug()
+    s.printer.rig.connection.main.port.unplug()
     s.passes(0.5)
     s.host.send("M112")
     s.passes(1)
@@ -41,7 +41,7 @@ def reset_once(s, _):
 
 def halted_as_the_place_is_lost(s, _):
     s.printer.supervisor.watchers.append(
-        lambda _, now: s.printer.halt("by the test") if now is LOST else None
+        lambda _, now: s.printer.stops.halt("by the test") if now is LOST else None
     )
     reset(s)
 

@@ -12,7 +12,7 @@ LINES = [f"G1 X{30 + i % 2 * 40} E1 F1200" for i in range(10)]
 
 
 def targets(s: Scenario) -> dict[str, float]:
-    return {name: heater.target for name, heater in s.printer.connection.heaters.items()}
+    return {name: heater.target for name, heater in s.printer.rig.connection.heaters.items()}
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ def test_a_long_pause_cools_the_nozzle_and_warms_it_again(s, what, on):
     assert s.positions() == at
     assert s.until(lambda: s.positions()["e"] - start > len(LINES) - 0.02, 300)
     assert not [x for x in s.host.heard if "cold extrusion" in x]
-    assert s.printer.connection.heaters["hotend"].celsius > 175
+    assert s.printer.rig.connection.heaters["hotend"].celsius > 175
 
 
 @pytest.mark.parametrize(

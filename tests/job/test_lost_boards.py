@@ -65,7 +65,7 @@ def test_print_with_lost_boards_ends_at_same_steps(monkeypatch, undisturbed, wor
                 break
             cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0, 40.0)))
             s.passes(1.0)
-            assert not s.printer.halted
+            assert not s.printer.state.halted
         assert sum("The boards are back" in line for line in s.host.heard) > 2
         assert faults(s) == []
         assert steps(s) == wanted
@@ -92,7 +92,7 @@ def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_b
         s.host.ok("G92 X0 Y0 Z0 E0")
         s.host.send("G1 X150 Y120 Z12 E90 F600", "G1 X0 E0", "M400", "M118 done")
         s.passes(1.0)
-        boards, hz = s.printer.connection, s.printer.queue.hz
+        boards, hz = s.printer.rig.connection, s.printer.rig.queue.hz
         for i in range(30):
             before = len(gone_back)
             s.passes(0.5 + 0.01 * (i % 8))
@@ -136,7 +136,7 @@ def test_a_board_is_lost_while_axes_home(monkeypatch, tmp_path, board, after, se
         s.passes(after)
         cut(s, board, seconds)
         s.passes(12)
-        assert faults(s) == [] and s.printer.halted == ""
+        assert faults(s) == [] and s.printer.state.halted == ""
         s.host.send("M118 again", "G28", "M118 done")
         s.host.expect("^done", 60)
         assert not [line for line in s.host.heard[s.host.heard.index("again") :] if "not" in line]
@@ -147,8 +147,8 @@ def test_a_board_is_lost_while_axes_home(monkeypatch, tmp_path, board, after, se
 def test_board_stops_after_last_commit_under_way(monkeypatch, tmp_path):
     """The link's own question for its state, before that commit, may be answered late."""
     with scenario(monkeypatch, tmp_path, "far") as s:
-        tool = s.printer.connection.connections[1]
-        s.printer.connection.stop_job()
+        tool = s.printer.rig.connection.connections[1]
+        s.printer.rig.connection.stop_job()
         tool.command("survive_query")
         tool.command(f"survive_commit serial=9 clock={tool.board_clock & 0xFFFFFFFF} rest=1")
         assert s.run(_Attempt(s.printer.supervisor.reconnection)._last_commit(tool)) == 9
@@ -183,7 +183,7 @@ def test_pauses_and_limits_during_it(monkeypatch, undisturbed, seed):
     with scenario(monkeypatch, card, "fast") as s:
 
         def perhaps():
-            if generator.random() < 0.5 and s.printer.queue.now_s > 16:
+            if generator.random() < 0.5 and s.printer.rig.queue.now_s > 16:
                 cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0)))
                 s.passes(5.0)
 
@@ -209,7 +209,7 @@ def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
             s.board.spoil_cable(board, 0.0)
             s.passes(3.0)
             assert not [line for line in s.host.heard if line.startswith("echo:Print of")]
-            assert not s.printer.halted
+            assert not s.printer.state.halted
             bursts += 1
         assert bursts > 3
         assert faults(s) == []
@@ -298,14 +298,14 @@ def test_a_board_that_shuts_down_stops_the_other_at_once(monkeypatch, tmp_path, 
         s.host.ok("G92 X0 Y0 Z0")
         s.host.send("G1 X100 Z20 F600")
         s.passes(2.0)
-        next(c for c in s.printer.connection.connections if c.name == board).command(
+        next(c for c in s.printer.rig.connection.connections if c.name == board).command(
             "emergency_stop"
         )
         s.passes(0.05)
         stood = steps(s)
         s.passes(1.0)
         assert steps(s) == stood
-        assert "Command request" in s.printer.halted
+        assert "Command request" in s.printer.state.halted
 
 
 def test_a_board_that_is_lost_while_axes_home_stops_them(monkeypatch, tmp_path):
@@ -334,7 +334,7 @@ def test_with_another_firmware_on_one_board_all_stop(monkeypatch):
         s.passes(2.0)
         s.board.cut_cable("tool")
         s.passes(5.0)
-        assert "does not answer" in s.printer.halted
+        assert "does not answer" in s.printer.state.halted
         assert "Command request" in faults(s)
 
 
@@ -382,6 +382,6 @@ def test_commit_waiting_for_other_board_is_not_late(monkeypatch, undisturbed, se
             for board in s.board.boards:
                 s.board.cut_cable(board, False)
             s.passes(2 + i / 10)
-        late = [c.link.late_frames for c in s.printer.connection.connections]
+        late = [c.link.late_frames for c in s.printer.rig.connection.connections]
         assert all(n[_core.Cause.RETRANSMITS] for n in late)
         assert not any(n[_core.Cause.PLAN] for n in late), late

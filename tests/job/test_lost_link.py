@@ -22,7 +22,7 @@ def whole(tmp_path_factory):
 
 def break_link(s, seconds):
     """The cable is out for so long."""
-    port, queue = s.printer.connection.main.port, s.printer.queue
+    port, queue = s.printer.rig.connection.main.port, s.printer.rig.queue
     port.unplug()
     s.passes(seconds)
     port.plug(queue.base + queue.now)
@@ -46,7 +46,7 @@ def test_print_with_link_losses_ends_at_same_steps(whole, seed):
             break_link(s, generator.choice((0.02, 0.3, 2.0, 40.0)))
             s.host.expect("The board is back", 10)
             breaks += 1
-            assert not s.printer.halted
+            assert not s.printer.state.halted
         assert breaks > 3
         assert s.board.device.fault == ""
         assert steps(s) == wanted
@@ -54,8 +54,8 @@ def test_print_with_link_losses_ends_at_same_steps(whole, seed):
 
 def stall(s, seconds):
     """The host stands still for so long, and the link is open."""
-    s.printer.connection.main.wire.sleep(
-        s.printer.connection.now + int(seconds * I3.board.clock_hz)
+    s.printer.rig.connection.main.wire.sleep(
+        s.printer.rig.connection.now + int(seconds * I3.board.clock_hz)
     )
     s.passes(seconds)
 
@@ -71,7 +71,7 @@ def test_late_host_resumes_where_board_stopped(whole, seed):
         while "Done printing file" not in s.host.heard:
             s.passes(generator.expovariate(0.5))
             stall(s, generator.choice((0.05, 0.25, 0.6, 3.0)))
-            assert not s.printer.halted
+            assert not s.printer.state.halted
             stops = sum("braked to a stop" in line for line in s.host.heard)
         assert stops > 3
         assert s.board.device.fault == ""
@@ -95,7 +95,7 @@ def test_motors_are_on_when_the_print_continues():
     """The word that turns them on was on its way when the cable came out."""
     with Scenario(FIRMWARE) as s:
         s.host.ok("G92 X0 Y0 Z0")
-        s.printer.connection.main.port.unplug()
+        s.printer.rig.connection.main.port.unplug()
         s.passes(0.2)
         s.host.send("G1 X10 F3000", "M118 done")
         s.passes(2)
@@ -118,8 +118,8 @@ def test_homed_motor_moves_during_braking_tail(moment):
         break_link(s, 1.0)
         s.host.send("M400", "M118 done")
         s.host.expect("done", 10)
-        assert not s.printer.halted
-        before = s.printer.positions.now()[0]
+        assert not s.printer.state.halted
+        before = s.printer.rig.positions.now()[0]
         assert (before["X"], before["Y"]) == pytest.approx((40, 3), abs=0.01)
 
 
@@ -153,7 +153,7 @@ def test_pauses_and_limits_during_it(whole, seed):
     with Scenario(FIRMWARE, card=str(card)) as s:
 
         def perhaps():
-            if generator.random() < 0.5 and s.printer.queue.now_s > 14:
+            if generator.random() < 0.5 and s.printer.rig.queue.now_s > 14:
                 break_link(s, generator.choice((0.02, 0.3, 2.0)))
                 s.host.expect("The board is back", 10)
 
@@ -191,7 +191,7 @@ def test_print_waiting_for_heat_can_be_changed_and_paused(whole):
         s.passes(3)
         break_link(s, 0.5)
         s.host.expect("The board is back", 10)
-        assert s.printer.job.holds
+        assert s.printer.rig.job.holds
         stood = steps(s)
         s.host.ok("M290 Z0.2")
         s.host.ok("M290 X-1.5")
@@ -245,7 +245,7 @@ def test_a_heater_that_has_failed_may_stay_so(policy):
         break_link(s, 2.0)
         s.host.expect("The board is back", 10)
         s.passes(20)
-        assert s.board.device.fault == "" and not s.printer.halted
+        assert s.board.device.fault == "" and not s.printer.state.halted
         assert s.board.net_steps("x") == 4000
 
 
@@ -283,9 +283,9 @@ def test_wait_ends_when_its_heater_is_switched_off(tmp_path, word):
         s.until(lambda: s.board.steps("x") > 4000, 300)
         break_link(s, 70)  # heat is off for ten seconds
         s.host.expect("The board is back", 10)
-        assert s.printer.queue.interrupted
+        assert s.printer.rig.queue.interrupted
         s.host.send(word)
-        s.until(lambda: not s.printer.queue.interrupted, 10)
-        assert not s.printer.queue.interrupted
+        s.until(lambda: not s.printer.rig.queue.interrupted, 10)
+        assert not s.printer.rig.queue.interrupted
         s.host.send("M400", "M118 stands")
         s.host.expect("stands", 200)

@@ -42,7 +42,7 @@ def test_the_rest_of_a_macro_that_pauses_comes_in_the_pause(places):
     put(places, "G28\nG1 Y20 F6000\nPAUSE_HERE\nG1 X50\n")
     with Scenario(with_macros(PAUSE), **places) as s:
         seen = []
-        s.printer.watchers.append(lambda: seen.append(at(s)))
+        s.printer.lifetime.as_time_passes(lambda: seen.append(at(s)))
         s.host.ok("M32 a.g")
         pauses(s)
         assert "away" in s.host.heard
@@ -59,7 +59,7 @@ def test_pause_and_return_of_a_console_may_be_macros(places):
     put(places, "G28\nG1 X10 F6000\nG1 X190 F600\n")
     with Scenario(with_macros(PAUSE), **places) as s:
         seen = []
-        s.printer.watchers.append(lambda: seen.append(at(s)))
+        s.printer.lifetime.as_time_passes(lambda: seen.append(at(s)))
         s.host.ok("M32 a.g")
         assert s.until(lambda: s.positions()["x"] > 12, 200)
         s.host.ok("M25", 60)
@@ -91,14 +91,14 @@ def test_park_never_lowers_what_a_macro_has_lifted(places, lifted_mm, parked_mm)
         s.host.ok("M32 a.g")
         pauses(s)
         assert at(s) == (100, 150)
-        assert s.printer.job.machine_position[2] == pytest.approx(parked_mm)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(parked_mm)
 
 
 def test_a_pause_by_a_console_returns_into_a_macro(places):
     put(places, "G28\nLONG\nG1 Y5\n")
     with Scenario(with_macros(PAUSE), **places) as s:
         seen = []
-        s.printer.watchers.append(lambda: seen.append(at(s)))
+        s.printer.lifetime.as_time_passes(lambda: seen.append(at(s)))
         s.host.ok("M32 a.g")
         assert s.until(lambda: s.positions()["x"] > 33, 200)
         s.host.ok("M25.1", 60)

@@ -105,7 +105,7 @@ def test_an_emergency_stop_in_a_macro_ends_a_print(tmp_path):
         with_macros(macro("HALT", "{ action_emergency_stop('smoke') }")), card=str(tmp_path)
     ) as s:
         printed(s, "a.g")
-        assert s.printer.halted
+        assert s.printer.state.halted
 
 
 def test_a_print_follows_the_delayed_gcode_of_the_start(tmp_path):
@@ -187,7 +187,7 @@ def test_a_print_may_set_positions_of_its_axes(tmp_path):
         Print(with_macros(""), Policy(checked=True)).run(path)
     with Scenario("i3", card=str(tmp_path)) as s:
         assert any("axis Y is not homed" in line for line in printed(s, "a.g"))
-        assert s.printer.job.machine_position[0] == 19
+        assert s.printer.rig.job.machine_position[0] == 19
 
 
 def test_klippers_commands_do_not_call_macros_that_replace_others(tmp_path):
@@ -201,8 +201,8 @@ def test_klippers_commands_do_not_call_macros_that_replace_others(tmp_path):
     (tmp_path / "a.g").write_text("M106 S255\nM140 S40\nM400\n")
     with Scenario(machine, card=str(tmp_path)) as s:
         printed(s, "a.g")
-        assert s.printer.commands.outputs.fans == {"part": 0.5}
-        assert s.printer.commands.set_points.targets_c["bed"] == 41
+        assert s.printer.rig.commands.outputs.fans == {"part": 0.5}
+        assert s.printer.rig.commands.set_points.targets_c["bed"] == 41
 
 
 def test_macros_go_on_where_a_fan_is_missing(tmp_path):

@@ -47,7 +47,7 @@ def test_print_over_noisy_link_ends_at_same_steps(printer, wanted, seed):
         s.passes(generator.expovariate(0.5))
         noisy(s, generator.choice((0.002, 0.02, 0.05, 0.2, 0.5)), 5.0)
         s.passes(3.0)
-        assert not s.printer.halted, s.printer.halted
+        assert not s.printer.state.halted, s.printer.state.halted
         bursts += 1
     assert bursts > 3
     assert s.board.device.fault == ""
@@ -60,8 +60,8 @@ def test_heater_switched_off_by_board_has_not_failed(printer):
     s.host.ok("M190 S60", 900)
     s.host.send("M140 S85")
     silences(s, 3.9, 40)
-    assert not s.printer.halted, s.printer.halted
-    s.until(lambda: s.printer.connection.heaters["bed"].reached, 900)
+    assert not s.printer.state.halted, s.printer.state.halted
+    s.until(lambda: s.printer.rig.connection.heaters["bed"].reached, 900)
     assert s.board.temperature("bed") > 83
 
 
@@ -70,7 +70,7 @@ def test_fallen_sensor_is_noticed_over_mostly_silent_link(printer):
     s.host.ok("M190 S85", 900)
     s.board.drop_sensor("bed")
     silences(s, 3.5, 40)
-    assert "bed" in s.printer.halted
+    assert "bed" in s.printer.state.halted
 
 
 def test_fallen_sensor_is_noticed_despite_repeated_link_loss(printer):
@@ -86,7 +86,7 @@ def test_fallen_sensor_is_noticed_despite_repeated_link_loss(printer):
         silences(s, 4.2, 1)
         most = max(most, s.board.temperature("bed"))
     assert s.host.heard.count("echo:The board is back, at the position where it stopped") > 15
-    assert "bed" in s.printer.halted and "did not reach" in s.printer.halted
+    assert "bed" in s.printer.state.halted and "did not reach" in s.printer.state.halted
     assert most < 88
 
 
@@ -111,8 +111,8 @@ def test_link_loss_while_homing_keeps_heat_and_unhomes(printer, seconds):
     s.board.cut_cable(board, False)
     s.host.expect("// action:pause", 10)
     s.host.expect("echo:The printer is ready again. Home it before you move it", 10)
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""
     assert s.board.temperature("bed") > 58
-    assert s.printer.connection.heaters["bed"].target == 60
+    assert s.printer.rig.connection.heaters["bed"].target == 60
     s.host.ok("G28", 30)
     assert s.positions() | {"e": 0} == pytest.approx(dict.fromkeys("xyze", 0), abs=0.02)

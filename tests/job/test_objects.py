@@ -44,14 +44,14 @@ class Laid:
 
     def __init__(self, s: Scenario) -> None:
         self.lines: list[tuple[int, int]] = []
-        s.printer.watchers.append(lambda: self._look(s))
+        s.printer.lifetime.as_time_passes(lambda: self._look(s))
 
     def _look(self, s: Scenario) -> None:
         at = s.positions()
         place = round(at["z"]), round(at["x"])
         printing = place[1] in PLACES.values() and abs(at["z"] - place[0]) < 0.01
         laying = printing and 12 < at["y"] < 28 and s.assembly.runner.active
-        laying = laying and not s.printer.job.suspended
+        laying = laying and not s.printer.rig.job.suspended
         if laying and (not self.lines or self.lines[-1] != place):
             self.lines.append(place)
 
@@ -88,7 +88,7 @@ def test_a_cancelled_object_is_printed_no_further(places):
         left_out = [(n, 100) for n in range(1, 7) if (n, 100) not in planned]
         assert len(left_out) >= 4
         assert laid.lines == all_but(*left_out)
-        assert s.printer.job.machine_position[3] == pytest.approx(18 - len(left_out))
+        assert s.printer.rig.job.machine_position[3] == pytest.approx(18 - len(left_out))
 
 
 def test_objects_are_listed_with_what_is_printed_now(places):
@@ -175,7 +175,7 @@ def test_with_all_objects_cancelled_the_print_runs_to_its_end(places):
         assert max(layer for layer, _ in laid.lines) <= 2
         assert (s.positions()["x"], s.positions()["y"], s.positions()["z"]) == (10, 90, 20)
         # Retracted once, however many retractions were skipped.
-        assert s.printer.job.machine_position[3] == pytest.approx(len(laid.lines))
+        assert s.printer.rig.job.machine_position[3] == pytest.approx(len(laid.lines))
 
 
 def test_another_print_begins_with_all_objects(places):

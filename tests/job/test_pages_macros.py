@@ -130,7 +130,7 @@ def printing(served):
 
 def place(s):
     """Where the planned moves end, mm."""
-    return tuple(round(s.printer.job.machine_position[i], 2) for i in range(3))
+    return tuple(round(s.printer.rig.job.machine_position[i], 2) for i in range(3))
 
 
 def state(s):
@@ -148,9 +148,9 @@ def test_start_measures_the_objects_and_primes_before_them(served):
     steps = "BED_MESH_CALIBRATE\nNEAR\nM400\nM118 near\nG4 S1\nPRIME\nM400\nM118 primed\nG4 S1\n"
     s = served(BEGIN + steps)
     s.host.expect("^near$", 900)
-    mesh = s.printer.correction.correction.mesh
+    mesh = s.printer.motion.correction.correction.mesh
     assert (mesh.xs, mesh.ys) == ((80, 110, 140), (84, 107, 130))
-    assert s.printer.correction.correction.interpolation == "bilinear"
+    assert s.printer.motion.correction.correction.interpolation == "bilinear"
     assert (s.positions()["x"], s.positions()["y"]) == (70, 74)
     begun = s.positions()["e"]
     s.host.expect("^primed$", 900)
@@ -162,9 +162,9 @@ def test_start_measures_the_objects_and_primes_before_them(served):
 def test_only_the_macros_move_the_nozzle_in_a_pause(printing, line, parked):
     s = printing()
     seen = []
-    s.printer.watchers.append(lambda: seen.append(s.positions()))
+    s.printer.lifetime.as_time_passes(lambda: seen.append(s.positions()))
     assert after(s, line) == ("PAUSED", parked)
-    stopped, filament = s.printer.job.stop_position, s.positions()["e"]
+    stopped, filament = s.printer.rig.job.stop_position, s.positions()["e"]
     assert max(one["e"] for one in seen) - filament == pytest.approx(1.5, abs=0.02)
     seen.clear()
     s.host.ok("RESUME", 60)
@@ -198,7 +198,7 @@ def test_cancel_macro_parks_before_or_after_the_end(printing, changes, paused):
     at_z = place(s)[2] + 3
     assert after(s, "CANCEL_PRINT") == ("READY", (7, 216, at_z))
     assert s.assembly.runner.ended == "cancelled"
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
 
 
 def test_resume_macro_knows_a_cold_and_an_idle_printer(printing):
@@ -213,6 +213,6 @@ def test_resume_macro_knows_a_cold_and_an_idle_printer(printing):
     assert after(s, "RESUME", 5)[0] == "PRINTING"
     after(s, "PAUSE")
     s.passes(s.machine.idle.heaters_off_s + 300)
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     assert after(s, "RESUME", 10)[0] == "PRINTING"
-    assert s.printer.connection.heaters["hotend"].target == 200
+    assert s.printer.rig.connection.heaters["hotend"].target == 200

@@ -58,7 +58,7 @@ def test_homing_at_the_end_comes_when_the_moves_are_done(s, seconds):
 def test_motors_stay_on_in_the_pause(s, seconds):
     printing(s, MOVES + "M84\n", seconds)
     s.passes(20)
-    assert s.printer.motors.on
+    assert s.printer.outputs.motors.on
     s.host.ok("M24")
     s.host.expect("Done printing", 200)
     assert s.positions()["x"] == pytest.approx(100, abs=0.02)
@@ -98,7 +98,7 @@ def test_m108_does_not_end_wait_before_pending_action(s, line, x):
     s.host.ok("M108")
     s.passes(15)
     assert s.positions()["x"] == pytest.approx(x, abs=0.02)
-    assert (1 in s.printer.job.locked_axes) == (line != "M25")
+    assert (1 in s.printer.rig.job.locked_axes) == (line != "M25")
     s.host.send("M24")
     s.passes(15)
     assert "Done printing file" in s.host.heard
@@ -114,4 +114,4 @@ def test_m84_of_console_that_left_follows_its_moves(s):
     other.session.close()
     s.passes(10)
     assert s.positions()["x"] == pytest.approx(60, abs=0.02)
-    assert not s.printer.motors.on
+    assert not s.printer.outputs.motors.on

@@ -19,16 +19,16 @@ def printing(tmp_path):
     with Scenario(FIRMWARE, card=str(card), state=str(state)) as s:
         s.host.ok("M302 P1")
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.positions()["z"] > 0.6 and s.printer.job.clock > 0, 200)
+        assert s.until(lambda: s.positions()["z"] > 0.6 and s.printer.rig.job.clock > 0, 200)
         s.passes(20)
         yield s
 
 
 def goes_on(s):
     """It has said so, is warm, refuses to move, and goes on with the print from the journal."""
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""
     assert "// action:pause" in s.host.heard
-    assert s.printer.connection.heaters["hotend"].target == 60.0
+    assert s.printer.rig.connection.heaters["hotend"].target == 60.0
     assert any("was interrupted" in line for line in s.host.heard)
     refused = s.host.ok("G1 X50")
     assert "axis X is not homed" in refused[0]
@@ -39,7 +39,7 @@ def goes_on(s):
 @contextmanager
 def turned_by_hand(s, monkeypatch):
     """As the board tells, X has made five steps that nobody has ordered."""
-    positions = type(s.printer.positions)
+    positions = type(s.printer.rig.positions)
     real = positions.counts
 
     def counts(*given):
@@ -62,7 +62,7 @@ def test_a_motor_that_was_turned_by_hand(printing, monkeypatch):
 
 def test_a_board_that_was_reset_without_being_connected(printing):
     s = printing
-    port, queue = s.printer.connection.main.port, s.printer.queue
+    port, queue = s.printer.rig.connection.main.port, s.printer.rig.queue
     port.unplug()
     s.passes(1)
     reset(s)
@@ -77,7 +77,7 @@ def test_a_board_that_was_reset_without_being_connected(printing):
 
 def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
     s = printing
-    port, queue = s.printer.connection.main.port, s.printer.queue
+    port, queue = s.printer.rig.connection.main.port, s.printer.rig.queue
     port.unplug()
     s.passes(0.5)
     s.board.force_sensor("hotend", 1.0)  # the cable of the sensor breaks as well
@@ -85,7 +85,7 @@ def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
     port.plug(queue.base + queue.now)
     s.board.device.poll(queue.base + queue.now)
     s.host.expect("Printer halted: the board shut down: ADC out of range", 10)
-    assert s.printer.connection.heaters["hotend"].target == 0.0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0.0
     assert "// action:pause" not in s.host.heard
 
 
@@ -115,16 +115,16 @@ def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
     def panic(text):
         tell(text)
         if text == "// action:pause":
-            s.printer.emergency_stop()
+            s.printer.stops.emergency_stop()
 
     with turned_by_hand(s, monkeypatch) as patch:
         patch.setattr(s.printer.state, "tell", panic)
         break_link(s, 2.0)
         s.host.expect("Make the printer safe, then send M999", 10)
     s.passes(5)
-    assert s.printer.halted
-    assert s.printer.connection.heaters["hotend"].target == 0.0
+    assert s.printer.state.halted
+    assert s.printer.rig.connection.heaters["hotend"].target == 0.0
     s.host.send("M999")
     s.host.expect("ready again", 5)
     s.passes(1)
-    assert s.printer.connection.heaters["hotend"].target == 0.0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0.0

@@ -77,27 +77,27 @@ class Cuts:
             assert s.until(lambda: self.filament(s) > 0, 100)
             prints, ends = s.loop.time() - begun, self.ended(s) - begun
             self.end = self.nozzle(s)
-            self.targets = {n: h.target for n, h in s.printer.connection.heaters.items()}
+            self.targets = {n: h.target for n, h in s.printer.rig.connection.heaters.items()}
         generator = random.Random(seed)
         before, printing = counts
         instants = [generator.uniform(0, prints) for _ in range(before)]
         instants += [generator.uniform(prints, ends) for _ in range(printing)]
         with self.printer("cut") as s:
-            s.printer.job.keep_moves(True)
+            s.printer.rig.job.keep_moves(True)
             s.host.ok("M32 rings.gcode")
             begun = s.loop.time()
             for number, instant in enumerate(sorted(instants)):
                 s.passes(begun + instant - s.loop.time())
-                s.printer.queue.look()  # the board has come so far, and the host has not seen it
+                s.printer.rig.queue.look()  # the board is ahead of the host
                 shutil.copytree(directory / "cut", directory / str(number))
                 self.left.append((s.positions(), self.filament(s)))
-                self.clocks.append(s.printer.queue.now)
+                self.clocks.append(s.printer.rig.queue.now)
                 self.starts += [
                     (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
-                    for m in s.printer.job.take_moves()
+                    for m in s.printer.rig.job.take_moves()
                     if m.line
                 ]
-            self.hz = s.printer.queue.hz
+            self.hz = s.printer.rig.queue.hz
 
     def printer(self, state):
         places = {"card": self.directory / "card", "state": self.directory / state}
@@ -160,7 +160,7 @@ def goes_on(cuts, number):
         reached(s, cuts.end, z_off_mm)
         rest = ENDS[max(ENDS)][3] - begins
         assert cuts.filament(s) == pytest.approx(primed + rest, abs=2 * STEP_MM), number
-        assert {n: h.target for n, h in s.printer.connection.heaters.items()} == cuts.targets
+        assert {n: h.target for n, h in s.printer.rig.connection.heaters.items()} == cuts.targets
     assert journal_of(cuts.directory / str(number)) is None
     return line
 

@@ -85,9 +85,14 @@ def test_babysteps_of_a_print_that_was_given_up_are_gone_with_it(places):
         s.host.ok("M25")
         s.passes(3)
         s.host.ok("G28", 60)
-        assert s.printer.offsets.of_program_mm(suspended=s.printer.job.suspended)["z"] == 0.3
+        assert (
+            s.printer.motion.offsets.of_program_mm(suspended=s.printer.rig.job.suspended)["z"]
+            == 0.3
+        )
         s.host.ok("M524")
-        assert s.printer.offsets.of_program_mm(suspended=s.printer.job.suspended)["z"] == 0
+        assert (
+            s.printer.motion.offsets.of_program_mm(suspended=s.printer.rig.job.suspended)["z"] == 0
+        )
 
 
 def test_babysteps_end_where_the_axis_is_homed(places):
@@ -96,7 +101,7 @@ def test_babysteps_end_where_the_axis_is_homed(places):
         s.host.ok("M290 Z0.3")
         s.host.ok("M290 X0.3")
         s.host.ok("G28 Z", 60)
-        assert s.printer.offsets.babysteps_mm == {"x": 0.3, "y": 0.0, "z": 0.0}
+        assert s.printer.motion.offsets.babysteps_mm == {"x": 0.3, "y": 0.0, "z": 0.0}
 
 
 def test_z_is_known_after_a_power_cut_in_a_pause(places):
@@ -150,7 +155,7 @@ def test_only_steps_of_z_that_matter_are_written(places):
         s.host.ok("M32 wall.gcode")
         assert s.until(lambda: s.positions()["e"] > 6.5, 200)
         written = len(Journal(Path(places["state"])).path.read_bytes().split(b"\n"))
-        assert written <= s.printer.queue.now_s + 4
+        assert written <= s.printer.rig.queue.now_s + 4
 
 
 def test_a_long_journal_is_read_to_its_end(tmp_path):
@@ -206,14 +211,14 @@ def test_stored_settings_hold_for_the_rest_of_a_print(machine, stored, tmp_path)
         for line in (*stored, "M302 P1", "M500", "M32 a.g"):
             s.host.ok(line)
         s.host.expect("Done printing", 200)
-        whole, settings = s.printer.job.machine_position, s.host.ok("M503")
+        whole, settings = s.printer.rig.job.machine_position, s.host.ok("M503")
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 200)
+        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 200)
     with Scenario(machine, **places) as s:
         s.host.ok("M1000", 200)
         s.host.expect("Done printing", 200)
-        assert s.printer.job.machine_position == pytest.approx(whole, abs=1e-6)
+        assert s.printer.rig.job.machine_position == pytest.approx(whole, abs=1e-6)
         assert s.host.ok("M503") == settings
 
 
@@ -228,7 +233,7 @@ def test_the_nozzle_that_prints_is_filled(tmp_path):
     with Scenario(machine, **places) as s:
         s.host.ok("M302 P1")
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 200)
+        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 200)
     line = recorded(places)[1].line
     with Scenario(machine, **places) as s:
         before = s.positions()
@@ -267,7 +272,7 @@ def test_a_print_resumes_with_arms(machine, when, text, tmp_path):
                 s.board.place(stepper, left[stepper])
         s.host.ok("M302 P1")
         lowest = [left["z"]]
-        s.printer.watchers.append(lambda: lowest.append(s.positions()["z"]))
+        s.printer.lifetime.as_time_passes(lambda: lowest.append(s.positions()["z"]))
         answer = s.host.ok("M1000", 900)
         assert any("Printing wall.gcode from line" in x for x in answer), answer
         assert min(lowest) > left["z"] - 0.05
@@ -285,7 +290,7 @@ def cut_and_gone_on(text, places, line, *live, lead=3):
         s.host.ok("M32 a.g")
 
         def at(number):
-            return lambda: s.printer.job.line_at(s.printer.queue.now) >= number
+            return lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= number
 
         assert s.until(at(line - lead), 200)
         for order in live:
@@ -295,9 +300,9 @@ def cut_and_gone_on(text, places, line, *live, lead=3):
     with Scenario("i3", **places) as s:
         s.host.ok("M302 P1")
         s.host.ok("M1000", 200)
-        before, start = s.printer.commands.outputs.fans["part"], s.positions()["e"]
+        before, start = s.printer.rig.commands.outputs.fans["part"], s.positions()["e"]
         s.host.expect("Done printing", 200)
-        job = s.printer.job
+        job = s.printer.rig.job
         return number, s.positions()["e"] - start, before, job.flows, job.speed_factor
 
 
@@ -350,20 +355,20 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
         s.host.expect("Done printing", 300)
-        job, offsets = s.printer.job, s.printer.offsets
+        job, offsets = s.printer.rig.job, s.printer.motion.offsets
         settings = s.host.ok("M503")
         whole = job.machine_position, offsets.home_mm, job.tool
         steps = s.positions()
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= last + 4, 300)
+        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= last + 4, 300)
         left = s.positions()
     with Scenario(machine, **places) as s:
         s.board.place("z", left["z"])
         s.host.send("M1000")
         s.host.expect("Done printing", 300)
         assert s.host.ok("M503") == settings
-        job, offsets = s.printer.job, s.printer.offsets
+        job, offsets = s.printer.rig.job, s.printer.motion.offsets
         assert job.machine_position == pytest.approx(whole[0], abs=1e-6)
         assert (offsets.home_mm, job.tool) == whole[1:]
         for stepper in "xy":
@@ -383,7 +388,7 @@ def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
         whole = s.positions()
     with Scenario("i3", **places) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= last + 4, 300)
+        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= last + 4, 300)
         left = s.positions()
     with Scenario("i3", **places) as s:
         s.board.place("z", left["z"])
@@ -415,7 +420,7 @@ def test_a_print_resumes_with_its_settings_from_the_start(machine, before, place
 
     def ended(s):
         s.host.expect("Done printing", 300)
-        job = s.printer.job
+        job = s.printer.rig.job
         return job.machine_position[:3], job.program_position, s.host.ok("M503")
 
     with Scenario(machine, **places) as s:
@@ -426,7 +431,7 @@ def test_a_print_resumes_with_its_settings_from_the_start(machine, before, place
     with Scenario(machine, **places) as s:
         begun(s)
         line = text.count("\n") - 8
-        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= line, 300)
+        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= line, 300)
         left = s.positions()
     (Path(places["state"]) / "settings.json").unlink(missing_ok=True)
     for cut in (True, False):
@@ -435,7 +440,9 @@ def test_a_print_resumes_with_its_settings_from_the_start(machine, before, place
                 s.board.place(axis, left[axis])
             s.host.send("M1000")
             if cut:
-                assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= line + 2, 300)
+                assert s.until(
+                    lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= line + 2, 300
+                )
                 left = s.positions()
                 continue
             found = ended(s)
@@ -472,14 +479,14 @@ def state_after(places, name, *lines, killed):
         left = s.positions()
         if not killed:
             s.until(lambda: "Done printing file" in s.host.heard, 300)
-            return list(s.printer.state.settings()), s.printer.job.modes
+            return list(s.printer.settings.lines()), s.printer.rig.job.modes
     with Scenario("i3", **places) as s:
         for stepper in "xyz":
             s.board.place(stepper, left[stepper])
         s.host.ok("M302 P1")
         s.host.ok("M1000", 600)
         s.until(lambda: "Done printing file" in s.host.heard, 300)
-        return list(s.printer.state.settings()), s.printer.job.modes
+        return list(s.printer.settings.lines()), s.printer.rig.job.modes
 
 
 @pytest.mark.parametrize(
@@ -535,10 +542,10 @@ def test_settings_before_first_move_survive_interruption(places, tmp_path):
             left = s.positions()
             if not killed:
                 s.host.expect("Done printing", 300)
-                ends.append((list(s.printer.state.settings()), s.printer.job.modes))
+                ends.append((list(s.printer.settings.lines()), s.printer.rig.job.modes))
     with Scenario("i3", **places) as s:
         goes_on(s, left)
-        assert (list(s.printer.state.settings()), s.printer.job.modes) == ends[0]
+        assert (list(s.printer.settings.lines()), s.printer.rig.job.modes) == ends[0]
     assert "M83" in ends[0][1]
 
 

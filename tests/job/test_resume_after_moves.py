@@ -98,8 +98,8 @@ def test_m524_ends_it(places):
     with again(places, cut(places)) as s:
         s.host.ok("M140 S60")
         tried(s, 3.0, "M524")
-        assert s.printer.queue.standing
-        assert s.printer.connection.heaters["bed"].target == 0
+        assert s.printer.rig.queue.standing
+        assert s.printer.rig.connection.heaters["bed"].target == 0
         ends_at_its_height(s)
 
 

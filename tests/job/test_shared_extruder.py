@@ -75,11 +75,11 @@ def test_print_with_shared_extruder_paused_ends_at_same_steps(
         with Scenario(sharing(), card=str(tmp_path)) as s:
             s.host.ok("M32 a.g")
             if meanwhile is not None:
-                assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 7, 300)
-                assert s.printer.job.tool == 1  # read ahead
+                assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 7, 300)
+                assert s.printer.rig.job.tool == 1  # read ahead
                 s.host.ok("M25")
                 s.passes(20)
-                assert s.printer.job.tool == 0
+                assert s.printer.rig.job.tool == 0
                 for line in meanwhile:
                     s.host.ok(line, 100)
                 s.host.ok("M24")

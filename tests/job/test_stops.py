@@ -26,11 +26,11 @@ def test_records_after_what_is_held_wait_for_it(tmp_path: Path) -> None:
         s.passes(1.0)
         s.host.send("M25")
         s.passes(3.0)
-        assert s.printer.queue.standing
+        assert s.printer.rig.queue.standing
         assert s.board.take_changes("part") == []
         s.host.send("M24")
         s.passes(10.0)
-        full = s.printer.connection.full_scale("part")
+        full = s.printer.rig.connection.full_scale("part")
         shares = [value / full for _, value in s.board.take_changes("part")]
         assert shares == pytest.approx([1.0, 0.2], abs=0.005)
 
@@ -40,10 +40,10 @@ def test_a_cancelled_print_sets_no_temperature_any_more(tmp_path: Path, moment: 
     text = "".join(f"G1 X{i % 2} F600\nM104 S{200 + i}\n" for i in range(40))
     with printing(tmp_path, text) as s:
         s.passes(0.5 + moment)
-        assert s.printer.connection.heaters["hotend"].target >= 200
+        assert s.printer.rig.connection.heaters["hotend"].target >= 200
         s.host.ok("M524")
         s.passes(5.0)
-        assert s.printer.connection.heaters["hotend"].target == 0
+        assert s.printer.rig.connection.heaters["hotend"].target == 0
 
 
 def test_a_fan_set_at_once_after_a_stop_keeps_its_value() -> None:
@@ -54,7 +54,7 @@ def test_a_fan_set_at_once_after_a_stop_keeps_its_value() -> None:
         s.passes(1.0)
         s.host.ok("M410")
         s.host.ok("M106 S51 F")
-        assert s.printer.commands.outputs.fans["part"] == pytest.approx(0.2)
+        assert s.printer.rig.commands.outputs.fans["part"] == pytest.approx(0.2)
         assert s.until(lambda: s.board.output_value("part") > 0, 5)
 
 
@@ -67,10 +67,10 @@ def test_a_pause_ends_with_the_board(tmp_path: Path) -> None:
         s.passes(1.0)
         s.host.send("M999")
         s.host.expect("ready again", 10.0)
-        assert s.printer.halted == ""
+        assert s.printer.state.halted == ""
         s.host.send("M24")  # from the beginning: there is nothing to return to
         s.passes(5.0)
-        assert s.printer.halted == ""
+        assert s.printer.state.halted == ""
         assert s.positions()["x"] > 0
 
 
@@ -80,15 +80,15 @@ def test_a_move_of_a_quarter_of_an_hour_can_be_stopped_and_asked():
         s.host.ok("G28", 60)
         s.host.ok("G1 X1 F0.06")
         s.passes(30)
-        assert s.printer.queue.ahead_s > 900
+        assert s.printer.rig.queue.ahead_s > 900
         assert "Real: X:0.025" in s.host.ok("M114 D", 1)[1]
         s.host.ok("M410", 1)
         s.passes(1)
-        assert s.printer.queue.standing
+        assert s.printer.rig.queue.standing
         s.host.ok("G1 X2 F0.06")
         s.passes(2)
         s.host.ok("M112", 1)
-        assert s.printer.halted == "emergency stop by M112"
+        assert s.printer.state.halted == "emergency stop by M112"
 
 
 def test_a_further_axis_that_is_moved_in_a_pause_comes_back(tmp_path: Path) -> None:
@@ -101,7 +101,7 @@ def test_a_further_axis_that_is_moved_in_a_pause_comes_back(tmp_path: Path) -> N
     def net(moved_mm: float) -> dict[str, int]:
         with Scenario(config.load_text(text), card=str(tmp_path)) as s:
             s.host.ok("M32 a.g")
-            assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 300)
+            assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 300)
             s.host.ok("M25")
             for line in ("G91", f"G1 U{moved_mm:g} F300", "M24"):
                 s.host.ok(line)
@@ -125,11 +125,11 @@ def test_print_stays_paused_if_arms_cannot_return(tmp_path: Path) -> None:
             assert s.host.ok(line, 60)[-1] == "ok"
         s.host.ok("M24")
         s.host.expect("Print of a.g stays paused: motor a would go to -60", 20)
-        assert s.printer.job.machine_position[:2] == [240, -40]
+        assert s.printer.rig.job.machine_position[:2] == [240, -40]
         for line in ("G1 X-120 Y40 F6000", "G1 X-41 Y-40", "M24"):
             assert s.host.ok(line, 60)[-1] == "ok"
         s.host.expect("^Done printing file$", 60)
-        assert s.printer.job.machine_position[:2] == [-41, -40]
+        assert s.printer.rig.job.machine_position[:2] == [-41, -40]
 
 
 @pytest.mark.parametrize("code", ["M25", "M524"])
@@ -157,10 +157,10 @@ def test_print_can_be_paused_and_resumed_at_its_start(tmp_path: Path) -> None:
         s.host.send("M25", "M24")
         s.host.expect("Done printing file", 20)
         assert s.positions()["x"] == 20 + 10  # from where it stood
-        assert not s.printer.job.suspended
+        assert not s.printer.rig.job.suspended
         s.host.send("M23 a.gco", "M24", "M25", "M24", "M25")
         s.passes(5)
         assert s.host.ok("M27")[0].startswith("SD printing")
         s.host.ok("M24")
         s.host.expect("Done printing file", 20)
-        assert not s.printer.job.suspended
+        assert not s.printer.rig.job.suspended

@@ -24,13 +24,13 @@ def test_a_card_print_stops_before_its_first_move(folder):
         told = s.host.expect("^echo:Print of a.g stopped: a.g:3: PRINT_START is unknown here")
         assert "M24 U1" in told
         s.passes(5)
-        assert s.printer.job.locked_axes == [0, 1, 2]  # nothing has homed
+        assert s.printer.rig.job.locked_axes == [0, 1, 2]  # nothing has homed
         s.host.ok("M24")  # it does not begin by itself
         s.host.expect("^echo:Print of a.g stopped: a.g:3: PRINT_START", 1)
         s.host.ok("M24 U1")
         s.host.expect("^Done printing file$", 60)
         assert s.positions()["x"] == 20
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
 
 
 def test_printer_may_skip_commands_that_options_allow(folder):
@@ -103,7 +103,7 @@ def test_a_file_of_many_pieces_is_looked_through_to_its_end(tmp_path):
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
         s.host.expect("^echo:Print of a.g stopped: a.g:40002: G29 levels the bed", 5)
-        assert s.printer.job.locked_axes == [0, 1, 2]  # nothing has homed
+        assert s.printer.rig.job.locked_axes == [0, 1, 2]  # nothing has homed
 
 
 @pytest.mark.parametrize("line", ["G29", "G84 X1 Z1 R1", "PRINT_START"])

@@ -48,8 +48,8 @@ def test_nothing_moves_and_z_reads_the_same(changes, measure, fade, mm):
         sends(s, measure, fade, "G1 X100 Y100 Z5 F6000", "G92 Z5.5", f"M290 Z{mm}")
         before = height(s)
         assert answers(s, "Z_OFFSET_APPLY_PROBE")[0] == f"// z_offset: 1.200 -> {1.2 - mm:.3f}"
-        assert s.printer.job.program_position[2] == pytest.approx(5.5, abs=1e-9)
-        assert s.printer.offsets.babysteps_mm["z"] == 0
+        assert s.printer.rig.job.program_position[2] == pytest.approx(5.5, abs=1e-9)
+        assert s.printer.motion.offsets.babysteps_mm["z"] == 0
         sends(s, "G91", "G1 X10", "G1 X-10", "G90")
         assert height(s) == before
         sends(s, "G1 Z1", "G1 Z5.5")
@@ -66,7 +66,7 @@ def printing(tmp_path: Path, measure: str, *changes: Change):
     (tmp_path / "a.g").write_text(lines)
     s = homed(*changes, card=str(tmp_path))
     s.host.ok("M32 a.g")
-    assert s.until(lambda: s.printer.job.program_position[2] == 0.3, 200)
+    assert s.until(lambda: s.printer.rig.job.program_position[2] == 0.3, 200)
     s.passes(12)
     s.host.ok("M290 Z0.1")
     s.passes(3)
@@ -82,14 +82,14 @@ def above_bed(s, bed) -> float:
 @pytest.mark.parametrize("changes", [(), (HOMED_BY_PROBE,)])
 def test_layer_without_z_stays_at_its_height(tmp_path, changes):
     with printing(tmp_path, "G32", *changes) as s:
-        bed = s.printer.correction.correction
+        bed = s.printer.motion.correction.correction
         before = above_bed(s, bed)
         s.host.ok("Z_OFFSET_APPLY_PROBE", 60)
         for _ in range(8):
             s.passes(1)
             assert above_bed(s, bed) == pytest.approx(before, abs=1.1 * STEP)
         s.host.expect("Done printing", 200)
-        assert s.printer.job.program_position[2] == pytest.approx(0.3, abs=1e-9)
+        assert s.printer.rig.job.program_position[2] == pytest.approx(0.3, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_layer_without_z_stays_at_its_height(tmp_path, changes):
 )
 def test_paused_print_returns_to_where_it_was(tmp_path, measure, changes, line):
     with printing(tmp_path, measure, *changes) as s:
-        bed = s.printer.correction.correction or Correction()
+        bed = s.printer.motion.correction.correction or Correction()
         before = above_bed(s, bed)
         s.host.ok("M25", 60)
         s.passes(30)
@@ -114,7 +114,7 @@ def test_paused_print_returns_to_where_it_was(tmp_path, measure, changes, line):
             s.passes(1)
             assert above_bed(s, bed) == pytest.approx(before, abs=1.1 * STEP)
         s.host.expect("Done printing", 200)
-        assert s.printer.job.program_position[2] == pytest.approx(0.3, abs=1e-9)
+        assert s.printer.rig.job.program_position[2] == pytest.approx(0.3, abs=1e-9)
 
 
 def test_babysteps_become_the_home_offset_once():
@@ -136,7 +136,7 @@ def test_trigger_height_counts_at_once_and_once():
         before = height(s)
         sends(s, "M851 Z-1.4")
         assert height(s) == before
-        assert s.printer.job.program_position[2] == pytest.approx(5.2, abs=1e-9)
+        assert s.printer.rig.job.program_position[2] == pytest.approx(5.2, abs=1e-9)
         sends(s, "G28", "G1 X100 Y100 Z5.2")
         assert height(s) == pytest.approx(before, abs=STEP)
 
@@ -150,5 +150,5 @@ def test_refused_offset_changes_nothing():
         before = height(s)
         assert "would be corrected by 3.326 mm" in answers(s, "Z_OFFSET_APPLY_PROBE")[0]
         assert height(s) == before
-        assert s.printer.prober.trigger_height_mm == 1.2
-        assert s.printer.offsets.babysteps_mm["z"] == pytest.approx(3.0)
+        assert s.printer.motion.prober.trigger_height_mm == 1.2
+        assert s.printer.motion.offsets.babysteps_mm["z"] == pytest.approx(3.0)

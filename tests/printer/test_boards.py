@@ -29,7 +29,7 @@ def test_a_hotend_on_another_board_keeps_its_temperature(printer):
     s.host.ok("M106 S255")
     s.passes(60)
     # The loop knows of the fan.
-    assert s.printer.connection.heaters["hotend"].fan == 1.0
+    assert s.printer.rig.connection.heaters["hotend"].fan == 1.0
     assert s.board.temperature("hotend") == pytest.approx(200, abs=2)
     s.host.ok("M140 S60")
     s.passes(300)
@@ -64,13 +64,13 @@ def halted_alike(s):
 def test_a_board_that_stops_stops_the_other(printer, which):
     s = printer
     moving(s)
-    failed = s.printer.connection.connections[which]
+    failed = s.printer.rig.connection.connections[which]
     failed.command("emergency_stop")
     halted_alike(s)
     where = r" \(board tool\)" if which else ""
     s.host.expect(rf"Error:Printer halted: the board shut down: Command request{where}\.", 1)
-    assert s.printer.connection.connections[which].link.stopped_with_others is False
-    assert s.printer.connection.connections[1 - which].link.stopped_with_others is True
+    assert s.printer.rig.connection.connections[which].link.stopped_with_others is False
+    assert s.printer.rig.connection.connections[1 - which].link.stopped_with_others is True
     s.host.send("M999")
     s.host.expect("ready again", 20)
     assert s.host.ok("G28", 60)[-1] == "ok"

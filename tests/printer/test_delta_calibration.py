@@ -85,8 +85,8 @@ def test_position_stays_true_while_the_geometry_changes():
         kernel = simulated_geometry(s.machine)
         q = s.positions()
         real = kernel.forward((q["a"], q["b"], q["c"]))
-        assert s.printer.job.machine_position[:3] == pytest.approx(real, abs=0.06)
-        assert not s.printer.job.locked_axes
+        assert s.printer.rig.job.machine_position[:3] == pytest.approx(real, abs=0.06)
+        assert not s.printer.rig.job.locked_axes
 
 
 def test_geometry_survives_restarts_bit_for_bit(tmp_path):
@@ -125,7 +125,7 @@ def test_change_beyond_its_limit_leaves_the_geometry(limits, says):
 def test_result_that_is_worse_when_measured_again_is_taken_back():
     with homed() as s:
         answers(s, "G33")
-        before, prober = geometry(s), s.printer.prober
+        before, prober = geometry(s), s.printer.motion.prober
         measure, runs = prober.measure, []
 
         async def measured(places):
@@ -231,7 +231,7 @@ def with_paper(s):
     answer."""
     kernel = simulated_geometry(s.machine)
     said = []
-    while s.printer.manual_probe.status is not None:
+    while s.printer.levelling.manual_probe.status is not None:
         q = s.positions()
         z = kernel.forward((q["a"], q["b"], q["c"]))[2]
         answers(s, f"TESTZ Z={-z:.4f}")

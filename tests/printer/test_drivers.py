@@ -121,7 +121,7 @@ def test_driver_settings_sent_at_link_loss_arrive_later(ms):
         break_link(s, 1.0)
         s.host.expect("The board is back", 10)
         assert [field(s, m, r.IHOLD_IRUN, "irun") for m in "xzye"] == [15, 9, 25, 31]
-        assert not s.printer.halted
+        assert not s.printer.state.halted
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -136,8 +136,8 @@ def test_noise_on_the_link_is_not_a_fault_of_a_driver(monkeypatch, tmp_path, see
         for _ in range(12):
             noisy(s, generator.choice((0.02, 0.05, 0.2)), 5.0)
             s.passes(generator.uniform(0.0, 2.0))
-            assert not s.printer.halted
-        assert s.printer.motors.on
+            assert not s.printer.state.halted
+        assert s.printer.outputs.motors.on
         s.board.drivers["x"].set(r.DRV_STATUS, 1 << 2)
         s.host.expect("^Error:Printer halted: motor x: coil A has a short circuit", 15)
 
@@ -301,7 +301,7 @@ def test_the_printer_starts_over_a_bad_link(monkeypatch, drivers):
 
     monkeypatch.setattr("passo.printer.printer.connect", spoilt)
     with Scenario(machine(firmware="passo") if drivers else FIRMWARE) as s:
-        assert s.printer.connection.now < 20 * s.printer.connection.board.clock_hz
+        assert s.printer.rig.connection.now < 20 * s.printer.rig.connection.board.clock_hz
         assert not any(state.failure for state in s.printer.drivers.states.values())
 
 
@@ -375,4 +375,4 @@ def test_a_flag_that_is_kept_of_what_is_over_halts_nothing(s):
     s.passes(3)
     assert register(s, "e", r.GSTAT) == 0
     s.host.ok("G28", 60)
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""

@@ -54,7 +54,7 @@ def test_triggered_endstop_stops_the_machine_if_enabled(s):
     s.passes(1)
     assert "echo:Heaters are off: an endstop was triggered during a move (M540)" in s.host.heard
     assert "// action:pause" in s.host.heard
-    assert [h.target for h in s.printer.connection.heaters.values()] == [0, 0]
+    assert [h.target for h in s.printer.rig.connection.heaters.values()] == [0, 0]
     at = s.positions()["x"]
     assert 85 < at < 105
     s.passes(2)
@@ -77,7 +77,7 @@ def test_triggered_endstop_ends_a_print(tmp_path, switch):
         s.host.ok("M540 S1")
         s.host.ok("M32 a.g")
         s.passes(20)
-        assert s.printer.job.line_at(s.printer.queue.now) > 3
+        assert s.printer.rig.job.line_at(s.printer.rig.queue.now) > 3
         s.host.silent(1, "endstops hit")
         s.board.force_switch(switch, True)
         s.host.expect(f"Print of a.g stopped: endstop {switch} was triggered", 3)
@@ -110,11 +110,11 @@ def test_the_place_is_that_of_the_moment_when_the_switch_closed(s, after_s):
     s.host.ok("M120")
     s.passes(0.2)
     s.board.trace_steps("x", 0, 1 << 62)
-    start = s.printer.connection.now
+    start = s.printer.rig.connection.now
     before = s.positions()["x"]
     s.host.ok("G1 X80 F600")  # 10 mm/s: the board looks every 0.01 mm
     s.passes(after_s)
-    closed = s.printer.connection.now
+    closed = s.printer.rig.connection.now
     s.board.force_switch("y", True)
     line = s.host.expect("^echo:endstops hit: Y at X:", 1)
     where = float(re.search(r"X:([\d.]+)", line)[1])

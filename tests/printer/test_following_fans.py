@@ -74,7 +74,7 @@ def test_fan_may_follow_a_heater():
     with Scenario(machine(FAN + 'follows = "bed"\nabove_c = 40.0\n')) as s:
         s.host.ok("M140 S60")
         assert s.until(lambda: on(s), 200)
-        assert s.printer.connection.heaters["bed"].celsius == pytest.approx(40, abs=1)
+        assert s.printer.rig.connection.heaters["bed"].celsius == pytest.approx(40, abs=1)
 
 
 def test_a_motor_that_is_not_there_is_named():

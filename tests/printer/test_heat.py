@@ -14,7 +14,7 @@ def s():
 
 
 def heater(s, name="hotend"):
-    return s.printer.connection.heaters[name]
+    return s.printer.rig.connection.heaters[name]
 
 
 def test_a_wait_ends_when_the_temperature_is_there(s):
@@ -142,7 +142,7 @@ def test_presets_stay_below_the_limits(s):
 
 def test_a_material_is_heated_for(s):
     s.host.ok("M145 S2 H205 B55")
-    heaters = s.printer.connection.heaters
+    heaters = s.printer.rig.connection.heaters
     s.host.ok("M104 I2")
     s.host.ok("M140 S40 I2")
     s.passes(1)
@@ -223,7 +223,7 @@ def test_a_job_is_paused_by_its_heater(tmp_path):
 def test_tools_take_turns_at_work_and_on_standby():
     with Scenario("dual-extruder") as s:
         first, second = (
-            s.printer.connection.heaters[n]
+            s.printer.rig.connection.heaters[n]
             for n, h in s.machine.heaters.items()
             if h.kind == "hotend"
         )

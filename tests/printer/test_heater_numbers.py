@@ -27,7 +27,7 @@ def test_settings_fed_back_reach_the_heaters_that_they_come_from(text, numbers):
     machine = config.load_text(text)
     assert {name: number_of(machine, name) for name in machine.heaters} == numbers
     with Scenario(machine) as s:
-        controls = s.printer.controls
+        controls = s.printer.heat.controls
         for number in (n for n in numbers.values() if n is not None):
             s.host.ok(f"M301 H{number} P{20 + number}")
             s.host.ok(f"M305 H{number} B{4000 + number}")

@@ -76,7 +76,7 @@ def test_z_alone_needs_x_and_y():
     with Scenario(load_text(text())) as s:
         (said, _) = s.host.ok("G28 Z", 60)
         assert said.startswith("echo:axis X is not homed")
-        assert "z" not in s.printer.positions.known
+        assert "z" not in s.printer.rig.positions.known
 
 
 def test_probe_that_never_triggers_leaves_z_unhomed():

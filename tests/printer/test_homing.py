@@ -28,7 +28,7 @@ def test_all_axes_end_at_their_switches(machine, home, step):
         assert s.host.ok("G28", 60)[-1] == "ok"
         for stepper, at in s.positions().items():
             assert at == pytest.approx(home[stepper], abs=1.01 * step)
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
 
 
 def reported(s):
@@ -129,7 +129,7 @@ def test_a_print_begins_where_the_switches_are(tmp_path, name, program):
     with Scenario(machine, card=str(tmp_path)) as s:
         s.host.send("M302 P1", "M32 a.g")
         s.host.expect("Done printing file", 120)
-        served = s.printer.job.machine_position[:3]
+        served = s.printer.rig.job.machine_position[:3]
     assert [printed[axis] for axis in "xyz"] == pytest.approx(served, abs=1e-6)
 
 
@@ -419,7 +419,7 @@ def test_console_commands_while_axes_home(machine):
         s.host.send("G28")
         s.passes(0.2)
         counts = []
-        while s.printer.homer.active:
+        while s.printer.motion.homer.active:
             assert "M290 has to wait until all axes are homed" in other.ok("M290 Z0.5")[0]
             plain, real = other.ok("M114")[0], other.ok("M114 R")[0]
             places = before.split(" Count")[0]
@@ -476,7 +476,7 @@ def test_a_switch_that_bounces_is_found_at_its_edge(zone_mm):
         assert turns >= 3
         assert [x for x in s.host.heard if not x.startswith(("echo:busy", "ok"))] == []
         assert 0 <= s.positions()["x"] <= zone_mm
-        assert s.printer.job.locked_axes == [1, 2]
+        assert s.printer.rig.job.locked_axes == [1, 2]
         s.board.force_switch("x", None)
         assert s.host.ok("G1 X5 F6000") == ["ok"]
         s.host.ok("M400")
@@ -499,7 +499,7 @@ def test_an_axis_that_was_stopped_on_its_way_is_where_it_went(axis, mm, stop):
         assert float(told[axis.upper()]) == pytest.approx(
             {"x": 120, "z": 102}[axis] + moved, abs=0.002
         )
-        assert s.printer.job.locked_axes == ["xyz".index(axis)]
+        assert s.printer.rig.job.locked_axes == ["xyz".index(axis)]
 
 
 def test_homed_delta_reaches_a_part_of_a_step_beyond():
@@ -508,6 +508,6 @@ def test_homed_delta_reaches_a_part_of_a_step_beyond():
         # On this straight line a carriage rises by 4 µm first; its step is 11 µm.
         assert s.host.ok("G1 X40 Y0 Z160 F6000") == ["ok"]
         s.host.ok("M400")
-        assert s.printer.job.machine_position[:3] == pytest.approx([40, 0, 160])
+        assert s.printer.rig.job.machine_position[:3] == pytest.approx([40, 0, 160])
         s.host.ok("G28", 60)
         assert "beyond its limit of 318.000 mm. " in s.host.ok("G1 X40 Y0 Z160.5 F6000")[0]

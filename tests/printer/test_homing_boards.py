@@ -39,7 +39,7 @@ def scenario(monkeypatch, machine, *moved, cable=SLOW):
 def test_the_place_counts_from_the_switch_and_not_from_the_stop(monkeypatch, machine, moved, step):
     with scenario(monkeypatch, machine, *moved) as s:
         assert s.host.ok("G28", 60)[-1] == "ok"
-        x, y, z = there = s.printer.job.machine_position[:3]
+        x, y, z = there = s.printer.rig.job.machine_position[:3]
         if machine in ("i3", "corexy"):
             there = x, y, z = 30.0, 20.0, 5.0
         s.host.ok(f"G1 X{x} Y{y} Z{z} F6000", 60)
@@ -83,7 +83,7 @@ def test_boards_that_lose_each_other_stop_all_motors(monkeypatch, moved):
         s.host.expect(
             "switch x at .*lost their connection|does not answer stepper_get_position", 10
         )
-        assert 0 in s.printer.job.locked_axes
+        assert 0 in s.printer.rig.job.locked_axes
         # All is well again, once the time has passed in which the board was asked in vain.
         s.passes(4)
         assert s.host.ok("G28 X", 60)[-1] == "ok"

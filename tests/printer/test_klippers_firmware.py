@@ -40,7 +40,7 @@ def field(board: Board, motor: str, register: int, name: str) -> int:
 
 def assert_there(s: Scenario, board: Board) -> None:
     """The mechanics are where the host takes them to be."""
-    for axis, at in zip("xyz", s.printer.job.machine_position[:3], strict=True):
+    for axis, at in zip("xyz", s.printer.rig.job.machine_position[:3], strict=True):
         assert board.place(axis) == pytest.approx(at, abs=1.01 / STEPS_PER_MM[axis]), axis
 
 
@@ -62,7 +62,7 @@ def test_klipper_firmware_homes_and_reports_position(s: Scenario, board: Board) 
     assert_there(s, board)
     s.host.ok("G1 X30 Y20 Z5 F3000")
     s.host.ok("M400", 30)
-    assert s.printer.job.machine_position[:3] == pytest.approx((30, 20, 5))
+    assert s.printer.rig.job.machine_position[:3] == pytest.approx((30, 20, 5))
     assert_there(s, board)
     words = [name for name, _ in board.said]
     assert words.count("stepper_stop_on_trigger") >= 3

@@ -16,7 +16,7 @@ class Beam:
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
-        self._full = scenario.printer.connection.full_scale("laser")
+        self._full = scenario.printer.rig.connection.full_scale("laser")
         self._hz = scenario.machine.board.clock_hz
         scenario.board.trace_output("laser")
 
@@ -144,11 +144,11 @@ def test_a_stop_takes_the_laser_s_power(tmp_path, stop):
         s.host.ok("M23 a.gco")
         s.host.ok("M24")
         s.passes(2.0)
-        lit = s.board.output_value("laser") / s.printer.connection.full_scale("laser")
+        lit = s.board.output_value("laser") / s.printer.rig.connection.full_scale("laser")
         assert lit == pytest.approx(0.4, abs=0.005)
         s.host.send(stop)
         s.passes(3.0)
-        assert s.printer.queue.standing
+        assert s.printer.rig.queue.standing
         assert s.board.output_value("laser") == 0
         if stop == "M25":
             beam = Beam(s)
@@ -177,8 +177,8 @@ def test_a_laser_needs_its_host(s):
     s.host.ok("M3 S500")
     s.host.ok("G4 S30")
     s.passes(20.0)
-    assert s.printer.halted == ""
-    lit = s.board.output_value("laser") / s.printer.connection.full_scale("laser")
+    assert s.printer.state.halted == ""
+    lit = s.board.output_value("laser") / s.printer.rig.connection.full_scale("laser")
     assert lit == pytest.approx(0.5, abs=0.005)
     device = s.board.device
     device.poll(device.now + 4 * s.machine.board.clock_hz)  # and no word of the host

@@ -27,7 +27,7 @@ def s(tmp_path):
 
 def share(s: Scenario) -> float:
     """Of full power, now."""
-    return s.board.output_value("laser") / s.printer.connection.full_scale("laser")
+    return s.board.output_value("laser") / s.printer.rig.connection.full_scale("laser")
 
 
 def start(s: Scenario, name: str) -> None:
@@ -52,11 +52,11 @@ def test_a_stop_of_an_idle_machine_changes_nothing(s, before, seconds):
     s.passes(seconds)
     s.host.ok("M410")
     s.passes(2.0)
-    assert (s.printer.halted, share(s)) == ("", 0.0)
+    assert (s.printer.state.halted, share(s)) == ("", 0.0)
     s.host.ok("G92 X0 Y0 Z0")
     s.host.ok("G1 X10 F3000")
     s.host.ok("M400")
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""
 
 
 @pytest.mark.parametrize("stop", ["M524", "M410"])
@@ -71,7 +71,7 @@ def test_a_stop_of_a_suspended_print_changes_nothing(s, file, lines, stop):
     s.passes(5.0)
     s.host.ok(stop)
     s.passes(4.0)
-    assert (s.printer.halted, share(s), s.printer.queue.standing) == ("", 0.0, True)
+    assert (s.printer.state.halted, share(s), s.printer.rig.queue.standing) == ("", 0.0, True)
 
 
 def test_triggered_endstop_has_no_effect(s):
@@ -80,11 +80,11 @@ def test_triggered_endstop_has_no_effect(s):
     s.passes(1.0)
 
     async def hit() -> None:
-        s.printer.stop_by_endstop(["y"])
+        s.printer.stops.stop_by_endstop(["y"])
 
     s.run(hit())
     s.passes(2.0)
-    assert (s.printer.halted, share(s)) == ("", 0.0)
+    assert (s.printer.state.halted, share(s)) == ("", 0.0)
 
 
 def test_m410_ends_a_wait_for_the_user(s):
@@ -93,7 +93,7 @@ def test_m410_ends_a_wait_for_the_user(s):
     Host(s).ok("M410")
     s.host.expect("^ok", 1)
     s.passes(2.0)
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_laser_goes_off_with_last_move_of_print(s, file, ended):
     assert s.until(lambda: share(s) == pytest.approx(0.5, abs=0.005), 2.0)
     s.host.expect("Done printing|stopped: .*: S is -1", 10)
     if ended == "failed":
-        assert s.until(lambda: s.printer.queue.standing, 3.0)
+        assert s.until(lambda: s.printer.rig.queue.standing, 3.0)
         s.passes(0.4)
     assert share(s) == 0.0
     s.host.ok("G1 X80 F3000")
@@ -122,7 +122,7 @@ def test_laser_goes_off_after_seconds_at_rest(s):
         s.host.session.close()
 
     s.run(hang_up())
-    assert s.until(lambda: s.printer.queue.standing, 5.0)
+    assert s.until(lambda: s.printer.rig.queue.standing, 5.0)
     s.passes(LASER_OFF_S - 0.3)
     assert share(s) == pytest.approx(0.5, abs=0.005)
     s.passes(0.8)
@@ -146,13 +146,13 @@ def test_laser_is_off_before_motors(s, command):
     s.host.ok("G1 X5 F3000")
     s.passes(1.0)
     lit_when_off: list[bool] = []
-    switched = s.printer.connection.switch
+    switched = s.printer.rig.connection.switch
 
     def switch(output: str, on: bool) -> None:
         lit_when_off.append(share(s) > 0)
         switched(output, on)
 
-    s.printer.connection.switch = switch
+    s.printer.rig.connection.switch = switch
     s.host.ok(command)
     s.passes(0.5)
     assert lit_when_off
@@ -166,7 +166,7 @@ def test_motors_that_soon_go_off_wait_for_it(s):
     s.host.ok("M3 S500")
     s.host.ok("G1 X5 F3000")
     s.host.expect("Laser off", 5)
-    assert s.printer.motors.on
+    assert s.printer.outputs.motors.on
     s.host.expect("Motors off", 3)
     assert share(s) == 0.0
 
@@ -195,4 +195,4 @@ def test_a_loop_of_its_own_time_stops_too():
     with Scenario("laser", free=True) as s:
         s.host.ok("M410")
         s.passes(2.0)
-        assert s.printer.halted == ""
+        assert s.printer.state.halted == ""

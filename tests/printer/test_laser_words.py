@@ -105,11 +105,11 @@ def test_laser_is_off_in_a_pause_and_energy_stays(s):
     async def act(action):
         action()
 
-    s.run(act(s.printer.queue.hold))
+    s.run(act(s.printer.rig.queue.hold))
     s.passes(2)
     assert s.board.output_value("laser") == 0
-    s.run(act(s.printer.queue.before_moves))
-    s.run(act(s.printer.job.release))
-    s.run(act(s.printer.queue.after_moves))
+    s.run(act(s.printer.rig.queue.before_moves))
+    s.run(act(s.printer.rig.job.release))
+    s.run(act(s.printer.rig.queue.after_moves))
     finish(s)
     assert FULL_W * energy_s(beam.changes()) == pytest.approx(4.0, rel=0.01)

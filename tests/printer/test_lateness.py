@@ -64,16 +64,16 @@ def printing(request, tmp_path):
     machine = machine.model_copy(update={"board": board})
     places = {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
     with Scenario(machine, **places) as s:
-        connection = s.printer.connection.main
+        connection = s.printer.rig.connection.main
         wire = Wire(connection.link, s.board, connection.now)
         connection.wire = wire
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) > FIRST + 20, 60)
+        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) > FIRST + 20, 60)
         yield s, wire
 
 
 def line_now(s: Scenario) -> int:
-    return s.printer.job.line_near(s.printer.queue.now)
+    return s.printer.rig.job.line_near(s.printer.rig.queue.now)
 
 
 def test_retransmissions_are_named_for_late_commands(printing):
@@ -110,7 +110,7 @@ def test_retransmissions_are_named_for_late_commands(printing):
 def test_a_stall_is_reported_at_most_every_ten_seconds(printing):
     s, wire = printing
     for _ in range(3):
-        wire.stall = s.printer.queue.hz // 10
+        wire.stall = s.printer.rig.queue.hz // 10
         s.passes(1)
     told = [x for x in s.host.heard if "commands reached" in x]
     assert len(told) == 1

@@ -88,7 +88,7 @@ def test_second_mesh_is_the_first_within_the_noise():
         found = []
         for _ in range(2):
             s.host.ok("G29", 900)
-            found.append(np.array(s.printer.correction.correction.mesh.heights))
+            found.append(np.array(s.printer.motion.correction.correction.mesh.heights))
         apart = found[1] - found[0]
         assert 0 < np.sqrt(np.mean(apart**2)) <= 2 * sigma
 
@@ -103,10 +103,10 @@ def test_heights_are_those_that_the_correction_leaves():
             assert line.startswith(f"//ProbeHeight@P{n} ")
             assert float(line.split()[1]) == pytest.approx(bed.height(point.x, point.y), abs=STEP)
         assert re.match(r"RelativeCorrections Z:\S+ X:\S+ Y:\S+ XX:\S+ XY:\S+ YY:\S+$", said[9])
-        before = s.printer.correction.correction.fit
+        before = s.printer.motion.correction.correction.fit
         again = [float(x.split()[1]) for x in answers(s, "G32") if x.startswith("//Probe")]
         assert max(map(abs, again)) < 2 * STEP
-        after = s.printer.correction.correction.fit
+        after = s.printer.motion.correction.correction.fit
         assert after.height(100, 100) == pytest.approx(before.height(100, 100), abs=STEP)
 
 
@@ -126,22 +126,22 @@ def test_dry_run_measures_only():
         assert answers(s, "G32 D")[9].startswith("RelativeCorrections Z:")
         assert answers(s, "M937") == ["echo:No corrections of the bed are in effect"]
         answers(s, "G29 D")
-        assert s.printer.correction.correction is None
+        assert s.printer.motion.correction.correction is None
 
 
 def test_correction_changes_z_and_moves_no_motor():
     with homed() as s:
         answers(s, "G32")
         at = s.positions()
-        corrected = s.printer.job.machine_position
-        c = s.printer.correction.expected(*corrected[:2])
+        corrected = s.printer.rig.job.machine_position
+        c = s.printer.motion.correction.expected(*corrected[:2])
         assert corrected[2] == pytest.approx(10.0 - c, abs=1e-9)
         assert s.host.ok("M114 R")[0].split()[2] == s.host.ok("M114")[0].split()[2]
         answers(s, "M420 S0")
         assert s.positions() == at
-        assert s.printer.job.machine_position[2] == pytest.approx(10.0, abs=1e-9)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(10.0, abs=1e-9)
         assert answers(s, "M420 S1") == ["echo:Bed Leveling ON", "echo:Fade Height OFF"]
-        assert s.printer.job.machine_position == pytest.approx(corrected, abs=1e-9)
+        assert s.printer.rig.job.machine_position == pytest.approx(corrected, abs=1e-9)
         answers(s, "M561")
         assert answers(s, "M420 S1")[0] == "Invalid mesh."
         assert s.positions() == at
@@ -159,9 +159,9 @@ def test_correction_survives_a_restart_bit_for_bit(tmp_path, changes):
         answers(s, "G29")
         answers(s, "M851 X-25.1 Z-1.23")
         answers(s, "M500")
-        stored = s.printer.correction.correction
+        stored = s.printer.motion.correction.correction
     with Scenario(machine(*changes), state=state) as s:
-        found = s.printer.correction
+        found = s.printer.motion.correction
         assert found.on
         assert found.correction.fade == stored.fade
         assert found.correction.fade.end_mm == 10.0
@@ -169,52 +169,52 @@ def test_correction_survives_a_restart_bit_for_bit(tmp_path, changes):
             assert found.correction.fit.coefficients == stored.fit.coefficients
         else:
             assert found.correction.mesh == stored.mesh
-        assert s.printer.prober.offset_mm == (-25.1, 5.0)
-        assert s.printer.prober.trigger_height_mm == 1.23
+        assert s.printer.motion.prober.offset_mm == (-25.1, 5.0)
+        assert s.printer.motion.prober.trigger_height_mm == 1.23
         s.host.ok("G28", 60)
-        c = found.correction.height(0, 0, s.printer.job.machine_position[2])
-        assert s.printer.job.machine_position[2] == pytest.approx(-c, abs=1e-9)
+        c = found.correction.height(0, 0, s.printer.rig.job.machine_position[2])
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(-c, abs=1e-9)
         answers(s, "M502")
         assert (found.correction, found.on) == (None, False)
-        assert s.printer.prober.offset_mm == (-25.0, 5.0)
+        assert s.printer.motion.prober.offset_mm == (-25.0, 5.0)
 
 
 def test_correction_survives_a_restart_of_the_boards():
     with homed() as s:
         answers(s, "G32")
-        before = s.printer.correction.correction
+        before = s.printer.motion.correction.correction
         s.host.send("M112")
         s.passes(1)
         s.host.ok("M999", 60)
         s.passes(1)
-        assert s.printer.correction.on
-        assert s.printer.correction.correction.fit.coefficients == before.fit.coefficients
+        assert s.printer.motion.correction.on
+        assert s.printer.motion.correction.correction.fit.coefficients == before.fit.coefficients
         s.host.ok("G28", 60)
         c = before.plain(0, 0)
-        assert s.printer.job.machine_position[2] == pytest.approx(-c, abs=1e-9)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(-c, abs=1e-9)
 
 
 @pytest.mark.parametrize("line", ["G32", "G29"])
 def test_failed_run_leaves_the_correction(line):
     with homed() as s:
         answers(s, "G32")
-        before = s.printer.correction.correction
+        before = s.printer.motion.correction.correction
         at = s.machine.levelling.points[3]
         x, y = at.x + 25, at.y - 5
         s.board.spoil_probe(dead_areas=[(x - 1, y - 1, x + 1, y + 1)])
         said = answers(s, line)
         assert re.search(r"^echo:Point 4 was not measured: the probe was not triggered", said[-1])
-        assert s.printer.correction.correction is before
-        assert s.printer.correction.on
+        assert s.printer.motion.correction.correction is before
+        assert s.printer.motion.correction.on
         c = before.plain(x, y)
         assert s.positions()["z"] == 10.0
-        assert s.printer.job.machine_position[2] == pytest.approx(10 - c, abs=1e-9)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(10 - c, abs=1e-9)
 
 
 def test_low_point_follows_the_known_bed():
     with homed() as s:
         answers(s, "G32")
-        c = s.printer.correction.expected(215, 110)
+        c = s.printer.motion.correction.expected(215, 110)
         s.board.force_switch("probe", False)
         low = round(c - 2, 4)
         assert f"search ends at Z {low:g} mm" in answers(s, "G32 P4")[-1]
@@ -225,7 +225,7 @@ def test_paper_test_leaves_the_nozzle_above_the_point():
         (said,) = answers(s, "G32 P5 R0.5")
         height = float(said.removeprefix("//ProbeHeight@P5 "))
         assert s.positions()["z"] == pytest.approx(height + 1.2 + 0.5, abs=2 * STEP)
-        assert s.printer.correction.correction is None
+        assert s.printer.motion.correction.correction is None
         assert "P is 10: expected a point from 1 to 9" in answers(s, "G32 P10")[0]
 
 
@@ -239,7 +239,7 @@ def test_paper_test_leaves_the_nozzle_above_the_point():
 def test_bed_that_is_out_of_order_is_refused(limit, says):
     with homed((QUADRATIC, f"{QUADRATIC}\n{limit}")) as s:
         assert re.search(says, answers(s, "G32")[-1])
-        assert s.printer.correction.correction is None
+        assert s.printer.motion.correction.correction is None
 
 
 def test_mesh_is_reported_as_rows_of_numbers():
@@ -248,14 +248,14 @@ def test_mesh_is_reported_as_rows_of_numbers():
         assert said[0] == "Bilinear Leveling Grid:"
         rows = [[float(x) for x in line.split()[1:]] for line in said[2:]]
         bed = simulated_bed(s.machine).shape
-        xs, ys = s.printer.levelling.grid().xs, s.printer.levelling.grid().ys
+        xs, ys = s.printer.levelling.bed.grid().xs, s.printer.levelling.bed.grid().ys
         assert [len(row) for row in rows] == [3] * 4
         for y, row in zip(ys, rows, strict=True):
             for x, z in zip(xs, row, strict=True):
                 assert z == pytest.approx(bed.height(x, y), abs=STEP + 5e-4)
         assert answers(s, "M420 V")[:6] == said
         answers(s, "G29 W I1 J2 Z0.125")
-        assert s.printer.correction.correction.mesh.heights[2][1] == 0.125
+        assert s.printer.motion.correction.correction.mesh.heights[2][1] == 0.125
 
 
 def test_mesh_by_klippers_and_marlins_words():
@@ -263,15 +263,15 @@ def test_mesh_by_klippers_and_marlins_words():
         assert "was not measured" in answers(s, "BED_MESH_OUTPUT")[0]
         answers(s, "BED_MESH_CALIBRATE")
         rows = answers(s, "BED_MESH_OUTPUT")[1:]
-        heights = s.printer.correction.correction.mesh.heights
+        heights = s.printer.motion.correction.correction.mesh.heights
         read = [[float(x) for x in row.split()] for row in rows]
         assert read == [[pytest.approx(z, abs=1e-6) for z in row] for row in heights]
         answers(s, "M421 I0 J1 Z0.25")
         answers(s, "M421 I0 J1 Q-0.05")
-        assert s.printer.correction.correction.mesh.heights[1][0] == pytest.approx(0.2)
+        assert s.printer.motion.correction.correction.mesh.heights[1][0] == pytest.approx(0.2)
         assert "I below 3, J below 3" in answers(s, "M421 I3 J1 Z0")[0]
         answers(s, "BED_MESH_CLEAR")
-        assert s.printer.correction.correction is None
+        assert s.printer.motion.correction.correction is None
 
 
 def test_values_that_no_bed_has_are_refused():
@@ -282,9 +282,9 @@ def test_values_that_no_bed_has_are_refused():
             in answers(s, "SET_BED_MESH COLUMNS=3 ROWS=3 X0=inf Y0=0 X1=9 Y1=9")[0]
         )
         answers(s, "G29")
-        before = s.printer.correction.correction
+        before = s.printer.motion.correction.correction
         assert "max_correction_mm is 2 mm" in answers(s, "M421 I0 J0 Z50")[0]
-        assert s.printer.correction.correction is before
+        assert s.printer.motion.correction.correction is before
 
 
 def test_probe_offset_has_two_signs():
@@ -297,7 +297,7 @@ def test_probe_offset_has_two_signs():
         says = "Z probe 0: current reading 0, threshold 500, trigger height 1.500, offsets X-20.0"
         assert answers(s, "G31")[0].startswith(says)
         assert "Z is -21" in answers(s, "M851 Z-21")[0]
-        assert s.printer.prober.trigger_height_mm == 1.5
+        assert s.printer.motion.prober.trigger_height_mm == 1.5
 
 
 def test_second_nozzle_is_above_the_bed_at_its_own_place():

@@ -112,7 +112,7 @@ def test_a_fault_of_the_program_is_an_error_with_its_trace(log):
         raise ZeroDivisionError("seven by nothing")
 
     with Scenario() as s:
-        s.printer.watchers.append(watch)
+        s.printer.lifetime.as_time_passes(watch)
         s.passes(1)
     ((_, text, code),) = records(log, logging.ERROR)
     assert code == "machine.program"

@@ -31,7 +31,7 @@ def test_a_macro_in_place_of_homing_reaches_the_built_in_command():
         assert answers(s, "G28 X Y") == ["homing X Y"]
         s.passes(5)
         assert s.positions()["x"] == 33
-        assert s.printer.job.locked_axes == [2]
+        assert s.printer.rig.job.locked_axes == [2]
 
 
 def test_a_macro_in_place_of_a_tool_takes_what_follows_in_its_line():
@@ -160,7 +160,7 @@ def test_a_macro_answers_and_stops_the_printer():
     with Scenario(with_macros(text)) as s:
         assert answers(s, "ASK") == ["// two", "// lines"]
         assert "macro HALT: smoke" in " ".join(answers(s, "HALT"))
-        assert s.printer.halted
+        assert s.printer.state.halted
 
 
 def delayed(name, gcode, seconds=0.0):

@@ -35,11 +35,11 @@ def test_bed_is_levelled_with_a_sheet_of_paper(method, count, line):
         said = answers(s, line)
         assert said[0] == f"echo:Manual probing point 1 of {count}, at X15 Y15"
         for n in range(count):
-            assert s.printer.levelling.status().manual.number == n + 1
+            assert s.printer.levelling.bed.status().manual.number == n + 1
             lower_to_the_bed(s)
             said = answers(s, "G29 S2" if n % 2 else "ACCEPT")
-        assert s.printer.levelling.status().manual is None
-        correction = s.printer.correction
+        assert s.printer.levelling.bed.status().manual is None
+        correction = s.printer.motion.correction
         assert correction.on
         bed = simulated_bed(s.machine).shape
         # The plane leaves the dome.
@@ -59,7 +59,7 @@ def test_paper_test_narrows_the_height_down():
         assert "no height was tried there yet" in answers(s, "TESTZ Z=-")[0]
         assert re.search(r"Z is -2\.500: expected Z -2\.000 to", answers(s, "TESTZ Z=-3")[0])
         assert "a paper test is under way" in answers(s, "PROBE_CALIBRATE")[0]
-        status = s.printer.levelling.status().manual
+        status = s.printer.levelling.bed.status().manual
         assert (status.z_mm, status.below_mm, status.above_mm) == (0.5, None, 0.75)
         assert answers(s, "ACCEPT") == ["// Z position is 0.500"]
         assert s.positions()["z"] == 10.0
@@ -77,23 +77,23 @@ def test_trigger_height_is_found_by_the_paper_test(tmp_path):
         lower_to_the_bed(s)
         found = float(answers(s, "ACCEPT")[0].removeprefix("// probe: z_offset: "))
         assert found == pytest.approx(2.0, abs=1.2 * STEP)
-        height = s.printer.prober.trigger_height_mm
+        height = s.printer.motion.prober.trigger_height_mm
         assert height == pytest.approx(found, abs=5e-4)
         answers(s, "M500")
     with Scenario(machine(("= 1.2", "= 2.1")), state=str(tmp_path)) as s:
-        assert s.printer.prober.trigger_height_mm == height
+        assert s.printer.motion.prober.trigger_height_mm == height
 
 
 def test_end_of_a_paper_test_changes_nothing():
     with homed() as s:
         answers(s, "G32")
-        before = s.printer.correction.correction
+        before = s.printer.motion.correction.correction
         answers(s, "MANUAL_PROBE")
         # Z is that of the machine meanwhile.
-        assert s.printer.job.machine_position[2] == pytest.approx(10.0)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(10.0)
         assert answers(s, "ABORT") == ["// Manual probe aborted"]
-        assert s.printer.correction.correction is before
-        x, y, z, *_ = s.printer.job.machine_position
+        assert s.printer.motion.correction.correction is before
+        x, y, z, *_ = s.printer.rig.job.machine_position
         assert z == pytest.approx(10 - before.plain(x, y))
 
 
@@ -124,11 +124,11 @@ def test_whole_mesh_of_the_paper_test_is_raised_to_a_height():
         for _ in range(4):
             lower_to_the_bed(s)
             answers(s, "G29 S2")
-        before = s.printer.correction.correction.mesh.heights
+        before = s.printer.motion.correction.correction.mesh.heights
         answers(s, "G29 S4 Z0.2")
         answers(s, "M420 S1")
         (said,) = answers(s, "G29 S4 Z0.1")
         assert said == "echo:The mesh is 0.100 mm higher than it was measured"
-        after = s.printer.correction.correction.mesh.heights
+        after = s.printer.motion.correction.correction.mesh.heights
         assert after == tuple(tuple(pytest.approx(z + 0.1) for z in row) for row in before)
         assert "needs Z" in answers(s, "G29 S4")[0]

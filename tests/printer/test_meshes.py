@@ -26,17 +26,17 @@ def test_stored_meshes_survive_a_restart(tmp_path):
     with homed(state=str(tmp_path)) as s:
         answers(s, "M140 S60")
         assert answers(s, "BED_MESH_CALIBRATE PROFILE=pei")[-1] == "// Mesh Bed Leveling Complete"
-        stored = s.printer.correction.correction.mesh
+        stored = s.printer.motion.correction.correction.mesh
         answers(s, "BED_MESH_CLEAR")
-        assert s.printer.levelling.status().profile == ""
+        assert s.printer.levelling.bed.status().profile == ""
     with Scenario(machine(), state=str(tmp_path)) as s:
         (said,) = answers(s, "BED_MESH_PROFILE")
         assert said.startswith("// pei: 4 × 3 points, 20")
         assert said.endswith(" C")
         assert "Mesh pei is in use" in answers(s, "BED_MESH_PROFILE LOAD=pei")[0]
-        assert s.printer.correction.on
-        assert s.printer.correction.correction.mesh == stored
-        assert s.printer.levelling.status().profile == "pei"
+        assert s.printer.motion.correction.on
+        assert s.printer.motion.correction.correction.mesh == stored
+        assert s.printer.levelling.bed.status().profile == "pei"
         answers(s, "BED_MESH_PROFILE REMOVE=pei")
         assert (
             "is pei: expected a name that SAVE has stored"
@@ -51,8 +51,8 @@ def test_damaged_mesh_is_named_at_the_start_and_stays(tmp_path):
     path = tmp_path / "meshes" / "pei.csv"
     path.write_text("no mesh\n")
     with Scenario(machine(), state=str(tmp_path)) as s:
-        assert s.printer.corrections.meshes.all == {}
-        assert len(s.printer.corrections.meshes.refused) == 1
+        assert s.printer.levelling.correction.meshes.all == {}
+        assert len(s.printer.levelling.correction.meshes.refused) == 1
     assert path.read_text() == "no mesh\n"
 
 
@@ -70,11 +70,13 @@ def test_g32_of_a_mesh_corrects_the_bed():
     with homed() as s:
         answers(s, "G32")
         bed = simulated_bed(s.machine).shape
-        assert s.printer.correction.on
-        assert s.printer.correction.expected(15, 15) == pytest.approx(bed.height(15, 15), abs=STEP)
+        assert s.printer.motion.correction.on
+        assert s.printer.motion.correction.expected(15, 15) == pytest.approx(
+            bed.height(15, 15), abs=STEP
+        )
         answers(s, "M561")
         assert answers(s, "G32 D")[0].startswith("//ProbeHeight@P1 ")
-        assert not s.printer.correction.on
+        assert not s.printer.motion.correction.on
 
 
 def test_mesh_is_zero_at_the_reference():
@@ -83,7 +85,7 @@ def test_mesh_is_zero_at_the_reference():
         answers(s, "G29")
         bed = simulated_bed(s.machine).shape
         wanted = bed.height(15, 15) - bed.height(100, 100)
-        assert s.printer.correction.expected(15, 15) == pytest.approx(wanted, abs=2 * STEP)
+        assert s.printer.motion.correction.expected(15, 15) == pytest.approx(wanted, abs=2 * STEP)
 
 
 def test_areas_to_avoid_are_measured_around():
@@ -92,9 +94,9 @@ def test_areas_to_avoid_are_measured_around():
         # The nozzle is 25 mm right of the probe and 5 mm in front of it.
         s.board.spoil_probe(dead_areas=[(100, 95, 115, 115)])
         answers(s, "G29")
-        assert s.printer.correction.on
+        assert s.printer.motion.correction.on
         bed = simulated_bed(s.machine).shape
-        assert s.printer.correction.expected(81.66, 110) == pytest.approx(
+        assert s.printer.motion.correction.expected(81.66, 110) == pytest.approx(
             bed.height(81.66, 110), abs=0.01
         )
 
@@ -109,10 +111,10 @@ def test_mesh_of_the_job_covers_its_objects(tmp_path):
         s.host.ok("M23 a.gcode")
         s.host.ok("M24")
         s.host.expect("Done printing", 300)
-        mesh = s.printer.correction.correction.mesh
+        mesh = s.printer.motion.correction.correction.mesh
         assert (mesh.xs[0], mesh.xs[-1], mesh.ys[0], mesh.ys[-1]) == (75, 145, 90, 120)
         assert (len(mesh.xs), len(mesh.ys)) == (3, 3)
-        assert s.printer.corrections.meshes.all == {}
+        assert s.printer.levelling.correction.meshes.all == {}
 
 
 def test_grid_is_set_and_reported_as_by_reprapfirmware():
@@ -124,7 +126,7 @@ def test_grid_is_set_and_reported_as_by_reprapfirmware():
         assert "P" in answers(s, "M557 P1")[0] or "expected 2 to 41" in answers(s, "M557 P1")[0]
         assert "out of reach" in answers(s, "M557 X20:249 Y20:180 P3")[0]
         answers(s, "M557 P3:2")
-        assert s.printer.levelling.grid().count == (3, 2)
+        assert s.printer.levelling.bed.grid().count == (3, 2)
 
 
 def test_nozzle_or_probe_goes_to_a_mesh_point():
@@ -140,12 +142,12 @@ def test_nozzle_or_probe_goes_to_a_mesh_point():
 def test_g29_has_the_steps_of_reprapfirmware():
     with homed(('method = "mesh"', 'method = "mesh"\ndialect = "rrf"')) as s:
         answers(s, "G29 S0")
-        mesh = s.printer.correction.correction.mesh
+        mesh = s.printer.motion.correction.correction.mesh
         answers(s, "G29 S3")
         answers(s, "G29 S2")
-        assert not s.printer.correction.on
+        assert not s.printer.motion.correction.on
         answers(s, "G29 S1")
-        assert s.printer.correction.correction.mesh == mesh
+        assert s.printer.motion.correction.correction.mesh == mesh
 
 
 def test_points_are_options_that_last(tmp_path):
@@ -154,15 +156,15 @@ def test_points_are_options_that_last(tmp_path):
         answers(s, "M926 IProbeP2X V120")
         answers(s, "M926 IProbeP3Enabled V0")
         answers(s, "M930")
-        point = s.printer.levelling.points[1]
+        point = s.printer.levelling.bed.points[1]
         assert (point.x, point.y) == (120.0, 15.0)
-        assert not s.printer.levelling.points[2].enabled
+        assert not s.printer.levelling.bed.points[2].enabled
         answers(s, "M500")
         said = answers(s, "SET_PROBE_POINT N=1 X=249")[0]
         assert "Point 1 is out of reach" in said
     with Scenario(machine(), state=str(tmp_path)) as s:
-        assert s.printer.levelling.points[1].x == 120.0
-        assert not s.printer.levelling.points[2].enabled
+        assert s.printer.levelling.bed.points[1].x == 120.0
+        assert not s.printer.levelling.bed.points[2].enabled
 
 
 def test_klippers_objects_show_the_bed():
@@ -172,7 +174,7 @@ def test_klippers_objects_show_the_bed():
         status = s.assembly.status.read()
         found = objects(s.machine, Sections(s.machine), status, {})
         mesh = found["bed_mesh"]()
-        heights = s.printer.correction.correction.mesh.heights
+        heights = s.printer.motion.correction.correction.mesh.heights
         assert mesh["profile_name"] == "pei"
         assert mesh["probed_matrix"] == [[pytest.approx(z) for z in row] for row in heights]
         assert (mesh["mesh_min"], mesh["mesh_max"]) == ([15.0, 15.0], [214.98, 205.0])
@@ -194,7 +196,7 @@ def test_klippers_objects_show_the_bed():
 def test_mesh_is_saved_shown_and_faded_as_by_other_firmware():
     with homed() as s:
         answers(s, "G29")
-        correction = s.printer.correction
+        correction = s.printer.motion.correction
         mesh = correction.correction.mesh
         (shown,) = answers(s, "BED_MESH_MAP")
         found = json.loads(shown.removeprefix("mesh_map_output "))
@@ -225,12 +227,12 @@ def test_mesh_is_saved_shown_and_faded_as_by_other_firmware():
 def test_words_replace_the_grid_for_one_mesh(words, xs, ys, interpolation):
     with at_home(edited("i3-probe", STILL, MESH[0])) as s:
         answers(s, f"BED_MESH_CALIBRATE {words}")
-        now = s.printer.correction.correction
+        now = s.printer.motion.correction.correction
         assert now.mesh.xs == xs
         assert ys is None or now.mesh.ys == ys
         assert interpolation in ("", now.interpolation)
         before = s.machine.levelling.count
-        assert s.printer.levelling.grid().count == tuple(before)
+        assert s.printer.levelling.bed.grid().count == tuple(before)
 
 
 @pytest.mark.parametrize(
@@ -248,7 +250,7 @@ def test_words_replace_the_grid_for_one_mesh(words, xs, ys, interpolation):
 def test_words_of_a_mesh_that_are_wrong_are_refused(words, told):
     with homed() as s:
         assert told in " ".join(answers(s, f"BED_MESH_CALIBRATE {words}"))
-        assert not s.printer.correction.on
+        assert not s.printer.motion.correction.on
 
 
 def test_mesh_is_measured_by_the_paper_test():
@@ -256,8 +258,8 @@ def test_mesh_is_measured_by_the_paper_test():
         line = "BED_MESH_CALIBRATE METHOD=manual MESH_MIN=20,20 MESH_MAX=200,180 PROBE_COUNT=2"
         answers(s, line)
         for n in range(4):
-            answers(s, f"TESTZ Z={-s.printer.prober.z_mm + 0.1 * n}")
+            answers(s, f"TESTZ Z={-s.printer.motion.prober.z_mm + 0.1 * n}")
             answers(s, "ACCEPT")
-        mesh = s.printer.correction.correction.mesh
+        mesh = s.printer.motion.correction.correction.mesh
         assert (mesh.xs, mesh.ys) == ((20, 200), (20, 180))
         assert mesh.heights == ((0.0, 0.1), (0.3, 0.2))  # in a zigzag

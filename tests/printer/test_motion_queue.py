@@ -58,7 +58,7 @@ def test_moves_that_arrive_one_by_one_run_without_a_stop(s):
 def test_moves_that_come_too_late_start_again_and_lose_nothing(s):
     for i in range(1, 6):
         s.host.send(f"G1 X{20 + 10 * i} F3000")
-        assert s.until(lambda: s.printer.queue.standing, 2)
+        assert s.until(lambda: s.printer.rig.queue.standing, 2)
         assert s.positions()["x"] == 20 + 10 * i
     s.passes(60)
     s.host.ok("G1 X25")
@@ -71,8 +71,8 @@ def test_a_plan_that_reaches_far_ahead_takes_no_more(s):
     s.passes(0.5)
     acknowledged = sum(x.startswith("ok") for x in s.host.heard) - 1
     assert acknowledged == 4  # the first goes nowhere; the fourth reaches beyond
-    assert s.printer.job.clock + s.printer.job.queued_ticks < s.printer.queue.now + (
-        (BUFFER_S + 1.5) * s.printer.queue.hz
+    assert s.printer.rig.job.clock + s.printer.rig.job.queued_ticks < s.printer.rig.queue.now + (
+        (BUFFER_S + 1.5) * s.printer.rig.queue.hz
     )
 
 
@@ -82,12 +82,12 @@ def test_a_host_that_stops_sending_is_at_rest_soon(s):
         start = len(s.host.heard)
         s.host.send(f"G1 X{20 + i % 2 * 10} F3000")
         assert s.until(lambda: any(x == "ok" for x in s.host.heard[start:]), 3)  # noqa: B023
-    assert s.until(lambda: s.printer.queue.standing, BUFFER_S + 0.5)
+    assert s.until(lambda: s.printer.rig.queue.standing, BUFFER_S + 0.5)
 
 
 def test_free_time_pauses_while_nothing_waits():
     with Scenario("i3", free=True) as s:
-        queue = s.printer.queue
+        queue = s.printer.rig.queue
         s.passes(1)
         before = queue.now
         s.passes(600)
@@ -98,7 +98,7 @@ def test_free_time_pauses_while_nothing_waits():
 
 def test_free_time_passes_only_while_something_waits():
     with Scenario("i3", free=True) as s:
-        queue = s.printer.queue
+        queue = s.printer.rig.queue
         start, printed = s.loop.time(), queue.now_s
         s.host.ok("M109 S200", 100)
         assert s.loop.time() - start < 1
@@ -116,7 +116,7 @@ def test_free_time_passes_only_while_something_waits():
 )
 def test_free_time_pauses_while_a_user_is_waited_for(lines):
     with Scenario("i3", free=True) as s:
-        queue = s.printer.queue
+        queue = s.printer.rig.queue
         s.host.ok("G28", 100)
         s.host.ok("M109 S200", 100)
         s.host.send(*lines)
@@ -135,10 +135,10 @@ def test_free_time_pauses_while_a_user_is_waited_for(lines):
 
 def test_free_time_passes_for_a_pause_of_some_seconds():
     with Scenario("i3", free=True) as s:
-        start, printed = s.loop.time(), s.printer.queue.now_s
+        start, printed = s.loop.time(), s.printer.rig.queue.now_s
         s.host.ok("M0 S1000", 20)
         assert s.loop.time() - start < 1
-        assert 1000 < s.printer.queue.now_s - printed < 1001
+        assert 1000 < s.printer.rig.queue.now_s - printed < 1001
 
 
 @pytest.mark.parametrize("line", ["M108", "M410", "M112"])
@@ -152,7 +152,7 @@ def test_wait_for_the_user_in_free_time_ends(line):
         other.send(line)
         s.passes(2)
         if line == "M112":
-            assert s.printer.halted
+            assert s.printer.state.halted
             other.send("M999")
             s.host.expect("ready again", 2)
         assert s.until(lambda: not s.printer.waits.busy, 2)
@@ -172,7 +172,7 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
     """Whatever the board needs for half a second, and for the time that what is planned then takes
     to get there, is handed out; or else all is, for a stop."""
     chance = random.Random(seed)
-    job, queue = s.printer.job, s.printer.queue
+    job, queue = s.printer.rig.job, s.printer.rig.queue
     least = []
 
     def look():
@@ -180,7 +180,7 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
         if job.queued > 0 and job.handed_out > 0:
             least.append(ahead)
 
-    s.printer.watchers.append(look)
+    s.printer.lifetime.as_time_passes(look)
     for _ in range(60):
         x, y = chance.uniform(20, 60), chance.uniform(20, 60)
         s.host.send(f"G1 X{x:.3f} Y{y:.3f} F{chance.choice((600, 1200, 3000))}")
@@ -195,7 +195,7 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
 )
 def test_reports_come_at_their_print_time_in_free_time(line, report, every_s):
     with Scenario("i3", free=True) as s:
-        queue, heard_s = s.printer.queue, []
+        queue, heard_s = s.printer.rig.queue, []
         write = s.host.write
 
         def hear(text, *, dispensable=False):
@@ -229,9 +229,9 @@ def test_reports_come_at_host_time_while_free_time_pauses():
 @pytest.mark.parametrize("free", [False, True])
 def test_a_wait_reports_temperatures_each_second_of_print_time(free):
     with Scenario("i3", free=free) as s:
-        start_s = s.printer.queue.now_s
+        start_s = s.printer.rig.queue.now_s
         s.host.ok("M109 S100", 300)
-        seconds = s.printer.queue.now_s - start_s
+        seconds = s.printer.rig.queue.now_s - start_s
         reports = [line for line in s.host.heard if line.endswith("W:?")]
         assert seconds > 15
         assert len(reports) == pytest.approx(seconds, abs=1.5)
@@ -248,9 +248,9 @@ def test_free_time_passes_for_an_emergency_stop():
         s.host.expect("^Error:Printer halted: emergency stop by M112", 1)
         s.host.send("M999")
         s.host.expect("ready again", 1)
-        assert s.printer.halted == ""
+        assert s.printer.state.halted == ""
         s.host.ok("G28")
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
 
 
 def test_reviving_twice_counts_once():
@@ -262,4 +262,4 @@ def test_reviving_twice_counts_once():
         s.host.ok("M112")
         s.host.expect("Printer halted", 5)
         s.passes(10)
-        assert s.printer.halted == "emergency stop by M112"
+        assert s.printer.state.halted == "emergency stop by M112"

@@ -7,7 +7,7 @@ from tests.support.scenario import Scenario
 
 def steps(s):
     """What each motor has turned so far, in steps."""
-    return {name: s.printer.connection.net_steps(name) for name in s.printer.machine.steppers}
+    return {name: s.printer.rig.connection.net_steps(name) for name in s.printer.machine.steppers}
 
 
 def test_motor_of_an_axis_that_is_not_homed_turns():
@@ -17,7 +17,7 @@ def test_motor_of_an_axis_that_is_not_homed_turns():
         after = steps(s)
         assert abs(after["x"] - before["x"]) == 5 * per_mm
         assert {n for n in after if after[n] != before[n]} == {"x"}
-        assert 0 in s.printer.job.locked_axes
+        assert 0 in s.printer.rig.job.locked_axes
 
 
 def test_homed_axis_stays_homed_and_within_its_limits():
@@ -28,7 +28,7 @@ def test_homed_axis_stays_homed_and_within_its_limits():
         assert any("X is 251: expected 0 to 250 mm" in text for text in refused)
         s.host.ok("FORCE_MOVE STEPPER=stepper_x DISTANCE=9 VELOCITY=20", 10)
         assert s.positions()["x"] == 249
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
 
 
 def test_buzz_turns_the_motor_ten_times_and_back():
@@ -36,12 +36,12 @@ def test_buzz_turns_the_motor_ten_times_and_back():
         s.host.ok("G28", 60)
         s.host.ok("G1 X250 F6000")  # it turns inwards first
         s.host.ok("M400", 10)
-        before, begin_s = s.positions(), s.printer.queue.now_s
+        before, begin_s = s.positions(), s.printer.rig.queue.now_s
         s.host.ok("STEPPER_BUZZ STEPPER=stepper_x", 60)
         # 20 times 0.25 s of motion and 0.3 s of pause
-        assert 10 < s.printer.queue.now_s - begin_s < 16
+        assert 10 < s.printer.rig.queue.now_s - begin_s < 16
         assert s.positions() == before
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
 
 
 def test_motor_of_a_corexy_moves_both_axes():
@@ -53,7 +53,7 @@ def test_motor_of_a_corexy_moves_both_axes():
         s.host.ok("FORCE_MOVE STEPPER=stepper_a DISTANCE=4 VELOCITY=20", 10)
         after = steps(s)
         assert {n for n in after if after[n] != before[n]} == {"a"}
-        assert s.printer.job.machine_position[:2] == pytest.approx([52, 52])
+        assert s.printer.rig.job.machine_position[:2] == pytest.approx([52, 52])
 
 
 def test_tower_of_a_delta_turns_alone():
@@ -61,14 +61,14 @@ def test_tower_of_a_delta_turns_alone():
         before = steps(s)
         s.host.ok("STEPPER_BUZZ STEPPER=stepper_a", 60)
         assert steps(s) == before
-        assert s.printer.job.locked_axes == [0, 1, 2]
+        assert s.printer.rig.job.locked_axes == [0, 1, 2]
         s.host.ok("G28", 60)
         s.host.ok("STEPPER_BUZZ STEPPER=stepper_b", 60)
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
         s.host.ok("FORCE_MOVE STEPPER=stepper_b DISTANCE=-3 VELOCITY=20", 10)
         after = steps(s)
         assert {n for n in after if after[n] != before[n]} >= {"b"}
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_move_of_a_motor_that_cannot_be_is_refused(line, reason):
 
 
 def nozzle(s):
-    return tuple(round(mm, 3) for mm in s.printer.job.machine_position[:3])
+    return tuple(round(mm, 3) for mm in s.printer.rig.job.machine_position[:3])
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_raw_move_turns_these_motors_of_an_unhomed_machine(machine, lines, moved
         by = {name: round(after[name] - before[name], 2) for name in moved}
         assert by == pytest.approx(moved, abs=0.012)  # a step of the delta
         assert {n for n in after if after[n] != before[n]} == set(moved)
-        assert s.printer.job.locked_axes == [0, 1, 2]
+        assert s.printer.rig.job.locked_axes == [0, 1, 2]
 
 
 def test_nozzle_of_a_homed_delta_is_where_the_motors_are():
@@ -139,7 +139,7 @@ def test_nozzle_of_a_homed_delta_is_where_the_motors_are():
         assert nozzle(s) == pytest.approx(there, abs=0.01)
         x, y, z = nozzle(s)
         assert said == f"echo:The nozzle is at X{x:.3f} Y{y:.3f} Z{z:.3f} of the machine"
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
         answers(s, "G1 X10 Y-20 Z50")
         answers(s, "M400")
         assert s.positions() == before  # no step is lost
@@ -162,12 +162,12 @@ def test_raw_move_leaves_the_other_motors_where_the_bed_is_corrected(on):
 def test_raw_move_is_bounded_in_distance_and_speed():
     with Scenario("i3") as s:
         answers(s, "G91")
-        before, begin_s = s.positions(), s.printer.queue.now_s
+        before, begin_s = s.positions(), s.printer.rig.queue.now_s
         (said,) = answers(s, "G1 H2 X251 F600")
         assert "X is 251: expected -250 to 250 mm or degrees at once" in said
         answers(s, "G1 H2 X100 F1000000000")
         x = s.machine.axes["x"]
-        assert s.printer.queue.now_s - begin_s > 100 / x.speed_mm_s
+        assert s.printer.rig.queue.now_s - begin_s > 100 / x.speed_mm_s
         assert s.positions()["x"] == before["x"] + 100
 
 
@@ -181,15 +181,15 @@ def test_axes_home_where_h1_triggers_their_endstops():
             "echo:Not homed: Y, Z",
         ]
         assert s.positions()["x"] == pytest.approx(0, abs=0.02)
-        assert s.printer.job.locked_axes == [1, 2]
-        assert s.printer.connection.heaters["hotend"].target == 150
+        assert s.printer.rig.job.locked_axes == [1, 2]
+        assert s.printer.rig.connection.heaters["hotend"].target == 150
         (said,) = answers(s, "G1 H1 X20 F3000")
         assert "X is 20: expected towards the endstop, and at most 300" in said
         s.board.force_switch("x", False)
         answers(s, "G1 X9 F3000")
         said = answers(s, "G1 H1 X-20 F3000")
         assert "was not triggered" in said[0]
-        assert 0 in s.printer.job.locked_axes
+        assert 0 in s.printer.rig.job.locked_axes
 
 
 def test_towers_home_where_h1_triggers_their_endstops():
@@ -199,7 +199,7 @@ def test_towers_home_where_h1_triggers_their_endstops():
         assert "expected all of a, b, c" in said
         far = s.machine.axes["z"].max_mm
         answers(s, f"G1 H1 X{far} Y{far} Z{far} F3000")
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
         at = s.machine.homing["a"].position
         assert [s.positions()[n] for n in "abc"] == pytest.approx([at] * 3, abs=0.05)
 
@@ -224,9 +224,9 @@ def test_motors_do_not_turn_by_themselves_during_a_print(tmp_path):
 def test_position_of_an_axis_is_set_and_taken_away():
     with Scenario("i3") as s:
         answers(s, "SET_KINEMATIC_POSITION X=30 Y=40 Z=5 SET_HOMED=xy")
-        assert s.printer.job.locked_axes == [2]
+        assert s.printer.rig.job.locked_axes == [2]
         assert nozzle(s) == (30, 40, 5)
         answers(s, "SET_KINEMATIC_POSITION CLEAR_HOMED=x")
-        assert s.printer.job.locked_axes == [0, 2]
+        assert s.printer.rig.job.locked_axes == [0, 2]
         (said,) = answers(s, "SET_KINEMATIC_POSITION Z=9999")
         assert "Z is 9999: expected" in said

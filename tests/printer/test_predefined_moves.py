@@ -44,7 +44,7 @@ PER_MM = {"x": 80, "y": 80, "z": 400}
 def steps(s, line):
     """Clocks, and distances in mm since the line began, of all steps of X, Y and Z."""
     for axis in "xyz":
-        s.board.trace_steps(axis, s.printer.connection.now, 1 << 60)
+        s.board.trace_steps(axis, s.printer.rig.connection.now, 1 << 60)
     answers(s, line)
     found = {}
     for axis in "xyz":
@@ -65,7 +65,7 @@ def test_moves_follow_homing_in_the_order_of_their_priority():
         assert found["z"][-1][0] < found["x"][-1][0]
         lifted = next(clock for clock, mm in reversed(found["z"]) if mm < found["z"][-1][1] - 19.9)
         assert first_x < lifted
-        assert (found["z"][-1][0] - lifted) / s.printer.queue.hz == pytest.approx(2, abs=0.2)
+        assert (found["z"][-1][0] - lifted) / s.printer.rig.queue.hz == pytest.approx(2, abs=0.2)
         answers(s, "G1 X50 Y40 F6000")
         answers(s, "G28 X")
         assert s.positions() == {"x": 0.0, "y": 40.0, "z": 20.0, "e": 0.0}

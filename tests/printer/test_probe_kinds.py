@@ -39,15 +39,15 @@ def failed(s, line="G30 X110 Y110", **faults):
     s.host.ok("M104 S210")
     s.board.spoil_probe(**faults)
     before = s.board.position("z")
-    s.board.trace_steps("z", s.printer.connection.now, 1 << 60)
+    s.board.trace_steps("z", s.printer.rig.connection.now, 1 << 60)
     said = answers(s, line)
     at = low = round(before / STEP)
     for direction in array("b", s.board.take_steps("z", 0, 1 << 60)[1]):
         at += direction
         low = min(low, at)
     s.board.spoil_probe()
-    assert s.printer.job.locked_axes == []
-    assert s.printer.connection.heaters["hotend"].target == 210
+    assert s.printer.rig.job.locked_axes == []
+    assert s.printer.rig.connection.heaters["hotend"].target == 210
     assert s.positions()["z"] >= 10.0
     return said[-1], low * STEP
 
@@ -165,8 +165,8 @@ def test_print_from_the_card_ends_where_the_probe_fails(tmp_path):
         s.host.expect("a.gcode stopped: .*the probe", 120)
         assert s.positions()["z"] == 10.0
         assert s.positions()["x"] != 10.0
-        assert s.printer.job.locked_axes == []
-        assert s.printer.correction.correction is None
+        assert s.printer.rig.job.locked_axes == []
+        assert s.printer.motion.correction.correction is None
 
 
 def test_deployed_probe_stays_between_runs_until_it_is_stowed():

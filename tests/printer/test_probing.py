@@ -40,7 +40,7 @@ def refusal(s, line="G30 X110 Y110"):
 
 def lowest(s, line):
     """The lowest Z of the nozzle, in mm, while a line is carried out, from the executed steps."""
-    now = s.printer.connection.now
+    now = s.printer.rig.connection.now
     before = s.board.position("z")
     s.board.trace_steps("z", now, 1 << 60)
     said = s.host.ok(line, 120)
@@ -123,8 +123,8 @@ def test_probe_stuck_open_stops_at_the_low_point():
         assert "the probe was not triggered at X110 Y110. The nozzle descended to" in text
         assert "to X135.000 Y105.000 Z-2.000, and the search ends at Z -2 mm" in text
         assert s.positions()["z"] == 10.0
-        assert s.printer.job.locked_axes == []
-        assert s.printer.connection.heaters["hotend"].target == 210
+        assert s.printer.rig.job.locked_axes == []
+        assert s.printer.rig.connection.heaters["hotend"].target == 210
         s.board.force_switch("probe", None)
         assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
 
@@ -145,7 +145,7 @@ def test_probe_stuck_triggered_never_descends():
         assert low == 0.0  # of G28
         assert "the probe is triggered at X110 Y110 with the nozzle at X135.000" in said[-2]
         assert "also after a lift by 3 mm" in said[-2]
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
 
 
 def test_probe_that_triggers_in_the_air_is_refused():
@@ -183,7 +183,7 @@ def test_noisy_samples_are_dropped_and_then_refused():
         s.board.spoil_probe(noise_mm=0.2)
         text = refusal(s)
         assert re.search(r"at X110 Y110 the samples differ by 0\.\d+ mm \(limit 0\.05 mm\)", text)
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
         s.board.spoil_probe(noise_mm=0.004)
         assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
 
@@ -217,7 +217,7 @@ def test_heaters_are_off_only_during_a_descent():
     change = ("trigger_height_mm = 1.2", 'trigger_height_mm = 1.2\nheaters_off = ["bed"]')
     with homed(change) as s:
         s.host.ok("M140 S60")
-        bed = s.printer.connection.heaters["bed"]
+        bed = s.printer.rig.connection.heaters["bed"]
         s.host.send("G30 X110 Y110")
         seen = []
         done = len(s.host.heard)
@@ -238,7 +238,7 @@ def test_heaters_stay_on_in_a_descent_of_more_than_20_s():
     slow = 'trigger_height_mm = 1.2\nslow_mm_s = 0.2\nheaters_off = ["bed"]'
     with homed(("trigger_height_mm = 1.2", slow)) as s:
         s.host.ok("M140 S60")
-        bed, looks_off = s.printer.connection.heaters["bed"], []
+        bed, looks_off = s.printer.rig.connection.heaters["bed"], []
         del s.host.heard[:]
         s.host.send("G30 X110 Y110")
 
@@ -256,10 +256,10 @@ def test_heater_switched_off_during_a_descent_stays_off():
     change = ("trigger_height_mm = 1.2", 'trigger_height_mm = 1.2\nheaters_off = ["bed"]')
     with homed(change) as s:
         s.host.ok("M140 S60")
-        bed = s.printer.connection.heaters["bed"]
+        bed = s.printer.rig.connection.heaters["bed"]
         s.host.send("G30 X110 Y110")
         assert s.until(lambda: bed.suspended, 60)
-        s.printer.connection.switch_heaters_off()
+        s.printer.rig.connection.switch_heaters_off()
         assert s.until(lambda: not bed.suspended, 60)
         s.passes(5)
         assert (bed.target, bed.power) == (0.0, 0.0)
@@ -272,7 +272,7 @@ def test_stop_in_a_descent_lifts_the_nozzle_and_keeps_the_position():
         s.host.send("M108")
         s.host.expect("^ok", 30)
         assert s.until(lambda: s.positions()["z"] == 10.0, 30)
-        assert s.printer.job.locked_axes == []
+        assert s.printer.rig.job.locked_axes == []
         assert probed(s, 110, 110) == pytest.approx(0.1249, abs=0.01)
 
 

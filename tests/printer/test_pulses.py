@@ -22,7 +22,7 @@ def text(heater: str = "", fan: str = "") -> str:
 
 def edges(s, name: str, seconds: float) -> list[tuple[int, int]]:
     pin = next(o.pin for o in s.board.board.outputs if o.name == name)
-    number = s.printer.connection.main.dictionary.enumerations["pin"][pin]
+    number = s.printer.rig.connection.main.dictionary.enumerations["pin"][pin]
     s.board.device.trace_edges(number)
     s.passes(seconds)
     return s.board.device.take_edges(number)
@@ -100,7 +100,7 @@ def test_a_fan_follows_its_heater():
 
         def goes(on: bool, within: float) -> float:
             assert s.until(lambda: s.board.output_value("hotend-fan") == on * full, within)
-            return s.printer.connection.heaters["hotend"].celsius
+            return s.printer.rig.connection.heaters["hotend"].celsius
 
         s.host.ok("M106 S255")  # not this one
         s.host.ok("M104 S100")

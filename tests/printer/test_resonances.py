@@ -49,7 +49,7 @@ def machine(
 
 def shapers(s: Scenario) -> dict[str, tuple[str, float]]:
     """The shapers in use, by axis."""
-    status = s.printer.commands.filters.shaper_status()
+    status = s.printer.rig.commands.filters.shaper_status()
     return {axis: (one.type, one.frequency_hz) for axis, one in status.items()}
 
 
@@ -63,12 +63,12 @@ def ringing_um(s: Scenario, line: str, axis: int) -> float:
     """The amplitude of the vibration of an axis when a move has ended, um."""
     head = head_dynamics(s.machine, s.printer.board)
     head.follow(True)
-    clock = s.printer.connection.now
+    clock = s.printer.rig.connection.now
     s.host.ok(line)
     s.host.ok("M400")
     seen: list[tuple[float, float]] = []
-    while clock < s.printer.connection.now:
-        clock += s.printer.queue.hz // 1000
+    while clock < s.printer.rig.connection.now:
+        clock += s.printer.rig.queue.hz // 1000
         head.run(clock)
         seen.append((clock, head.ringing[axis]))
     return 1000 * next(amplitude for at, amplitude in seen if at >= head.last_step)
@@ -129,12 +129,12 @@ def test_the_firmware_measures_as_the_model_of_the_board(chip: str, pins: str, f
         assert (x, y, z) == pytest.approx((0, 0, 9806), abs=250)
     with at_home(machine(50, 35, chip=chip, pins=pins, firmware="passo")) as s:
         assert answers(s, "ACCELEROMETER_QUERY") == said
-        begun_s = s.printer.queue.now_s
+        begun_s = s.printer.rig.queue.now_s
         answers(s, "TEST_RESONANCES AXIS=X OUTPUT=raw_data FREQ_START=48 FREQ_END=50 NAME=a")
         rows = list(csv.reader((files / "raw_data_x_a.csv").read_text().splitlines()))
     assert rows[0] == ["#time", "accel_x", "accel_y", "accel_z"]
     times = [float(row[0]) for row in rows[1:]]
-    assert begun_s < times[0] < times[-1] < s.printer.queue.now_s
+    assert begun_s < times[0] < times[-1] < s.printer.rig.queue.now_s
     rate_hz = (len(times) - 1) / (times[-1] - times[0])
     assert rate_hz == pytest.approx(3200 if chip == "adxl345" else 1600, rel=1e-3)
     assert max(abs(float(row[1])) for row in rows[1:]) > 10_000
@@ -183,7 +183,7 @@ def test_errors_are_reported(files: Path, monkeypatch: pytest.MonkeyPatch) -> No
         s.host.expect("Testing axis axis=0.707,0.707,0.000", 60)
         s.passes(5)
         s.host.send("M410")
-        assert s.until(lambda: s.printer.queue.standing, 2)
+        assert s.until(lambda: s.printer.rig.queue.standing, 2)
         s.host.expect("^ok")
         s.host.ok(f"G1 X{x:g} Y{y:g} Z{z:g} F6000")
         s.host.ok("M400")
@@ -242,10 +242,10 @@ def test_missing_package_is_reported_before_the_first_move(
         assert s.printer.dispatch.has(row)
         monkeypatch.setitem(sys.modules, "numpy", None)
         assert not s.printer.dispatch.has(row)
-        before_s, place = s.printer.queue.now_s, s.positions()
+        before_s, place = s.printer.rig.queue.now_s, s.positions()
         said = "\n".join(s.host.ok(line, 1))
         assert f"{code} needs the Python package numpy, which is not installed. Inst" in said
-        assert s.printer.queue.now_s - before_s < 1
+        assert s.printer.rig.queue.now_s - before_s < 1
         s.passes(1)
         assert s.positions() == place
         assert "accelerometer values" in "\n".join(answers(s, "ACCELEROMETER_QUERY"))
@@ -260,8 +260,8 @@ def test_other_consoles_do_not_wait_for_a_measurement(line: str) -> None:
         other = Host(s)
         s.host.send(line)
         s.passes(1)
-        before_s = s.printer.queue.now_s
-        heaters = s.printer.connection.heaters
+        before_s = s.printer.rig.queue.now_s
+        heaters = s.printer.rig.connection.heaters
         for code, heater, celsius in [
             ("M104 S60", "hotend", 60),
             ("M140 S40", "bed", 40),
@@ -273,9 +273,9 @@ def test_other_consoles_do_not_wait_for_a_measurement(line: str) -> None:
             assert heaters[heater].target == celsius
         for code in ("M106 S128", "M105", "HELP", "STATUS", "M114", "M119", "M115"):
             other.ok(code, 0.1)
-        assert s.printer.commands.outputs.fans["part"] == pytest.approx(128 / 255)
+        assert s.printer.rig.commands.outputs.fans["part"] == pytest.approx(128 / 255)
         assert "HEATER is no: expected" in other.ok(HEATERS.format("no", 1), 0.1)[0]
-        assert s.printer.queue.now_s - before_s < 0.5
+        assert s.printer.rig.queue.now_s - before_s < 0.5
         s.host.expect("^ok", 60)
 
 

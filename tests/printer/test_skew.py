@@ -77,12 +77,12 @@ def test_setting_skew_moves_no_motor_and_homing_takes_the_endstops():
         before = s.positions()
         answers(s, f"M852 I{XY}")
         assert s.positions() == before
-        assert s.printer.job.machine_position[:3] == pytest.approx([50 + 100 * XY, 100, 10])
+        assert s.printer.rig.job.machine_position[:3] == pytest.approx([50 + 100 * XY, 100, 10])
         s.host.ok("G28 X", 60)
         assert s.positions()["x"] == pytest.approx(0, abs=0.0126)
-        assert s.printer.job.machine_position[:3] == pytest.approx([100 * XY, 100, 10])
+        assert s.printer.rig.job.machine_position[:3] == pytest.approx([100 * XY, 100, 10])
         s.host.ok("G28", 60)
-        assert s.printer.job.machine_position[:3] == pytest.approx([0, 0, 0], abs=1e-9)
+        assert s.printer.rig.job.machine_position[:3] == pytest.approx([0, 0, 0], abs=1e-9)
         answers(s, "SET_SKEW CLEAR=1")
         assert answers(s, "M852") == ["  M852 I0.000000000 J0.000000000 K0.000000000"]
 
@@ -94,7 +94,7 @@ def test_motor_keeps_within_what_it_reaches():
         assert "motor x would go to 253.390 mm, beyond its limit of 252.000 mm" in said
         answers(s, "M400")
         assert s.positions()["x"] <= 252.0
-        assert s.printer.job.machine_position[0] == 0
+        assert s.printer.rig.job.machine_position[0] == 0
         assert answers(s, "G1 X245 Y200 F9000") == []
 
 

@@ -44,14 +44,14 @@ def hot():
 
 
 def unplug(s):
-    s.printer.connection.main.port.unplug()
+    s.printer.rig.connection.main.port.unplug()
 
 
 def plug(s, seconds=1.0):
     """The cable is back, and the board has lived on since; so much time passes."""
-    queue = s.printer.queue
+    queue = s.printer.rig.queue
     clock = queue.base + queue.now
-    s.printer.connection.main.port.plug(clock)
+    s.printer.rig.connection.main.port.plug(clock)
     s.board.device.poll(clock)
     s.passes(seconds)
 
@@ -59,7 +59,7 @@ def plug(s, seconds=1.0):
 def live_on(s, seconds):
     """So much time passes, at the unplugged board too."""
     s.passes(seconds)
-    s.board.device.poll(s.printer.queue.base + s.printer.queue.now)
+    s.board.device.poll(s.printer.rig.queue.base + s.printer.rig.queue.now)
 
 
 @pytest.mark.parametrize("lost_s", [0.05, 2.0, 20.0])
@@ -76,7 +76,7 @@ def test_the_board_is_stopped_as_soon_as_its_cable_is_back(hot, lost_s, stopped_
     plug(s)
     assert s.board.device.fault == ORDER
     assert s.board.output_value("hotend") == 0
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
     s.host.ok("M999")
     s.host.ok("M109 S40", 60)
     assert s.board.temperature("hotend") == pytest.approx(40, abs=20)
@@ -86,7 +86,7 @@ def test_a_halt_for_another_reason_is_sent_to_the_board_too(hot):
     s = hot
     unplug(s)
     s.passes(5)
-    s.printer.halt(MachineError.of("machine.no-power"))
+    s.printer.stops.halt(MachineError.of("machine.no-power"))
     s.host.expect("Printer halted: the power supply is off, and a motor was to move", 5)
     plug(s)
     assert s.board.device.fault == ORDER
@@ -152,9 +152,9 @@ def test_after_an_m999_that_has_led_to_nothing(hot):
     assert s.board.device.fault == ""
     plug(s)
     assert s.board.device.fault == ORDER
-    assert s.printer.halted
+    assert s.printer.state.halted
     s.host.ok("M999")
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     assert s.board.device.fault == ""
 
 
@@ -167,7 +167,7 @@ def test_a_stopped_board_goes_on_measuring(machine, stop):
         if stop == "M112":
             s.host.ok("M112")
         else:
-            s.printer.halt(MachineError.of("machine.no-power"))
+            s.printer.stops.halt(MachineError.of("machine.no-power"))
         s.host.expect("Printer halted")
         for _ in range(3):
             s.passes(60)
@@ -251,7 +251,7 @@ def test_each_of_two_boards_stops_when_it_gets_the_command(two, lost, other, nam
     assert fault(s, lost) == ORDER
     assert s.host.heard.count(ARRIVED) == 1
     s.host.ok("M999", 30)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 def test_of_two_boards_only_the_silent_one_has_no_temperature(two):
@@ -277,7 +277,7 @@ def test_while_axes_home_heat_stays_as_ever(hot, lost_s):
         " with M112"
     )
     plug(s, 5)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
     s.host.expect("the board does not report where it stopped")
 
 

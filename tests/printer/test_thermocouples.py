@@ -40,7 +40,7 @@ def test_a_hotend_is_heated_by_its_thermocouple(s):
     assert s.host.ok("M109 S200", 300)[-1] == "ok"
     s.passes(60)
     assert s.board.temperature("hotend") == pytest.approx(200, abs=1)
-    assert s.printer.connection.heaters["hotend"].celsius == pytest.approx(200, abs=0.5)
+    assert s.printer.rig.connection.heaters["hotend"].celsius == pytest.approx(200, abs=0.5)
 
 
 def test_an_open_thermocouple_switches_off_within_a_second(s):
@@ -48,8 +48,8 @@ def test_an_open_thermocouple_switches_off_within_a_second(s):
     s.passes(20)
     s.board.force_sensor("hotend", 1.0)
     s.passes(1.0)
-    assert s.printer.halted.startswith("heater hotend was switched off: its sensor reads")
-    assert "means a broken cable" in s.printer.halted
+    assert s.printer.state.halted.startswith("heater hotend was switched off: its sensor reads")
+    assert "means a broken cable" in s.printer.state.halted
     s.passes(0.1)
     assert s.board.output_value("hotend") == 0
 
@@ -64,7 +64,7 @@ def test_a_board_without_another_sensor_outlives_its_fault():
         s.board.force_sensor("hotend", 1.0)
         s.host.expect("heater hotend was switched off", 5)
         s.passes(60)
-        assert s.board.device.fault == "" and not s.printer.halted
+        assert s.board.device.fault == "" and not s.printer.state.halted
 
 
 @pytest.mark.parametrize("kind", ["max31855", "max31865"])
@@ -79,7 +79,7 @@ def test_heater_policy_keeps_machine_alive_until_rearmed(firmware, kind):
             "heater hotend was switched off: its sensor reads .* short circuit in its cable", 1
         )
         s.passes(10)
-        assert not s.printer.halted
+        assert not s.printer.state.halted
         s.board.force_sensor("hotend", None)
         s.passes(1)
         s.host.ok("M922")
@@ -101,8 +101,10 @@ def test_its_faults_in_words(firmware, kind, ratio, word):
         s.passes(1)
         s.board.force_sensor("hotend", ratio)
         s.passes(1.0)
-        assert s.printer.halted.startswith("heater hotend was switched off: its sensor reads ")
-        assert f"means {word}" in s.printer.halted
+        assert s.printer.state.halted.startswith(
+            "heater hotend was switched off: its sensor reads "
+        )
+        assert f"means {word}" in s.printer.state.halted
 
 
 def test_pins_are_claimed():

@@ -27,7 +27,7 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
         assert answer[-4] == "In use until a restart. M500 stores it"
         found = s.host.ok("M301 H0")[0]
         assert found != before
-        assert s.printer.connection.heaters["hotend"].target == 0
+        assert s.printer.rig.connection.heaters["hotend"].target == 0
         s.host.ok("M109 S210", 600)
         hottest = 0.0
         for _ in range(240):
@@ -61,11 +61,11 @@ def test_a_tune_ends_with_the_keys_of_the_machine_file(heater, words, control):
             answer[-2],
             "ok",
         ]
-        found = s.printer.controls.control(heater)
+        found = s.printer.heat.controls.control(heater)
     kept = answer[-2] + "\n"
     machine = config.load_text(text.replace(head, head + kept))
     with Scenario(machine) as s:
-        again = s.printer.controls.control(heater)
+        again = s.printer.heat.controls.control(heater)
         for key in ("kp", "ki", "kd"):
             assert getattr(again, key) == pytest.approx(getattr(found, key), rel=1e-3)
         assert again.filter_s == (2.0 if control else 1.0)
@@ -110,7 +110,7 @@ def test_result_for_another_control_is_not_used():
 def test_bed_swings_by_several_steps_of_its_sensor(name, celsius):
     with Scenario(name) as s:
         answer = s.host.ok(f"M303 H-1 S{celsius} C3 U1", 3600)
-        step_c = s.printer.controls.step_c("bed", celsius)
+        step_c = s.printer.heat.controls.step_c("bed", celsius)
         low, high = re.findall(r"min:([\d.]+) max:([\d.]+)", "\n".join(answer))[-1]
         assert float(high) - float(low) >= 4 * step_c
         s.host.ok(f"M190 S{celsius}", 3600)
@@ -118,7 +118,7 @@ def test_bed_swings_by_several_steps_of_its_sensor(name, celsius):
         powers: list[float] = []
         for _ in range(120):
             s.passes(1)
-            powers.append(s.printer.connection.heaters["bed"].power)
+            powers.append(s.printer.rig.connection.heaters["bed"].power)
         assert max(powers) - min(powers) < 0.7  # 1 with gains from a single step
         assert s.board.temperature("bed") == pytest.approx(celsius, abs=0.4)
 
@@ -130,7 +130,7 @@ def test_a_tune_can_be_ended():
         s.passes(60)
         s.host.send("M108")
         s.host.expect("^ok", 1)
-        assert s.printer.connection.heaters["hotend"].target == 0
+        assert s.printer.rig.connection.heaters["hotend"].target == 0
         assert s.host.ok("M301 H0") == before
 
 
@@ -147,7 +147,7 @@ def by_model():
 
 
 def model_of(s):
-    m = s.printer.connection.heaters["hotend"].model
+    m = s.printer.rig.connection.heaters["hotend"].model
     return m.rise_c, m.time_constant_s, m.sensor_lag_s, m.fan_loss, m.ambient_c
 
 
@@ -235,7 +235,7 @@ def test_u0_neither_takes_nor_stores(tmp_path):
 def test_cancelled_tune_of_print_keeps_gains_and_is_off(tmp_path):
     (tmp_path / "tune.g").write_text("M303 E0 S200\nM118 after\n")
     with Scenario("i3", card=str(tmp_path)) as s:
-        heater = s.printer.connection.heaters["hotend"]
+        heater = s.printer.rig.connection.heaters["hotend"]
         before = heater.control
         s.host.ok("M32 tune.g")
         s.passes(20)
@@ -267,17 +267,17 @@ def test_gains_set_in_a_tune_hold_after_it_and_after_a_halt():
         other.send("M999")
         other.expect("ready again", 5)
         assert other.ok("M301 H0")[0] == "M301 H0 P31 I2 D40"
-        assert s.printer.connection.heaters["hotend"].target == 0
+        assert s.printer.rig.connection.heaters["hotend"].target == 0
 
 
 def test_gains_are_set_in_the_usual_unit():
     with Scenario("i3") as s:
         s.host.ok("M301 H0 P25.5 I2.55 D51")
-        control = s.printer.connection.heaters["hotend"].control
+        control = s.printer.rig.connection.heaters["hotend"].control
         assert (control.kp, control.ki, control.kd) == (25.5, 2.55, 51)
         assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"
         s.host.ok("M304 P10.2")
-        assert s.printer.connection.heaters["bed"].control.kp == 10.2
+        assert s.printer.rig.connection.heaters["bed"].control.kp == 10.2
         refused = "echo:P is -1: expected a number of at least 0"
         assert s.host.ok("M301 P-1 H-5")[0].startswith(refused)
         assert s.host.ok("M301 I3 P-1 H0")[0].startswith(refused)
@@ -293,7 +293,7 @@ def test_a_thermistor_can_be_changed_while_it_runs():
         s.host.ok("M305 H0 B4267")
         s.passes(1)
         # The same resistance is a lower temperature with a greater beta.
-        assert s.printer.connection.heaters["hotend"].celsius < 190
+        assert s.printer.rig.connection.heaters["hotend"].celsius < 190
         assert "B4267" in s.host.ok("M305 H0")[0]
         wrong = s.host.ok("M305 H0 A90000 B-3")[0]
         assert wrong.startswith("echo:B is -3: expected a number of at least 100")
@@ -311,7 +311,7 @@ def test_the_bounds_of_an_integral_are_settings(tmp_path):
             ("M306 H0 O400", "heaters.hotend is fixed while the printer runs"),
         ):
             assert s.host.ok(line)[0].startswith(f"echo:{says}")
-        control = s.printer.connection.heaters["hotend"].control
+        control = s.printer.rig.connection.heaters["hotend"].control
         assert (control.drive_min, control.drive_max) == (0.1, 0.8)
         s.host.ok("M500")
     with Scenario("i3", state=str(tmp_path)) as s:
@@ -341,7 +341,7 @@ def test_a_thermistor_that_cannot_be_is_refused_and_not_kept(words, says):
         s.host.ok("M112")
         s.passes(1)
         s.host.ok("M999")
-        assert not s.printer.halted
+        assert not s.printer.state.halted
         assert s.host.ok("M305 H0") == before
 
 

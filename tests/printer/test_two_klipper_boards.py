@@ -79,7 +79,7 @@ def test_boards_that_lose_each_other_stop_all_motors(two: Two) -> None:
     assert two.place("x") == stopped
     two.link.end.cut = False
     s.host.expect("switch x at .*lost their connection|does not answer stepper_get_position", 10)
-    assert 0 in s.printer.job.locked_axes
+    assert 0 in s.printer.rig.job.locked_axes
     s.passes(4)
     s.host.ok("G28 X", 60)
     s.host.ok("G1 X5 F3000")

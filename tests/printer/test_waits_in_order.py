@@ -15,7 +15,7 @@ LATE_S = 0.5  # longer than the 0.2 s from a command on a standing machine to it
 
 
 def targets(s: Scenario) -> dict[str, float]:
-    return {name: heater.target for name, heater in s.printer.connection.heaters.items()}
+    return {name: heater.target for name, heater in s.printer.rig.connection.heaters.items()}
 
 
 def computes_after_commands(s: Scenario, seconds: float = LATE_S) -> None:
@@ -33,7 +33,7 @@ def test_a_wait_ends_warm_after_a_late_target(kind, source, tmp_path):
         computes_after_commands(s)
         s.host.send(*(("M32 a.g",) if source == "card" else lines))
         s.host.expect("^reached$", 600)
-        heaters = s.printer.connection.heaters
+        heaters = s.printer.rig.connection.heaters
         assert {n: heaters[n].celsius for n in waits.warm} == pytest.approx(waits.warm, abs=NEAR_C)
 
 
@@ -55,11 +55,11 @@ def test_a_filament_change_reheats_after_a_late_target():
         s.host.send("M600 S200", "M118 changed")
         s.passes(20)
         computes_after_commands(s)
-        s.printer.targets.set_target("hotend", 150)
+        s.printer.outputs.targets.set_target("hotend", 150)
         s.host.send("M108")
         s.host.expect("^changed$", 300)
         assert targets(s)["hotend"] == 200
-        assert s.printer.connection.heaters["hotend"].celsius == pytest.approx(200, abs=NEAR_C)
+        assert s.printer.rig.connection.heaters["hotend"].celsius == pytest.approx(200, abs=NEAR_C)
 
 
 @pytest.mark.parametrize("asks", ["M220 S90", "M221 S90", "M290 Z0.1", "M201 X900"])
@@ -70,7 +70,7 @@ def test_a_change_of_the_plan_keeps_a_target_at_its_end(asks, way_mm):
         s.host.ok("G92 X0 Y0 Z0")
         s.host.ok(f"G1 X{way_mm} Y3 F1800")
         s.host.ok("M104 S200")
-        job, queue, other = s.printer.job, s.printer.queue, Host(s)
+        job, queue, other = s.printer.rig.job, s.printer.rig.queue, Host(s)
         assert s.until(lambda: job.queued == 0 and job.clock < queue.now + 0.15 * queue.hz, 10)
         other.ok(asks)
         s.passes(3)
@@ -81,8 +81,12 @@ def test_a_target_outlasts_a_lost_link(monkeypatch):
     """The link fails just as the target is due."""
     with Scenario() as s:
         s.host.ok("M104 S200")
-        due = s.printer.job.next_mark or s.printer.queue.flush() or s.printer.job.next_mark
-        queue = s.printer.queue
+        due = (
+            s.printer.rig.job.next_mark
+            or s.printer.rig.queue.flush()
+            or s.printer.rig.job.next_mark
+        )
+        queue = s.printer.rig.queue
         run, fails = queue._run, [True]
 
         def fail_once(clock):
@@ -108,7 +112,7 @@ def test_off_is_the_last_word_on_a_queued_target(how, tmp_path):
             s.host.send("G1 X50 F6000", "M140 S60", "M140 S20000")
         else:
             s.host.send("M32 a.g")
-            job, queue = s.printer.job, s.printer.queue
+            job, queue = s.printer.rig.job, s.printer.rig.queue
 
             def near():
                 return job.next_mark and job.next_mark[0] < queue.now + 0.1 * queue.hz
@@ -117,7 +121,7 @@ def test_off_is_the_last_word_on_a_queued_target(how, tmp_path):
             if how == "M524":
                 s.host.ok("M524")
             else:
-                s.printer.stop_by_endstop(["x_min"])
+                s.printer.stops.stop_by_endstop(["x_min"])
         s.passes(10)
         assert targets(s)["bed"] == 0
 
@@ -132,7 +136,7 @@ def test_the_journal_pairs_lines_with_their_targets(tmp_path, monkeypatch):
     with Scenario(card=str(tmp_path / "card"), state=str(tmp_path / "state")) as s:
         s.host.ok("G92 X20 Y0 Z0")
         monkeypatch.setattr(journal_keeper, "EVERY_S", 0.0)
-        s.printer.watchers.insert(0, lambda: s.loop.pass_time(0.07))
+        s.printer.lifetime._watchers.insert(0, lambda: s.loop.pass_time(0.07))
         records = []
         s.host.send("M32 a.g")
         monkeypatch.setattr(

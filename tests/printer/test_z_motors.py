@@ -61,12 +61,12 @@ def test_gantry_gets_level_and_stays_so_after_homing():
         assert abs(tilt(s)) <= 0.01
         # Z is 0 where the probe finds the bed, 0.15 mm up.
         at = s.positions()
-        assert s.printer.job.machine_position[2] == pytest.approx(at["z"] - 0.15, abs=0.01)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(at["z"] - 0.15, abs=0.01)
         for _ in range(2):
             s.host.ok("G28", 60)
             assert abs(tilt(s)) <= 0.01
             at = s.positions()
-            assert s.printer.job.machine_position[2] == pytest.approx(at["z"] - 0.15, abs=0.01)
+            assert s.printer.rig.job.machine_position[2] == pytest.approx(at["z"] - 0.15, abs=0.01)
 
 
 def test_offsets_survive_restarts_bit_for_bit(tmp_path):
@@ -90,11 +90,11 @@ def test_offsets_survive_restarts_bit_for_bit(tmp_path):
 def test_offsets_of_the_machine_file_and_of_m666_level_the_motors():
     with homed((PINS, f"{PINS}\noffsets_mm = {{ z1 = 0.6 }}")) as s:
         assert abs(tilt(s)) <= 0.005
-        assert s.printer.job.machine_position[2] == pytest.approx(0.6)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(0.6)
         answers(s, "M666 Z-0.4")
         s.host.ok("G28", 60)
         assert tilt(s) == pytest.approx(1.0, abs=0.005)
-        assert s.printer.job.machine_position[2] == 0.0
+        assert s.printer.rig.job.machine_position[2] == 0.0
         assert "S is 3: expected 1 to 2" in answers(s, "M666 S3 Z0")[0]
 
 
@@ -107,7 +107,7 @@ def test_four_belts_get_level_without_endstops_of_their_own():
         at = s.positions()
         heights = [at[name] for name in ("z", "z1", "z2", "z3")]
         assert max(heights) - min(heights) <= 0.01
-        assert s.printer.job.machine_position[2] == pytest.approx(at["z"] - 0.15, abs=0.01)
+        assert s.printer.rig.job.machine_position[2] == pytest.approx(at["z"] - 0.15, abs=0.01)
 
 
 def test_klippers_object_shows_the_gantry_level_until_motors_go_off():
@@ -133,7 +133,7 @@ def test_tilt_beyond_the_limit_is_refused_and_nothing_moves():
         says = r"motor z would move 2\.\d+ mm relative to another motor: at most 2 mm"
         assert re.search(says, answers(s, "G34")[-1])
         assert tilt(s) == pytest.approx(before, abs=1e-9)
-        assert not s.printer.job.locked_axes
+        assert not s.printer.rig.job.locked_axes
 
 
 def test_motors_in_the_wrong_order_stop_at_the_first_rise():
@@ -159,7 +159,7 @@ def test_z_is_not_homed_after_a_stop_on_the_way():
         s.host.send("M410")
         s.passes(1)
         assert 0.1 < tilt(s) < 0.55
-        assert s.printer.job.locked_axes == [2]
+        assert s.printer.rig.job.locked_axes == [2]
         s.host.ok("G28", 60)
         assert tilt(s) == pytest.approx(0.6, abs=0.01)
 

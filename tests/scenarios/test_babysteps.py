@@ -34,7 +34,7 @@ def test_a_long_move_takes_a_babystep_while_it_runs(s):
     s.host.ok("M290 Z-0.2")
     s.passes(1.5)
     assert height(s) == pytest.approx(49.8, abs=0.02)
-    assert not s.printer.queue.standing
+    assert not s.printer.rig.queue.standing
     s.host.ok("M400")
     assert logical_z(s) == 50
     s.host.ok("G1 Z1 F600")

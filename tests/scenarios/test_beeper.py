@@ -74,9 +74,9 @@ def test_a_tone_comes_in_its_place_among_the_moves(s):
     """And the moves do not wait for it."""
     hz = s.machine.board.clock_hz
     s.host.send("G1 X50 F1800", "M300 S440 P2000", "G1 X80")
-    s.until(lambda: not s.printer.queue.standing, 1)
-    s.until(lambda: s.printer.queue.standing, 10)
-    moved_s = s.printer.connection.now / hz
+    s.until(lambda: not s.printer.rig.queue.standing, 1)
+    s.until(lambda: s.printer.rig.queue.standing, 10)
+    moved_s = s.printer.rig.connection.now / hz
     s.passes(3)
     ((_, seconds, begin),) = tones(s)
     assert seconds == 2.0
@@ -185,7 +185,7 @@ OWN = 'firmware = "passo"'  # the board runs Passo's firmware
 
 def pulses(s, seconds):
     """(Hz, s) of a tone, from the edges at the pin of a board with firmware."""
-    names = s.printer.connection.main.dictionary.enumerations["pin"]
+    names = s.printer.rig.connection.main.dictionary.enumerations["pin"]
     pin = names[s.machine.pin(PIN)]
     s.board.device.trace_edges(pin)
     s.passes(seconds)
@@ -209,7 +209,7 @@ def test_the_pin_of_a_board_with_firmware_has_these_edges():
 def test_tone_ends_while_link_is_lost(away_s, lines):
     """A board that goes on alone has the end of the tone, at rest and while it brakes."""
     with Scenario(machine(board=OWN)) as s:
-        port, queue = s.printer.connection.main.port, s.printer.queue
+        port, queue = s.printer.rig.connection.main.port, s.printer.rig.queue
         s.host.ok("G92 X20 Y20 Z20")
         s.board.trace_output("beeper")
         s.host.send("G1 F600", *lines)
@@ -222,7 +222,7 @@ def test_tone_ends_while_link_is_lost(away_s, lines):
         s.passes(10)
         ((pitch, seconds),) = heard(s)
         assert (pitch, seconds <= 1.0) == (500, True), seconds
-        assert s.printer.halted == ""
+        assert s.printer.state.halted == ""
         s.host.ok("M300 S600 P100")
         s.passes(1)
         assert heard(s) == [(600, 0.1)]
@@ -234,8 +234,8 @@ def test_a_board_that_is_left_alone_ends_the_tone():
         s.board.trace_output("beeper")
         s.host.send("M300 S500 P2000")
         s.until(lambda: s.board.output_value("beeper") > 0, 5)
-        s.printer.connection.main.port.unplug()
-        s.board.device.poll(s.printer.connection.now + 4 * s.machine.board.clock_hz)
+        s.printer.rig.connection.main.port.unplug()
+        s.board.device.poll(s.printer.rig.connection.now + 4 * s.machine.board.clock_hz)
         assert heard(s) == [(500, 2.0)]
         s.host.expect("Printer halted: the connection to the board has ended", 20)
 
@@ -255,7 +255,7 @@ def test_a_tone_of_the_host_before_ends_by_itself(monkeypatch):
 
     monkeypatch.setattr("passo.printer.printer.connect", connect)
     with Scenario(machine(board=OWN)) as s:
-        assert s.printer.connection.adopted
+        assert s.printer.rig.connection.adopted
         s.host.ok("M300 S600 P100")
         s.passes(8)
         assert board.device.fault == ""

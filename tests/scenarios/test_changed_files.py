@@ -49,14 +49,14 @@ def test_a_file_that_changes_under_its_print_stops_it(s, change, sentence):
     assert s.host.heard.count("Done printing file") == 0
     line = int(said.split("way.g:")[1].split(":")[0])
     assert 100 < line < MOVES
-    s.until(lambda: s.printer.queue.standing, 100)
+    s.until(lambda: s.printer.rig.queue.standing, 100)
     assert s.positions()["x"] == 20 + (line - 3) % 100
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     s.host.ok("M24")  # what is wrong does not go away
     text = f"stopped: way.g:{line}: was changed on the computer while in use: {sentence}"
     s.host.expect(text, 100)
     s.host.ok("M524")
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
 
 
 def test_changed_file_prints_when_selected_again(s):

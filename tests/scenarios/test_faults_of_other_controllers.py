@@ -76,8 +76,8 @@ def test_a_code_with_a_subcode_of_no_meaning_is_unknown(s, line):
     for _ in range(2):
         assert s.host.ok(line) == [f'echo:Unknown command: "{line.split()[0]}"', "ok"]
     assert x_of(s) == 0
-    assert s.printer.connection.heaters["hotend"].target == 0
-    assert not s.printer.halted
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
+    assert not s.printer.state.halted
 
 
 def test_a_file_is_warned_once_of_each_such_code(tmp_path, capsys):
@@ -173,7 +173,7 @@ def test_m999_alone_does_no_harm(s):
     s.host.ok("G1 X5 F6000")
     assert s.host.ok("M999") == ["ok"]
     assert x_of(s) == 5
-    assert s.printer.connection.heaters["hotend"].target == 100
+    assert s.printer.rig.connection.heaters["hotend"].target == 100
 
 
 def test_m112_stops_at_once_and_no_job_counts_as_done(tmp_path):
@@ -285,10 +285,13 @@ def test_a_word_without_a_number_changes_nothing(s, line, told):
     s.host.ok("M104 S60")
     s.host.ok("M106 S128")
     s.passes(0.5)
-    before = (s.printer.commands.outputs.fans, s.printer.connection.heaters["hotend"].target)
+    before = (
+        s.printer.rig.commands.outputs.fans,
+        s.printer.rig.connection.heaters["hotend"].target,
+    )
     assert any(told in text for text in s.host.ok(line))
     s.passes(0.5)
-    after = (s.printer.commands.outputs.fans, s.printer.connection.heaters["hotend"].target)
+    after = (s.printer.rig.commands.outputs.fans, s.printer.rig.connection.heaters["hotend"].target)
     assert after == before
     assert after[1] == 60.0
 
@@ -298,4 +301,4 @@ def test_nan_switches_a_heater_off(s):
     s.passes(0.5)
     s.host.ok("M104 S nan")
     s.passes(0.5)
-    assert s.printer.connection.heaters["hotend"].target == 0.0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0.0

@@ -38,7 +38,7 @@ def begun(s: Scenario) -> Printing:
 def test_motors_hold_the_place_as_long_as_something_is_warm(s):
     print_ = begun(s)
     s.passes(29 * MINUTE_S)
-    assert s.printer.motors.on == {"x", "y", "z", "e"}
+    assert s.printer.outputs.motors.on == {"x", "y", "z", "e"}
     assert print_.ok("G1 X60 E1") == ["ok"]
     assert print_.ok("M400") == ["ok"]
     assert s.positions()["x"] == 60
@@ -47,7 +47,7 @@ def test_motors_hold_the_place_as_long_as_something_is_warm(s):
 def test_print_with_lost_position_is_paused_by_first_move(s):
     print_ = begun(s)
     s.passes(31 * MINUTE_S)
-    assert s.printer.motors.on == set()
+    assert s.printer.outputs.motors.on == set()
     assert "echo:Heater hotend off after an idle time" in s.host.heard
     refused = print_.ok("G1 X60 E1")
     assert refused[0].startswith("echo:")
@@ -87,7 +87,7 @@ def test_failed_heater_keeps_target_and_stays_off(s):
     s.host.expect("Error:Printer halted")
     s.board.force_sensor("hotend", None)
     s.passes(60)
-    heaters = s.printer.connection.heaters
+    heaters = s.printer.rig.connection.heaters
     assert (heaters["hotend"].target, heaters["bed"].target) == (200, 0)
     told, _ = s.host.ok("M922")
     assert told.startswith("echo:Printer stopped: heater hotend was switched off: its sensor reads")
@@ -98,6 +98,6 @@ def test_failed_heater_keeps_target_and_stays_off(s):
     assert s.board.output_value("hotend") == 0
     s.host.ok("M999")
     s.passes(60)
-    heaters = s.printer.connection.heaters
+    heaters = s.printer.rig.connection.heaters
     assert (heaters["hotend"].target, heaters["hotend"].fault) == (0, None)
     assert s.board.output_value("hotend") == 0

@@ -22,7 +22,7 @@ def test_m85_turns_everything_off_after_standing_idle(s):
     s.host.ok("M85 S60")
     assert s.host.ok("M85") == ["M85 S60", "ok"]
     s.passes(50)
-    assert s.printer.connection.heaters["bed"].target == 40
+    assert s.printer.rig.connection.heaters["bed"].target == 40
     s.passes(20)
     assert s.board.output_value("bed") == 0
     assert s.board.output_value("x-enable") == 1
@@ -76,7 +76,7 @@ def test_m410_brakes_on_the_path_and_m400_ends(s):
     other = Host(s)
     other.send("M410")
     s.host.expect("^ok", 1)
-    assert s.until(lambda: s.printer.queue.standing, 1)
+    assert s.until(lambda: s.printer.rig.queue.standing, 1)
     at = s.positions()["x"]
     assert 20 < at < 120
     told = float(re.match(r"X:([\d.]+)", s.host.ok("M114")[0])[1])
@@ -111,10 +111,10 @@ def test_idle_motors_go_off_before_heaters(s):
     for line in ("M140 S40", "G92 X0 Y0", "G1 X2 Y2 F6000", "M400"):
         s.host.ok(line)
     s.passes(1790)
-    assert s.printer.connection.heaters["bed"].target == 40
+    assert s.printer.rig.connection.heaters["bed"].target == 40
     assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [0, 0]
     s.passes(15)
-    assert s.printer.connection.heaters["bed"].target == 0
+    assert s.printer.rig.connection.heaters["bed"].target == 0
     assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [1, 1]
 
 

@@ -84,8 +84,8 @@ def test_dwell_ends_on_request(s, command, dwell_s, further):
     s.passes(1)
     other.send(command)
     s.passes(0.3)
-    assert s.printer.queue.standing == (command == "M410")
-    assert s.until(lambda: s.printer.queue.standing, 1)
+    assert s.printer.rig.queue.standing == (command == "M410")
+    assert s.until(lambda: s.printer.rig.queue.standing, 1)
     assert s.positions()["x"] == before + further
     assert (s.board.output_value("part") > 0) == (command == "M108")
     assert s.host.ok("G1 X30 F6000") == ["ok"]
@@ -124,7 +124,7 @@ def test_a_whole_circle_ends_where_it_began(s):
 
     def watch():
         widest[0] = max(widest[0], at["x"] - s.positions()["x"])
-        return s.printer.queue.standing and widest[0] > 0
+        return s.printer.rig.queue.standing and widest[0] > 0
 
     s.host.send("G2 X60 Y50 I-10 J0 F1200")
     assert s.until(watch, 20)
@@ -219,7 +219,7 @@ def test_volumes_become_lengths(s):
     s.host.ok("G1 E55.4687")
     s.host.ok("M400", 60)
     assert s.positions()["e"] == pytest.approx(20.0, abs=0.01)
-    assert sum(s.printer.job.statistics()["filament_mm"]) == pytest.approx(20.0, abs=1e-3)
+    assert sum(s.printer.rig.job.statistics()["filament_mm"]) == pytest.approx(20.0, abs=1e-3)
     s.host.ok("G10")  # a retraction is a length always
     s.host.ok("M400", 60)
     assert s.positions()["e"] == pytest.approx(17.0, abs=0.01)

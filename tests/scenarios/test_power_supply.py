@@ -33,7 +33,7 @@ def test_m80_and_m81_switch_the_mains(s):
     s.host.ok("M81")
     s.passes(0.5)
     assert not on(s)
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     assert s.board.output_value("x-enable") == 1  # inverted: off
     assert s.host.ok("M80 S") == ["PS:0", "ok"]
     assert "the power supply is off" in s.host.ok("M104 S100")[0]
@@ -42,7 +42,7 @@ def test_m80_and_m81_switch_the_mains(s):
     assert on(s)
     s.host.ok("M104 S100 F")
     s.host.ok("G28", 60)
-    assert s.printer.halted == ""
+    assert s.printer.state.halted == ""
 
 
 def test_nothing_moves_without_them(s):
@@ -51,7 +51,7 @@ def test_nothing_moves_without_them(s):
     before = s.positions()
     s.host.send("G1 X10 F6000")
     s.passes(3)
-    assert "the power supply is off" in s.printer.halted
+    assert "the power supply is off" in s.printer.state.halted
     assert s.positions() == before
 
 
@@ -82,7 +82,7 @@ def test_drivers_are_set_up_when_they_come(away_s):
         assert [chip.read(0x10) for chip in chips] != currents
         s.host.expect("^ok$", 10)
         s.host.ok("G28", 60)
-        assert s.printer.halted == ""
+        assert s.printer.state.halted == ""
         assert [chip.read(0x10) for chip in chips] == currents
 
 

@@ -100,7 +100,7 @@ def test_a_home_offset_beyond_the_axis_is_refused(s):
 
 def test_g92_of_an_axis_that_was_not_homed_counts_with_the_tool():
     with Scenario("dual-extruder") as s:
-        x, y, _ = s.printer.job.tool_offsets[1]
+        x, y, _ = s.printer.rig.job.tool_offsets[1]
         assert x != 0
         s.host.ok("T1")
         s.host.ok("G92 X50 Y20 Z5")
@@ -112,7 +112,7 @@ def test_g92_of_an_axis_that_was_not_homed_counts_with_the_tool():
         s.host.ok("G1 Y20 F6000")
         s.host.ok("M400", 20)
         assert position(s) == (40, 20, 5, 0)
-        assert s.printer.job.machine_position[:3] == [50, 20 + y, 5]
+        assert s.printer.rig.job.machine_position[:3] == [50, 20 + y, 5]
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ def test_m112_after_another_command_halts(s, line):
     s.host.ok("M104 S150")
     s.host.ok(line)
     s.host.expect("Error:Printer halted: emergency stop by M112", 2)
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
 
 
 @pytest.mark.parametrize("line", ["G1 X500 M112", "G1 E5M112", "X500 m0112", "M104 S900 M112"])
@@ -34,8 +34,8 @@ def test_m112_after_refused_command_halts(s, line):
 @pytest.mark.parametrize(
     ("line", "what"),
     [
-        ("M220 S50 G1 X12 F6000", lambda s: (s.positions()["x"], s.printer.job.speed_factor)),
-        ("M105 G1 X12", lambda s: (s.positions()["x"], s.printer.job.speed_factor * 0.5)),
+        ("M220 S50 G1 X12 F6000", lambda s: (s.positions()["x"], s.printer.rig.job.speed_factor)),
+        ("M105 G1 X12", lambda s: (s.positions()["x"], s.printer.rig.job.speed_factor * 0.5)),
     ],
 )
 def test_move_after_immediate_command_is_done(s, line, what):
@@ -52,7 +52,7 @@ def test_nothing_stands_behind_a_question_of_a_halted_printer(s):
     assert s.host.ok("M105")[-1].startswith("ok T:")
     s.host.ok("M999")
     s.passes(5)
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     assert s.positions()["x"] == pytest.approx(START + 10, abs=0.02)
 
 
@@ -60,28 +60,32 @@ def test_nothing_stands_behind_a_question_of_a_halted_printer(s):
 def test_words_belong_to_their_own_command(s, first):
     s.host.ok(f"{first} M104 S60")
     s.passes(0.5)
-    assert s.printer.connection.heaters["hotend"].target == 60
-    assert (s.printer.heat.cold.cold_c, s.printer.prompts.kill_s, s.host.session.busy_s) == (
+    assert s.printer.rig.connection.heaters["hotend"].target == 60
+    assert (
+        s.printer.heat.settings.cold.cold_c,
+        s.printer.prompts.kill_s,
+        s.host.session.busy_s,
+    ) == (
         170,
         0,
         2,
     )
-    assert s.printer.job.speed_factor == 1.0
+    assert s.printer.rig.job.speed_factor == 1.0
 
 
 @pytest.mark.parametrize("line", ["M0 P1 then M104 S100", "M1 P1 then M106 S255"])
 def test_the_text_of_a_pause_is_not_a_command(s, line):
     s.host.ok(line)
     s.passes(2)
-    assert s.printer.connection.heaters["hotend"].target == 0
-    assert s.printer.commands.outputs.fans.get("part", 0) == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.commands.outputs.fans.get("part", 0) == 0
 
 
 def test_m112_acts_before_the_line_that_contains_it(s):
     s.host.ok("M104 S150")
     s.host.send("G4 S60", "M400", "G1 X20 M112")
     s.passes(1)
-    assert s.printer.halted == "emergency stop by M112"
+    assert s.printer.state.halted == "emergency stop by M112"
 
 
 @pytest.mark.parametrize(
@@ -94,7 +98,7 @@ def test_m112_acts_before_the_line_that_contains_it(s):
 def test_m112_that_is_only_written_of_stops_nothing(s, line):
     s.host.ok(line)
     s.passes(2)
-    assert not s.printer.halted
+    assert not s.printer.state.halted
 
 
 def test_m112_in_a_file_halts(tmp_path):
@@ -102,7 +106,7 @@ def test_m112_in_a_file_halts(tmp_path):
     with Scenario(card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
         s.host.expect("Error:Printer halted: emergency stop by M112", 20)
-        assert s.printer.connection.heaters["hotend"].target == 0
+        assert s.printer.rig.connection.heaters["hotend"].target == 0
         assert s.host.ok("M27")[0] == "Not SD printing"
         s.passes(5)
         assert s.positions()["x"] == pytest.approx(START + 5, abs=0.02)
@@ -131,7 +135,7 @@ def test_m410_forgets_moves_in_hand_too(s, own):
     assert len([x for x in s.host.heard if x.startswith("ok")]) == 4 + len(lines) + own
     assert "echo:G1 is not carried out: it was in hand when the machine was stopped" in s.host.heard
     # What is no move is done: the heater is off.
-    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.rig.connection.heaters["hotend"].target == 0
     s.host.ok("G1 X12")
     s.host.ok("M400", 20)
     assert s.positions()["x"] == pytest.approx(START + 12, abs=0.02)

@@ -21,7 +21,7 @@ def s():
 
 
 def target(s, name="hotend"):
-    return s.printer.connection.heaters[name].target
+    return s.printer.rig.connection.heaters[name].target
 
 
 def test_m105_reports_every_heater_in_one_line(two):
@@ -44,7 +44,7 @@ def test_m105_x_adds_the_raw_readings(two):
     raw = {word: float(value) for word, value in (r.split(":") for r in readings)}
     assert list(raw) == ["T0A", "T1A", "BA"]
     assert raw["T0A"] == raw["T1A"]
-    heater = two.printer.connection.heaters["hotend"]
+    heater = two.printer.rig.connection.heaters["hotend"]
     assert 0.9 < heater.fraction < 1  # a thermistor of 100 kOhm above 4.7 kOhm at 25 degrees
     assert raw["T0A"] == round(heater.fraction, 4)
     two.host.ok("M109 T1 S100", 200)
@@ -63,10 +63,10 @@ def test_m116_waits_for_all_heaters_of_one_line(two):
     two.host.ok("M104 T0 S40 F")
     two.host.ok("M104 T1 S90 F")
     two.host.ok("M116 T0 T1", 300)
-    assert two.printer.connection.heaters["hotend1"].celsius == pytest.approx(90, abs=1.1)
+    assert two.printer.rig.connection.heaters["hotend1"].celsius == pytest.approx(90, abs=1.1)
     two.host.ok("M140 S35 F")
     two.host.ok("M116", 300)
-    assert two.printer.connection.heaters["bed"].celsius == pytest.approx(35, abs=1.1)
+    assert two.printer.rig.connection.heaters["bed"].celsius == pytest.approx(35, abs=1.1)
     for wrong in ("M116 T-1", "M116 B0 C0", "M116 T0 T2"):
         assert "there is no" in two.host.ok(wrong)[0]
 
@@ -97,13 +97,13 @@ def test_f_acts_at_once_whoever_has_the_turn(s, waits):
     s.passes(1.5)
     assert s.printer.motion_lock.locked
     other = Host(s)
-    before = s.printer.connection.now
+    before = s.printer.rig.connection.now
     assert other.ok("M140 S40 F") == ["ok"]
     assert other.ok("m104 F S0") == ["ok"]
     assert "switched off: 2000 C" in other.ok("M140 S2000 F")[0]
     assert "expected 0" in other.ok("M106 P7 F")[0]
     assert other.ok("M106 F S128.0") == ["ok"]
-    assert s.printer.connection.now == before
+    assert s.printer.rig.connection.now == before
     assert (target(s), target(s, "bed")) == (0, 0)
     s.passes(0.5)
     assert s.board.output_value("part") > 0
@@ -134,7 +134,7 @@ def test_wait_reports_that_it_heats(s):
     s.host.send("M190 S45")
     s.host.expect("^echo:busy: heating$", 3)
     s.host.expect("^ok$", 300)
-    assert s.printer.connection.heaters["bed"].celsius == pytest.approx(45, abs=1.1)
+    assert s.printer.rig.connection.heaters["bed"].celsius == pytest.approx(45, abs=1.1)
 
 
 @pytest.mark.parametrize(("line", "share"), [("M106", 1.0), ("M106 S128", 0.5), ("M106 S999", 1.0)])
@@ -165,14 +165,14 @@ def test_f_makes_a_fan_act_in_the_midst_of_the_moves(s):
     s.host.ok("G1 X18")
     s.passes(0.3)
     s.board.trace_output("part")
-    asked = s.printer.connection.now
+    asked = s.printer.rig.connection.now
     s.host.ok("M106 S255 F")
     s.passes(0.5)
     s.host.ok("M107F")
     s.host.ok("M400", 20)
     clocks, values = zip(*s.board.take_changes("part"), strict=True)
     assert [round(v / values[0] * 255) for v in values] == [255, 0, 100]
-    hz = s.printer.connection.board.clock_hz
+    hz = s.printer.rig.connection.board.clock_hz
     assert 0.15 < (clocks[0] - asked) / hz < 0.22  # behind the horizon, at the end of a PWM cycle
     assert (clocks[1] - clocks[0]) / hz == pytest.approx(0.5, abs=0.02)
     assert (clocks[2] - asked) / hz > 1.3
@@ -253,6 +253,6 @@ def test_a_target_with_an_exponent_is_one_number():
     with Scenario("i3") as s:
         s.host.ok("M104 S2.1e2")
         s.passes(1)
-        assert s.printer.connection.heaters["hotend"].target == 210
+        assert s.printer.rig.connection.heaters["hotend"].target == 210
         assert "more than one S" in s.host.ok("M104 S200 S220")[0]
-        assert s.printer.connection.heaters["hotend"].target == 210
+        assert s.printer.rig.connection.heaters["hotend"].target == 210

@@ -57,7 +57,7 @@ def printing(tmp_path):
     (tmp_path / "a.g").write_text(BOTH)
     with Scenario(machine(), card=str(tmp_path)) as scenario:
         scenario.host.ok("M32 a.g")
-        job, queue = scenario.printer.job, scenario.printer.queue
+        job, queue = scenario.printer.rig.job, scenario.printer.rig.queue
         assert scenario.until(lambda: job.line_at(queue.now) >= 8, 300)
         assert job.tool == 0  # read ahead
         yield scenario
@@ -90,7 +90,7 @@ def undisturbed(tmp_path_factory) -> dict[str, int]:
 def test_pause_retracts_printed_filament_and_restores_it(printing, undisturbed, lines):
     printing.host.ok("M25")
     printing.passes(8)
-    at_stop = printing.printer.job.stop_position[E]
+    at_stop = printing.printer.rig.job.stop_position[E]
     assert filament(printing) == pytest.approx((0, at_stop - 2), abs=0.1)
     for line in lines:
         printing.host.ok(line, 20)
@@ -113,7 +113,7 @@ def test_extrusion_in_pause_uses_tool_in_use(printing):
 def test_after_a_stop_each_extruder_keeps_its_position(printing, stop):
     printing.host.ok(stop)
     printing.passes(2)
-    assert printing.printer.job.tool == 1  # its nozzle is over the print
+    assert printing.printer.rig.job.tool == 1  # its nozzle is over the print
     printing.host.ok("M83")
     assert moved(printing, "G1 E1 F300") == pytest.approx((0, 1), abs=0.1)
     assert moved(printing, "T0", "G1 E1") == pytest.approx((1, 0), abs=0.1)
@@ -175,7 +175,7 @@ def test_filament_of_axes_may_be_pushed_in_a_pause(tmp_path, line):
     own = re.sub(r"\[park\]\n(.+\n)*", "", extruder_axes())
     with Scenario(machine(own), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        assert s.until(lambda: s.printer.job.line_at(s.printer.queue.now) >= 8, 300)
+        assert s.until(lambda: s.printer.rig.job.line_at(s.printer.rig.queue.now) >= 8, 300)
         for command in ("M25", "M400", "G91", line, "M24"):
             s.host.ok(command, 60)
         s.host.expect("Done printing", 60)
@@ -197,7 +197,7 @@ def after_a_pause(tmp_path, *lines: str) -> tuple[dict[str, float], list[str]]:
         for line in ("M25", *lines, "M24"):
             s.host.ok(line, 60)
         assert s.until(lambda: "Done printing file" in s.host.heard, 200)
-        return s.positions(), list(s.printer.state.settings())
+        return s.positions(), list(s.printer.settings.lines())
 
 
 def test_tool_offset_set_in_pause_holds_after_it(tmp_path):
@@ -249,7 +249,7 @@ def test_a_pause_about_a_change_of_tools_moves_no_axis_twice(tmp_path, line, too
     (tmp_path / "a.g").write_text(OFFSET)
     with Scenario(machine(), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        job, queue = s.printer.job, s.printer.queue
+        job, queue = s.printer.rig.job, s.printer.rig.queue
         assert s.until(lambda: job.line_at(queue.now) >= line, 300)
         for command in ("M25", *tools, "M400", "M24"):
             s.host.ok(command, 60)
@@ -264,7 +264,7 @@ def test_speed_change_before_tool_move_keeps_position(tmp_path):
     (tmp_path / "a.g").write_text(OFFSET)
     with Scenario(machine(), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        job, queue = s.printer.job, s.printer.queue
+        job, queue = s.printer.rig.job, s.printer.rig.queue
         for line, speed in ((6, "M220 S50"), (9, "M220 S200"), (11, "M290 Z0.1")):
             assert s.until(lambda line=line: job.line_at(queue.now) >= line, 300)
             s.host.ok(speed)
@@ -277,6 +277,6 @@ def test_stop_between_tools_keeps_nozzle_position(printing):
     """T1 stops; the offset of the T0 that was read ahead is not carried out."""
     printing.host.ok("M410")
     printing.passes(2)
-    job = printing.printer.job
+    job = printing.printer.rig.job
     assert job.offset_due == [0, 0, 0]
     assert job.program_position[0] == pytest.approx(job.machine_position[0] + 25)

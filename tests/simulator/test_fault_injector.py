@@ -59,12 +59,12 @@ def test_unknown_fault_is_answered_with_known_ones(parameters, answer):
     with Scenario("i3") as s:
         assert answer in s.host.ok(f"SIMULATE_FAULT {parameters}")[0]
         s.passes(20)
-        assert s.printer.connection.injector.active == {}
+        assert s.printer.rig.connection.injector.active == {}
 
 
 def test_real_boards_refuse():
     with Scenario("i3") as s:
-        s.printer.connection.injector = None
+        s.printer.rig.connection.injector = None
         for line in ("SIMULATE_FAULT", "SIMULATE_FAULT NAME=cable VALUE=cut"):
             assert s.host.ok(line)[0] == (
                 "echo:the boards of this machine are real, and no fault can be simulated on them."

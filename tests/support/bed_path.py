@@ -17,7 +17,7 @@ class BedPath:
 
     def __init__(self, scenario: Scenario) -> None:
         self._s = scenario
-        self._now = scenario.printer.connection.now
+        self._now = scenario.printer.rig.connection.now
         self._start = scenario.positions()
         self._motors = motors_of_actuators(scenario.machine)
         for name in self._motors:

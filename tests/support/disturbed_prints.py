@@ -67,7 +67,7 @@ def disturb(s, generator, babystep):
             s.host.ok("M114 R")
         elif choice == 5:
             babystep()
-        assert not s.printer.halted
+        assert not s.printer.state.halted
 
 
 def shift_by_babysteps(s, generator, wanted):
@@ -81,7 +81,7 @@ def shift_by_babysteps(s, generator, wanted):
 
     disturb(s, generator, babystep)
     s.host.ok("M400", 60)
-    per_mm = {row["name"]: row["steps_per_unit"] for row in s.printer.job.steppers()}
+    per_mm = {row["name"]: row["steps_per_unit"] for row in s.printer.rig.job.steppers()}
     for name, net in steps(s).items():
         assert net == wanted[name] + round(sums.get(name, 0.0) * per_mm[name]), name
     return sums
@@ -89,9 +89,9 @@ def shift_by_babysteps(s, generator, wanted):
 
 def reset(s, board=MAIN):
     """It begins anew. Whatever number it waits for, one of these frames has it."""
-    connection = next(c for c in s.printer.connection.connections if c.name == board)
+    connection = next(c for c in s.printer.rig.connection.connections if c.name == board)
     dictionary, device = connection.dictionary, connection.port.device
     payload = _core.Formats(dictionary.commands).encode(*dictionary.values("reset"))
-    now = s.printer.queue.base + s.printer.queue.now
+    now = s.printer.rig.queue.base + s.printer.rig.queue.now
     for number in range(16):
         device.feed(_core.make_frame(payload, number), now)

@@ -31,7 +31,7 @@ class Host:
         self.session = scenario.run(self._open())
 
     async def _open(self) -> Session:
-        return Session(self._scenario.printer, self)
+        return Session(self._scenario.printer.control, self)
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         *lines, self._rest = (self._rest + text).split(b"\n")

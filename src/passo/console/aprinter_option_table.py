@@ -17,7 +17,7 @@ from passo.printer.commands.extruder_words import extruders
 from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.settings import Settings
 
 _KINDS = {"hotend": "ExtruderHeater", "bed": "BedHeater", "chamber": "ChamberHeater"}
 
@@ -32,25 +32,25 @@ class Option(NamedTuple):
     scale: float = 1.0  # from the option's unit to the command's
 
 
-def options(printer: Printer) -> Iterator[Option]:
+def options(settings: Settings) -> Iterator[Option]:
     """All options of a printer, in APrinter's units: mm, s, °C, mA, steps."""
-    machine = printer.machine
-    yield Option("InactiveTime", lambda: printer.motors.idle_s, "M84 S{}")
+    machine = settings.rig.machine
+    yield Option("InactiveTime", lambda: settings.outputs.motors.idle_s, "M84 S{}")
     for axis in machine.axes:
-        yield from _axis(printer, axis)
-    for tool, extruder in extruders(printer.machine):
-        yield from _limits(printer, extruder, extruder.upper(), f" {tool}E")
+        yield from _axis(settings, axis)
+    for tool, extruder in extruders(settings.rig.machine):
+        yield from _limits(settings, extruder, extruder.upper(), f" {tool}E")
     for name in machine.drivable.by_name:
-        yield from _motors(printer, name)
+        yield from _motors(settings, name)
     for name in machine.homing:
-        yield from _homing(printer, name)
+        yield from _homing(settings, name)
     for name, value in machine.geometry.options().items():
         yield Option(name, lambda value=value: value)
     for name in machine.heaters:
-        yield from _heater(printer, name)
-        yield from _sensor(printer, name)
-    yield from _probe(printer)
-    yield from _moves(printer)
+        yield from _heater(settings, name)
+        yield from _sensor(settings, name)
+    yield from _probe(settings)
+    yield from _moves(settings)
     laser = machine.laser
     if laser is not None:
         letter = laser.density_letter or laser.energy_letter or "L"
@@ -61,49 +61,51 @@ def options(printer: Printer) -> Iterator[Option]:
 # -- motion ---------------------------------------------------------------------------------------
 
 
-def _limits(printer: Printer, name: str, prefix: str, words: str) -> Iterator[Option]:
+def _limits(settings: Settings, name: str, prefix: str, words: str) -> Iterator[Option]:
     """The options for limits of an axis or extruder; `words` select it in a command."""
     for suffix, what, code in (("MaxSpeed", "speed", "M203"), ("MaxAccel", "accel", "M201")):
         yield Option(
             f"{prefix}{suffix}",
-            lambda what=what: printer.job.axis_limit(name, what),
+            lambda what=what: settings.rig.job.axis_limit(name, what),
             f"{code}{words}{{}}",
         )
 
 
-def _axis(printer: Printer, name: str) -> Iterator[Option]:
-    axis, letter = printer.machine.axes[name], name.upper()
-    yield from _limits(printer, name, letter, f" {letter}")
+def _axis(settings: Settings, name: str) -> Iterator[Option]:
+    axis, letter = settings.rig.machine.axes[name], name.upper()
+    yield from _limits(settings, name, letter, f" {letter}")
     yield Option(f"{letter}CorneringDistance", lambda: axis.cornering_distance_steps)
     if axis.extruder:
         return
     yield Option(f"{letter}MinPos", lambda: axis.min_mm)
     yield Option(f"{letter}MaxPos", lambda: axis.max_mm)
-    offsets = printer.offsets.home_mm
+    offsets = settings.motion.offsets.home_mm
     yield Option(f"{letter}HomeOffset", lambda: offsets[name], f"M206 {letter}{{}}")
 
 
-def _motors(printer: Printer, name: str) -> Iterator[Option]:
+def _motors(settings: Settings, name: str) -> Iterator[Option]:
     """The options of the motors of an actuator, axis or extruder; the second motor is APrinter's
     slave 1."""
-    machine, letter = printer.machine, name.upper()
-    words = {extruder: f"{tool}E" for tool, extruder in extruders(printer.machine)}
+    machine, letter = settings.rig.machine, name.upper()
+    words = {extruder: f"{tool}E" for tool, extruder in extruders(settings.rig.machine)}
     if name in machine.extruders and name not in words:
         return  # no tool uses this extruder
     word = words.get(name, letter)
-    yield Option(f"{letter}StepsPerUnit", lambda: printer.motion.scale_of(name), f"M92 {word}{{}}")
+    yield Option(
+        f"{letter}StepsPerUnit", lambda: settings.motion.settings.scale_of(name), f"M92 {word}{{}}"
+    )
     driven = machine.drivable.by_name[name]
-    pushing = printer.motors.named("E")
+    pushing = settings.outputs.motors.named("E")
     motors = [motor for motor in machine.steppers if machine.driven_by(motor) == driven]
     for k, motor in enumerate(motors):
         prefix = f"{letter}S{k}" if k else letter
         stepper = machine.steppers[motor]
         yield Option(f"{prefix}InvertDir", lambda stepper=stepper: float(stepper.invert))
         current = f"T{pushing.index(motor)} E" if motor in pushing else letter
-        if motor in printer.drivers.states:
+        if motor in settings.drivers.states:
             yield Option(
                 f"{prefix}Current",
-                lambda motor=motor: 1000 * printer.drivers.states[motor].settings.run_a,
+                lambda motor=motor: 1000 * settings.drivers.states[motor].settings.run_a,
                 "" if k else f"M906 {current}{{}}",
             )
     stepper = machine.steppers[motors[0]]
@@ -119,15 +121,15 @@ def _motors(printer: Printer, name: str) -> Iterator[Option]:
                 yield Option(f"{letter}{suffix}", lambda value=value: value)
 
 
-def _homing(printer: Printer, name: str) -> Iterator[Option]:
-    homing, prefix = printer.machine.homing[name], f"{name.upper()}Home"
+def _homing(settings: Settings, name: str) -> Iterator[Option]:
+    homing, prefix = settings.rig.machine.homing[name], f"{name.upper()}Home"
     pins = [homing.pin, *homing.stepper_pins.values()]
     low = any(inverted(pin) for pin in pins if pin is not None)
     for suffix, value in (
         ("ByDefault", homing.by_default),
         ("Dir", homing.direction == "max"),
         ("EndInvert", low),
-        ("FastMaxDist", printer.homer.travel(name)),
+        ("FastMaxDist", settings.motion.homer.travel(name)),
         ("RetractDist", homing.retract),
         ("SlowMaxDist", SLOW_OVERRUN * homing.retract),
         ("FastSpeed", homing.fast),
@@ -140,21 +142,23 @@ def _homing(printer: Printer, name: str) -> Iterator[Option]:
 # -- heat -----------------------------------------------------------------------------------------
 
 
-def _prefix(printer: Printer, name: str) -> str:
-    heaters = printer.machine.heaters
+def _prefix(settings: Settings, name: str) -> str:
+    heaters = settings.rig.machine.heaters
     kind = heaters[name].kind
     return f"{_KINDS[kind]}{[n for n, h in heaters.items() if h.kind == kind].index(name)}"
 
 
-def _heater(printer: Printer, name: str) -> Iterator[Option]:
-    config, prefix = printer.machine.heaters[name], _prefix(printer, name)
-    number = printer.controls.number_of(name)
+def _heater(settings: Settings, name: str) -> Iterator[Option]:
+    config, prefix = settings.rig.machine.heaters[name], _prefix(settings, name)
+    number = settings.heat.controls.number_of(name)
     yield Option(f"{prefix}MinSafeTemp", lambda: config.min_c)
     yield Option(f"{prefix}MaxSafeTemp", lambda: config.max_c)
     yield Option(f"{prefix}ControlInterval", lambda: SENSOR_PERIOD_S)
     if config.kind == "hotend":
-        yield Option(f"{prefix}MinExtrusionTemp", lambda: printer.heat.cold.cold_c, "M302 S{}")
-    wired = next(h for h in printer.connection.board.heaters if h.name == name)
+        yield Option(
+            f"{prefix}MinExtrusionTemp", lambda: settings.heat.settings.cold.cold_c, "M302 S{}"
+        )
+    wired = next(h for h in settings.rig.connection.board.heaters if h.name == name)
     yield Option(f"{prefix}ObserverInterval", lambda: SENSOR_PERIOD_S)
     yield Option(f"{prefix}ObserverTolerance", lambda: wired.arrival.window_c)
     yield Option(f"{prefix}ObserverMinTime", lambda: wired.arrival.seconds)
@@ -163,7 +167,7 @@ def _heater(printer: Printer, name: str) -> Iterator[Option]:
     for suffix, letter, key in (("Min", "A", "drive_min"), ("Max", "B", "drive_max")):
         yield Option(
             f"{prefix}PidIState{suffix}",
-            lambda key=key: _of_pid(printer, name, key),
+            lambda key=key: _of_pid(settings, name, key),
             "" if number is None else f"M306 H{number} {letter}{{}}",
             FULL_POWER,
         )
@@ -172,22 +176,22 @@ def _heater(printer: Printer, name: str) -> Iterator[Option]:
     for letter, key in (("P", "kp"), ("I", "ki"), ("D", "kd")):
         yield Option(
             f"{prefix}Pid{letter}",
-            lambda key=key: _of_pid(printer, name, key) / FULL_POWER,
+            lambda key=key: _of_pid(settings, name, key) / FULL_POWER,
             "" if number is None else f"M301 H{number} {letter}{{}}",
             FULL_POWER,
         )
 
 
-def _of_pid(printer: Printer, name: str, key: str) -> float:
-    control = printer.controls.control(name)
+def _of_pid(settings: Settings, name: str, key: str) -> float:
+    control = settings.heat.controls.control(name)
     return float(getattr(control, key)) if isinstance(control, _core.PidControl) else 0.0
 
 
-def _sensor(printer: Printer, name: str) -> Iterator[Option]:
+def _sensor(settings: Settings, name: str) -> Iterator[Option]:
     """The options of a sensor. Those of a thermistor can be set; those of a platinum resistor are
     given by its standard."""
-    prefix, sensors = _prefix(printer, name), printer.controls.sensors
-    sensor, number = sensors[name], printer.controls.number_of(name)
+    prefix, sensors = _prefix(settings, name), settings.heat.controls.sensors
+    sensor, number = sensors[name], settings.heat.controls.number_of(name)
     if isinstance(sensor, Thermistor):
         for option, letter, key in (
             ("TempR0", "A", "r25_ohm"),
@@ -211,10 +215,14 @@ def _sensor(printer: Printer, name: str) -> Iterator[Option]:
 # -- probe ----------------------------------------------------------------------------------------
 
 
-def _probe(printer: Printer) -> Iterator[Option]:
+def _probe(settings: Settings) -> Iterator[Option]:
     """The options of the probe. Their signs are opposite to those of other firmwares: APrinter adds
     ProbeOffset to a point, and ProbeGeneralZOffset to a height."""
-    probe, prober, levelling = printer.machine.probe, printer.prober, printer.levelling
+    probe, prober, levelling = (
+        settings.rig.machine.probe,
+        settings.motion.prober,
+        settings.levelling.bed,
+    )
     if probe is None:
         return
     for index, letter in enumerate("XY"):
@@ -250,9 +258,9 @@ def _probe(printer: Printer) -> Iterator[Option]:
 # -- predefined moves -----------------------------------------------------------------------------
 
 
-def _moves(printer: Printer) -> Iterator[Option]:
+def _moves(settings: Settings) -> Iterator[Option]:
     """APrinter numbers the moves from 1."""
-    moves = printer.moves.moves
+    moves = settings.motion.predefined.moves
     for n, (name, move) in enumerate(moves.items(), 1):
         yield Option(
             f"Move{n}Enabled",

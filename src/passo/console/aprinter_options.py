@@ -14,15 +14,16 @@ from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.dispatch import Dispatch
+    from passo.printer.settings import Settings
 
 
 class OptionCommands:
     """M925, M926 and M930 of one printer."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._options = {option.name.lower(): option for option in options(printer)}
+    def __init__(self, dispatch: Dispatch, settings: Settings) -> None:
+        self._dispatch, self._settings = dispatch, settings
+        self._options = {option.name.lower(): option for option in options(settings)}
         self._defaults = {name: option.value() for name, option in self._options.items()}
         self.pending: dict[str, float] = {}  # by name in lower case
 
@@ -97,12 +98,12 @@ class OptionCommands:
 
     def _apply_now(self, reply: Reply) -> None:
         if any(self._options[name].command.startswith("M92 ") for name in self.pending):
-            self._printer.motion.require_scales("M930")
+            self._settings.motion.settings.require_scales("M930")
         pending, self.pending = self.pending, {}
         for name, value in pending.items():
             option = self._options[name]
             before = option.value()
             line = option.command.format(numeral(value * option.scale))
-            self._printer.dispatch.take_setting(line, NullReply())
+            self._dispatch.take_setting(line, NullReply())
             if option.value() == before != value:
                 reply.say(f"echo:{option.name} stays at {numeral(before)}; {line} was not taken")

@@ -18,7 +18,8 @@ from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
 
 
 _Action = Callable[["CardCommands", str, Reply], None]
@@ -44,8 +45,8 @@ def _guarded(action: _Action) -> Callable[[CardCommands, Command, Reply], None]:
 class CardCommands:
     """M20 to M36, M524, M928, and Klipper's commands for prints."""
 
-    def __init__(self, printer: Printer, runner: Runner, library: Library) -> None:
-        self._printer, self._runner, self._library = printer, runner, library
+    def __init__(self, rig: LiveRig, state: State, runner: Runner, library: Library) -> None:
+        self._rig, self._state, self._runner, self._library = rig, state, runner, library
         self._directory = PurePosixPath("/")
 
     # -- the card ---------------------------------------------------------------------------------
@@ -191,7 +192,7 @@ class CardCommands:
     @_guarded
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)
-        if self._printer.job.suspended and not self._runner.active:
+        if self._rig.job.suspended and not self._runner.active:
             return  # a host's print is suspended, so no other print may start
         if "S" in words and self._runner.state is not JobState.PAUSED:
             self._runner.seek(int(words["S"]))
@@ -210,7 +211,7 @@ class CardCommands:
     )
     @_guarded
     def _pause_by_name(self, _: str, reply: Reply) -> None:
-        replaced = "PAUSE" in self._printer.machine.macro_names
+        replaced = "PAUSE" in self._rig.machine.macro_names
         self._runner.pause(by_file=self._runner.printing_from(reply), by_macro=replaced)
 
     @command(
@@ -332,7 +333,7 @@ class CardCommands:
 
     def progress(self) -> str:
         """The progress in the text that hosts parse."""
-        if not self._runner.active or self._printer.halted:
+        if not self._runner.active or self._state.halted:
             return "Not SD printing"
         return f"SD printing byte {self._runner.offset}/{self._runner.size}"
 
@@ -421,7 +422,7 @@ class CardCommands:
     @_guarded
     def _delete(self, text: str, reply: Reply) -> None:
         if self._runner.printing_from(reply):
-            self._printer.commands.ended = True  # in a program, M30 ends it
+            self._rig.commands.ended = True  # in a program, M30 ends it
             return
         try:
             path = self._existing(text)
@@ -496,7 +497,7 @@ class CardCommands:
         in_turn=True,
     )
     def _cancel_by_name(self, _: Command, reply: Reply) -> Wait | None:
-        replaced = "CANCEL_PRINT" in self._printer.machine.macro_names and self._runner.active
+        replaced = "CANCEL_PRINT" in self._rig.machine.macro_names and self._runner.active
         if replaced and not self._runner.printing_from(reply):
             return WaitForMoves(self._runner.cancel)
         self._runner.cancel()  # a command of the file comes after its moves

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from passo.console.session import Session
 from passo.errors import CommandError, Problem
 from passo.gcode.line_protocol import LONGEST, uncommented
-from passo.printer.printer import Printer
+from passo.printer.control import Control
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +40,11 @@ class Client(Session):
     """A console whose lines come from `send`. Commands are executed in the order of the calls,
     except those that act at once (M108, M112, M410)."""
 
-    def __init__(self, printer: Printer) -> None:
+    def __init__(self, control: Control) -> None:
         self._pending: deque[tuple[asyncio.Future[Reply], Callable[[str], None] | None]] = deque()
         self._said: list[str] = []
         self._failure: CommandError | None = None
-        super().__init__(printer, _NoWire())
+        super().__init__(control, _NoWire())
         self.every("wait", 0, None)
         self.busy_s = 0.0
 
@@ -71,7 +71,7 @@ class Client(Session):
             return await reply
         except asyncio.CancelledError:
             if self._working and self._pending[0][0] is reply:
-                self._printer.waits.end()
+                self._control.waits.end()
             raise
 
     def fail_all(self, error: BaseException) -> None:

@@ -11,7 +11,10 @@ from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command, table
 from passo.printer.commands.ranges import beyond
 from passo.printer.commands.reports import Reports
-from passo.printer.printer import Printer
+from passo.printer.commands.temperature_report import TemperatureReport
+from passo.printer.live_rig import LiveRig
+from passo.printer.state import State
+from passo.printer.stops import Stops
 from passo.printer.wait_requests import Reply, Wait
 
 _PREFIXES = {"echo": "echo:", "error": "!!", "command": "//"}  # of RESPOND
@@ -21,8 +24,16 @@ _OPTION = re.compile(r"([AEPaep])(\d)(?:\s+|\Z)")  # options of M118; P, the por
 class ConsoleCommands:
     """M110, M113, M118, M154, M155, M932, M933, and Klipper's RESPOND, STATUS and HELP."""
 
-    def __init__(self, printer: Printer, reports: Reports) -> None:
-        self._printer, self._reports = printer, reports
+    def __init__(
+        self,
+        rig: LiveRig,
+        state: State,
+        stops: Stops,
+        reports: Reports,
+        temperatures: TemperatureReport,
+    ) -> None:
+        self._rig, self._state, self._stops = rig, state, stops
+        self._reports, self._temperatures = reports, temperatures
 
     @command(
         "M108",
@@ -97,7 +108,7 @@ class ConsoleCommands:
             marks.add(option[1].upper() if option[2] != "0" else "")
             text = text[option.end() :]
         prefix = ("echo:" if "E" in marks else "") + ("// " if "A" in marks else "")
-        self._printer.tell(prefix + text)
+        self._state.tell(prefix + text)
         return None
 
     @command(
@@ -110,7 +121,7 @@ class ConsoleCommands:
         bare=None,
     )
     def _echo(self, command: Command, _: Reply) -> None:
-        self._printer.tell(f"echo: {command.text.strip()}")
+        self._state.tell(f"echo: {command.text.strip()}")
 
     @command(
         "RESPOND",
@@ -129,7 +140,7 @@ class ConsoleCommands:
         if prefix is None:
             limit = ", ".join(_PREFIXES)
             raise CommandError.of("command.value", axis="TYPE", value=kind, limit=limit)
-        self._printer.tell(f"{prefix} {words.get('MSG', '')}")
+        self._state.tell(f"{prefix} {words.get('MSG', '')}")
 
     @command(
         "STATUS",
@@ -141,7 +152,7 @@ class ConsoleCommands:
         bare=None,
     )
     def _status(self, _: Command, reply: Reply) -> None:
-        halted = self._printer.halted
+        halted = self._state.halted
         reply.say(f"echo:The printer is halted: {halted}" if halted else "echo:The printer runs")
 
     @command(
@@ -187,7 +198,7 @@ class ConsoleCommands:
             reply.report_every(
                 "temperatures",
                 seconds,
-                lambda: reply.hear(f" {self._reports.temperatures()}"),
+                lambda: reply.hear(f" {self._temperatures.line()}"),
             )
         return None
 
@@ -210,7 +221,7 @@ class ConsoleCommands:
         return None
 
     def _show_trace(self, say: Callable[[str], None]) -> None:
-        for name, heater in self._printer.connection.heaters.items():
+        for name, heater in self._rig.connection.heaters.items():
             t = heater.terms
             say(
                 f"//trace {name}: {heater.celsius:.2f} /{heater.target:.2f} error:{t.error:.3f}"
@@ -226,7 +237,7 @@ class ConsoleCommands:
         kind=Kind.SERVED,
     )
     def _restart(self, _: Command, __: Reply) -> Wait | None:
-        self._printer.request_restart()
+        self._stops.request_restart()
         return None
 
     @command(
@@ -242,7 +253,7 @@ class ConsoleCommands:
         in_turn=True,
     )
     def _restart_program(self, command: Command, reply: Reply) -> Wait | None:
-        if (restart := self._printer.state.program_restart) is None:
+        if (restart := self._state.program_restart) is None:
             return self._halt_and_restart(command, reply)
         try:
             restart.check()
@@ -263,7 +274,7 @@ class ConsoleCommands:
         in_turn=True,
     )
     def _halt_and_restart(self, _: Command, __: Reply) -> Wait | None:
-        self._printer.restart()
+        self._stops.restart()
         return None
 
     @command(

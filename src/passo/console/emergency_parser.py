@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from passo.console.upload import Upload
 from passo.gcode.command import Command, words_of
 from passo.gcode.registry import ANY, row_of
-from passo.printer.printer import Printer
+from passo.printer.control import Control
 
 _RESUMES = ("M24", "M602")
 RESTARTS = ("M999", "RESTART", "FIRMWARE_RESTART")
@@ -47,8 +47,8 @@ class _Answer:
 class EmergencyParser:
     """Checks the lines of one console when they are received, before they are queued."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, control: Control) -> None:
+        self._control = control
         self._in_hand = 0  # number of M28 and M29 in the queue
         self._opens = False  # whether the last of these opens a file
         self._numbered = False  # whether the lines for the file are numbered
@@ -76,7 +76,7 @@ class EmergencyParser:
             ends = self._resume() if code in _RESUMES else self._ends_wait(command)
             self._answers.append(_Answer(ends, ends))
         if code in LIFTS:
-            self._failures.append(self._printer.state.failures)
+            self._failures.append(self._control.state.failures)
         self.act(command)
         return True
 
@@ -97,40 +97,40 @@ class EmergencyParser:
         if answer is None:
             return False
         answer.used = True
-        answer.done = not (self._printer.job.suspended and self._printer.state.busy())
+        answer.done = not (self._control.rig.job.suspended and self._control.state.busy())
         return True
 
     def outdated(self) -> bool:
         """Call this when a queued command of LIFTS is reached. Returns True if a failure has
         occurred after its receipt, so that its sender did not know of the failure."""
-        return self._failures.popleft() != self._printer.state.failures
+        return self._failures.popleft() != self._control.state.failures
 
     def _resume(self) -> bool:
         """Ends a wait for the user, including the pause of a host. Returns True if this was
         sufficient, and False for a paused file, which must still be resumed.
         """
-        printer = self._printer
-        awaited = printer.prompts.awaited
+        control = self._control
+        awaited = control.prompts.awaited
         if awaited:
-            printer.go_on()
-        if printer.job.suspended and printer.state.busy():
+            control.waits.go_on()
+        if control.rig.job.suspended and control.state.busy():
             return False
-        return awaited or (printer.job.suspended and printer.waits.busy)
+        return awaited or (control.rig.job.suspended and control.waits.busy)
 
     def _ends_wait(self, command: Command) -> bool:
         """Whether the command is M108 during a wait, or M876 that answers the question of a
         wait."""
-        printer = self._printer
+        control = self._control
         if command.code == "M108":
-            return printer.waits.busy or printer.waits.for_room or printer.prompts.asking
-        return printer.prompts.awaited and answers(command)
+            return control.waits.busy or control.waits.for_room or control.prompts.asking
+        return control.prompts.awaited and answers(command)
 
     def act(self, command: Command) -> None:
         """Executes the command if it is an emergency command."""
         code = command.code
         if halts(command):
-            self._printer.emergency_stop()
+            self._control.stops.emergency_stop()
         elif code == "M108" or (code == "M876" and self._ends_wait(command)):
-            self._printer.go_on()
+            self._control.waits.go_on()
         elif code == "M410":
-            self._printer.stop_all("M410")
+            self._control.stops.stop_all("M410")

@@ -18,7 +18,9 @@ from passo.job.live.statistics import spoken
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.setup.heat import Heat
+    from passo.printer.suspension import Suspension
 
 
 class JobCommands:
@@ -26,22 +28,24 @@ class JobCommands:
 
     def __init__(
         self,
-        printer: Printer,
+        control: Control,
+        suspension: Suspension,
+        heat: Heat,
         runner: Runner,
         progress: Progress,
     ) -> None:
-        self._printer, self._runner, self._progress = printer, runner, progress
-        self._host_pause = HostPause(printer)
-        printer.state.end_asking = self._end_asking
+        self._control, self._runner, self._progress = control, runner, progress
+        self._host_pause = HostPause(control, suspension, heat)
+        control.state.go_on_listeners.append(self._end_asking)
         runner.watchers.append(self._job_changed)
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if state is JobState.PAUSED:
-            self._printer.tell("// action:paused")
+            self._control.state.tell("// action:paused")
         elif was is JobState.PAUSED:
-            self._printer.prompts.answered()
+            self._control.prompts.answered()
             if state.prints:
-                self._printer.tell("// action:resumed")
+                self._control.state.tell("// action:resumed")
 
     @command(
         "M31",
@@ -91,7 +95,7 @@ class JobCommands:
     def _stop_timer(self, _: Command, __: Reply) -> Wait | None:
         """Does nothing for a print from the card, whose timer does not depend on its file."""
         self._progress.timer(runs=False)
-        self._printer.tell(f"echo:Print time {spoken(self._progress.printed_s)}")
+        self._control.state.tell(f"echo:Print time {spoken(self._progress.printed_s)}")
         self._progress.stop_timer()
         return None
 
@@ -195,18 +199,18 @@ class JobCommands:
         """M600. Raises CommandError for a tool that is not active, and for a temperature or a
         position that is out of reach."""
         words = command.words()
-        check_words(words, self._printer.machine)
-        tool = self._printer.job.tool
+        check_words(words, self._control.machine)
+        tool = self._control.rig.job.tool
         if words.get("T", tool) != tool:
             raise CommandError.bad_value("T", words["T"], f"{tool}, the tool in use")
         if "S" in words:
-            hotend = self._printer.machine.heaters[
-                self._printer.commands.set_points.heater("hotend")
+            hotend = self._control.machine.heaters[
+                self._control.rig.commands.set_points.heater("hotend")
             ]
             if not hotend.min_c < words["S"] <= hotend.max_c:
                 limit = f"{hotend.min_c:g} to {hotend.max_c:g} C"
                 raise CommandError.bad_value("S", words["S"], limit)
-        if "B" in words and self._printer.machine.beeper is None:
+        if "B" in words and self._control.machine.beeper is None:
             reply.note("M600 B", "M600 does not beep: there is no beeper")
         return self._stand_by("Change the filament, then continue with M108", words, reply)
 
@@ -243,9 +247,9 @@ class JobCommands:
         return WaitForProcedure(stand_by)
 
     def _pause_file(self, text: str, words: Mapping[str, float], *, by_file: bool) -> None:
-        self._printer.tell(f"echo:{text}")
+        self._control.state.tell(f"echo:{text}")
         self._runner.pause(words, by_file=by_file)
-        self._printer.prompts.ask(text, awaited=False)
+        self._control.prompts.ask(text, awaited=False)
 
     @command(
         "M876",
@@ -268,7 +272,7 @@ class JobCommands:
     @property
     def _asks(self) -> bool:
         """Whether a paused file waits for the user."""
-        person = self._printer.prompts
+        person = self._control.prompts
         return self._runner.state is JobState.PAUSED and person.asking and not person.awaited
 
     def _end_asking(self) -> None:
@@ -276,7 +280,7 @@ class JobCommands:
             try:
                 self._runner.start()
             except PassoError as error:
-                self._printer.tell(f"echo:{error}")
+                self._control.state.tell(f"echo:{error}")
 
     @command(
         "M602",

@@ -14,7 +14,8 @@ from passo.printer.status import HeaterStatus, Status
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.power import Power
 
 _OFF, _ACTIVE, _FAULT = 0, 2, 3  # states of a heater
 _WITH_MACHINE, _WITH_PRINT = 2, 3  # S
@@ -23,8 +24,10 @@ _WITH_MACHINE, _WITH_PRINT = 2, 3  # S
 class JsonStatus:
     """M408 of one printer."""
 
-    def __init__(self, printer: Printer, reader: StatusReader, options: OptionCommands) -> None:
-        self._printer, self._reader, self._options = printer, reader, options
+    def __init__(
+        self, rig: LiveRig, power: Power, reader: StatusReader, options: OptionCommands
+    ) -> None:
+        self._rig, self._power, self._reader, self._options = rig, power, reader, options
 
     @command(
         "M408",
@@ -48,14 +51,14 @@ class JsonStatus:
     def _common(self, status: Status) -> dict[str, Any]:
         """The keys of all forms of the answer. Positions in mm, temperatures in °C, time in s;
         `pending` has the values of M926 that M930 would apply, in the units of the options."""
-        printer, job = self._printer, self._printer.job
-        *axes, e = printer.positions.program
-        hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
+        rig, job = self._rig, self._rig.job
+        *axes, e = rig.positions.program
+        hotends = [n for n, h in rig.machine.heaters.items() if h.kind == "hotend"]
         temps: dict[str, Any] = {
             kind: dict(
                 zip(("current", "active", "state"), _heater(status.heaters[name]), strict=True)
             )
-            for name, kind in ((n, h.kind) for n, h in printer.machine.heaters.items())
+            for name, kind in ((n, h.kind) for n, h in rig.machine.heaters.items())
             if kind != "hotend"
         }
         heads = [_heater(status.heaters[name]) for name in hotends]
@@ -70,7 +73,7 @@ class JsonStatus:
             },
             "currentTool": status.tool,
             "params": {
-                "atxPower": int(printer.power_supply.on),
+                "atxPower": int(self._power.on),
                 "fanPercent": [round(100 * share, 1) for share in status.fans.values()],
                 "speedFactor": round(100 * status.speed_factor, 1),
                 "extrFactors": [round(100 * flow, 1) for flow in status.flow_factors],
@@ -81,7 +84,7 @@ class JsonStatus:
         }
 
     def _machine(self) -> dict[str, Any]:
-        machine = self._printer.machine
+        machine = self._rig.machine
         hotends = [n for n, h in machine.heaters.items() if h.kind == "hotend"]
         tools = machine.core_spec()["tools"]
         return {
@@ -98,9 +101,9 @@ class JsonStatus:
         }
 
     def _print(self, status: Status) -> dict[str, Any]:
-        statistics = self._printer.job.statistics()
+        statistics = self._rig.job.statistics()
         return {
-            "currentLayer": status.job.layer if status.job else self._printer.job.layer,
+            "currentLayer": status.job.layer if status.job else self._rig.job.layer,
             "extrRaw": [round(mm, 1) for mm in statistics["filament_mm"]],
             "fractionPrinted": round(100 * (status.progress or 0.0), 1),
         }

@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
     from passo.job.live.status_reader import StatusReader
-    from passo.printer.printer import Printer
+    from passo.printer.lifetime import Lifetime
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
     from passo.printer.status import Status
 
 LOOK_S = 0.25  # host time, and print time, between two checks
@@ -50,9 +52,15 @@ class Observer:
     call of the printer; their exceptions go to the loop's exception handler."""
 
     def __init__(
-        self, printer: Printer, runner: Runner, progress: Progress, status: StatusReader
+        self,
+        rig: LiveRig,
+        state: State,
+        lifetime: Lifetime,
+        runner: Runner,
+        progress: Progress,
+        status: StatusReader,
     ) -> None:
-        self._printer, self._runner = printer, runner
+        self._rig, self._state, self._runner = rig, state, runner
         self._progress, self._status = progress, status
         self._loop = asyncio.get_running_loop()
         self._listeners: list[_Listener] = []
@@ -62,9 +70,9 @@ class Observer:
         self._layer = self._last.job.layer if self._last.job else 0
         self._host_s = self._print_s = 0.0  # times of the next check
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
-        printer.watchers.append(self._time_passed)
-        printer.state.listeners.append(self._on_message)
-        printer.rig.macros.call_remote = self._on_remote_call
+        lifetime.as_time_passes(self._time_passed)
+        state.listeners.append(self._on_message)
+        rig.macros.call_remote = self._on_remote_call
         runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
@@ -82,7 +90,7 @@ class Observer:
         if not (self._listeners or self._event_listeners):
             self._last = self._status.read()  # do not report earlier changes
         self._event_listeners.append(call)
-        for text in self._printer.state.unheard:
+        for text in self._state.unheard:
             self._loop.call_soon(call, Message(text))
         return lambda: _remove(self._event_listeners, call)
 
@@ -98,7 +106,7 @@ class Observer:
             self._look()
 
     def _time_passed(self) -> None:
-        if self._printer.queue.now_s >= self._print_s:
+        if self._rig.queue.now_s >= self._print_s:
             self._look()
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
@@ -107,7 +115,7 @@ class Observer:
             self._layer = 0
         if was.active and not state.active:
             # On a busy computer the last check may be long ago.
-            job, now = self._printer.job, self._printer.queue.passed
+            job, now = self._rig.job, self._rig.queue.passed
             layer = job.layer_near(now) if job.line_at(now) else 0
             for event in self._layers(runner.name, layer, self._progress.layers):
                 self._emit(event)
@@ -128,7 +136,7 @@ class Observer:
 
     def _look(self) -> None:
         self._host_s = self._loop.time() + LOOK_S
-        self._print_s = self._printer.queue.now_s + LOOK_S
+        self._print_s = self._rig.queue.now_s + LOOK_S
         if not (self._listeners or self._event_listeners):
             return
         status, last = self._status.read(), self._last
@@ -138,7 +146,7 @@ class Observer:
         self._report(status)
 
     def _report(self, status: Status) -> None:
-        host_s, print_s = self._loop.time(), self._printer.queue.now_s
+        host_s, print_s = self._loop.time(), self._rig.queue.now_s
         for listener in self._listeners:
             if host_s >= listener.host_s or print_s >= listener.print_s:
                 listener.host_s = host_s + listener.every_s
@@ -151,7 +159,7 @@ class Observer:
         for name, heater in now.heaters.items():
             before, shown = last.heaters[name], self._shown_c[name]
             if heater.fault and heater.fault != before.fault:
-                fault = self._printer.connection.heaters[name].fault
+                fault = self._rig.connection.heaters[name].fault
                 text = str(HeaterFault.of(name, fault)) if fault else heater.fault
                 yield Fault(name, heater.fault, text)
             if heater.target_c != before.target_c or _moved(shown, heater.current_c):

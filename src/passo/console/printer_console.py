@@ -12,25 +12,25 @@ from passo.errors import InputError, Problem
 from passo.printer.wait_requests import without_effect
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.state import State
 
 
 class AllConsoles:
     """Sends the answers to a file's commands to all consoles."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, state: State) -> None:
+        self._state = state
         self._noted: set[str] = set()
 
     def say(self, text: str) -> None:
         """Sends a line to all consoles."""
-        self._printer.tell(text)
+        self._state.tell(text)
 
     def note(self, about: str, text: str, *, again: bool = False) -> None:
         """Sends a line to all consoles, once for each `about`, or each time if `again`."""
         if again or about not in self._noted:
             self._noted.add(about)
-            self._printer.tell(f"echo:{text}")
+            self._state.tell(f"echo:{text}")
 
     def no_part(self, code: str, why: str) -> None:
         """As a note."""
@@ -38,7 +38,7 @@ class AllConsoles:
 
     def with_ok(self, text: str) -> None:
         """Sends the text as a line, because a file receives no `ok`."""
-        self._printer.tell(text)
+        self._state.tell(text)
 
     def warming(self, text: str) -> None:
         """Does nothing, because consoles query temperatures with M105 during a print."""
@@ -53,15 +53,15 @@ class AllConsoles:
         raise InputError([replace(same, hint=f"{same.advice}. {go_on}")])
 
 
-def welcome(printer: Printer, session: Session) -> None:
-    """Sends the greeting of a console that opens; the first console also receives the problems
-    since the start."""
+def welcome(name: str, state: State, session: Session) -> None:
+    """Sends the greeting of a console that opens. `name` is that of the machine. The first console
+    also receives the problems since the start."""
     session.say("start")
-    session.say(f"echo:Passo, {printer.machine.name}")
-    unheard, printer.state.unheard = printer.state.unheard, []
+    session.say(f"echo:Passo, {name}")
+    unheard, state.unheard = state.unheard, []
     for text in unheard:
         session.say(text)
-    if printer.halted:
-        session.say(f"echo:Printer halted: {printer.state.why_halted}")
-    if greeting := printer.state.greeting():
+    if state.halted:
+        session.say(f"echo:Printer halted: {state.why_halted}")
+    if greeting := state.greeting():
         session.say(greeting)

@@ -18,7 +18,7 @@ from passo.errors import CardError, PassoError, Problem, in_words
 from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, LineProtocol, Refusal, decoded
 from passo.motion.motion_queue import MAX_QUEUED
-from passo.printer.printer import Printer
+from passo.printer.control import Control
 from passo.printer.unfit_commands import unfit
 from passo.printer.wait_requests import Stopped, Wait, without_effect
 
@@ -82,10 +82,10 @@ def _encoded(text: str) -> bytes:
 class Session:
     """A console in operation. Call `receive` with the arriving bytes. Use it in one event loop."""
 
-    def __init__(self, printer: Printer, wire: Wire) -> None:
-        self._printer, self._wire = printer, wire
+    def __init__(self, control: Control, wire: Wire) -> None:
+        self._control, self._state, self._wire = control, control.state, wire
         self._protocol = LineProtocol()
-        self._shown = printer.state.console_lines
+        self._shown = self._state.console_lines
         self.number = self._shown.join()
         self.sender = ""  # the sender of the next lines, if known
         self._lines = ReceiveQueue()
@@ -94,8 +94,8 @@ class Session:
         # the scheduled call that continues with queued lines
         self._soon: asyncio.Handle | None = None
         self._ok = ""
-        self._timers = Timers(printer)
-        self._emergency_parser = EmergencyParser(printer)
+        self._timers = Timers(control.rig)
+        self._emergency_parser = EmergencyParser(control)
         self._held = False
         self.strict = False  # M932: after a failure, no line is executed
         self.failed = False
@@ -111,9 +111,9 @@ class Session:
         self._unanswered = False  # the input has ended, and only a user could end the wait
         self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # called after the last line
-        printer.state.listeners.append(self._hear_all)
-        printer.state.stop_listeners.append(self._stopped)
-        printer.prompts.wait_listeners.append(self._user_wanted)
+        self._state.listeners.append(self._hear_all)
+        self._state.stop_listeners.append(self._stopped)
+        control.prompts.wait_listeners.append(self._user_wanted)
         self.every("wait", WAIT_S, self._say_wait)
 
     @property
@@ -167,17 +167,17 @@ class Session:
             self._upload.abort()
             self._upload = None
         if self._working:
-            if self._printer.waits.person:
+            if self._control.waits.person:
                 # no client is left that could resume and need the heaters
-                self._printer.targets.cooled_c.clear()
+                self._control.targets.cooled_c.clear()
             # end the wait, because a cancelled task would leave the machine moving
-            self._printer.waits.end()
+            self._control.waits.end()
         elif self._task is not None:
             self._task.cancel()
-        if self._hear_all in self._printer.state.listeners:
-            self._printer.state.listeners.remove(self._hear_all)
-            self._printer.state.stop_listeners.remove(self._stopped)
-            self._printer.prompts.wait_listeners.remove(self._user_wanted)
+        if self._hear_all in self._state.listeners:
+            self._state.listeners.remove(self._hear_all)
+            self._state.stop_listeners.remove(self._stopped)
+            self._control.prompts.wait_listeners.remove(self._user_wanted)
 
     @property
     def gone(self) -> bool:
@@ -189,7 +189,7 @@ class Session:
         and `then` is called. A wait that only a user can end is ended, and the lines after it are
         dropped."""
         self._then = then
-        if self._working and self._printer.prompts.for_ever:
+        if self._working and self._control.prompts.for_ever:
             self._end_unanswered()
         if self._resting:
             self._work()
@@ -294,7 +294,7 @@ class Session:
                 continue
             line, command, seen = heard
             self._printed = line.number is not None and (
-                prints(command.code) or unfit(command, self._printer.skips) is not None
+                prints(command.code) or unfit(command, self._control.skips) is not None
             )
             try:
                 if self._take(line, command, seen=seen, given_up=given_up):
@@ -310,7 +310,7 @@ class Session:
 
     def _take(self, line: Line, command: Command, *, seen: bool, given_up: bool) -> bool:
         """Executes a line. Returns True if a task must wait for it."""
-        printer, code = self._printer, command.code
+        control, code = self._control, command.code
         if seen and code in ("M28", "M29"):
             self._emergency_parser.reached()
         answered = seen and answers(command) and self._emergency_parser.answered()
@@ -327,26 +327,26 @@ class Session:
             since = "the printer has failed since it was sent. Look at it, then send it again"
             self.fail(f"{code} is not carried out: {since}")
             return False
-        if printer.dispatch.act(command, self):
-            revives = code in RESTARTS and bool(printer.halted)
+        if control.dispatch.act(command, self):
+            revives = code in RESTARTS and bool(self._state.halted)
             if revives:
                 self._task = self._loop.create_task(
-                    self._await_restart(line, printer.supervisor.answered())
+                    self._await_restart(line, control.supervisor.answered())
                 )
             return revives
         if self._halted(""):  # refuse even an immediate command
             return False
         if given_up and self._was_stopped(code):
             return False
-        if not (printer.dispatch.has_room() and printer.motion_lock.try_acquire()):
+        if not (control.dispatch.has_room() and control.motion_lock.try_acquire()):
             self._begin(line, code, None, queued=True)
             return True
         wait = None
         try:
-            wait = printer.dispatch.take_line(line.text, self)
+            wait = control.dispatch.take_line(line.text, self)
         finally:
             if wait is None:
-                printer.motion_lock.release()
+                control.motion_lock.release()
         if wait is not None:
             self._begin(line, code, wait)
         return wait is not None
@@ -358,25 +358,25 @@ class Session:
     async def _carry_out(self, line: Line, code: str, wait: Wait | None, *, queued: bool) -> None:
         """Waits for the motion lock, for space in the move queue, or for the condition of a
         command, and executes the line."""
-        printer = self._printer
+        control = self._control
         self.every("busy", self.busy_s, self._say_busy)
         has_turn, hurried = not queued, False
         try:
             if queued:
-                await printer.motion_lock.acquire()
+                await control.motion_lock.acquire()
                 has_turn = True
-                hurried = await printer.dispatch.room()
+                hurried = await control.dispatch.room()
                 overtaken = self._overtaken and self._was_stopped(code)
                 if not (overtaken or self._refused(code) or self._halted(code)):
-                    wait = printer.dispatch.take_line(line.text, self)
+                    wait = control.dispatch.take_line(line.text, self)
             self._working = True
-            await printer.dispatch.finish(wait, self, first_ends=hurried, all_end=lambda: self.gone)
+            await control.dispatch.finish(wait, self, first_ends=hurried, all_end=lambda: self.gone)
         except Exception as error:
             self._not_done(error)
         finally:
             self.every("busy", 0, None)
             if has_turn:
-                printer.motion_lock.release()
+                control.motion_lock.release()
             self._task, self._working, self._overtaken = None, False, False
         if not self.closed:
             self._acknowledge(line.number)
@@ -398,8 +398,8 @@ class Session:
         """Called when a wait for a user begins. If it is a wait of this console, the answer may be
         queued already."""
         if self._working and self._emergency_parser.take_answer():
-            self._printer.waits.end()
-        elif self._working and self._then is not None and self._printer.prompts.for_ever:
+            self._control.waits.end()
+        elif self._working and self._then is not None and self._control.prompts.for_ever:
             self._end_unanswered()
 
     def _end_unanswered(self) -> None:
@@ -408,15 +408,15 @@ class Session:
         left = len(self._lines)
         self._unanswered = True
         self._lines.clear()
-        self._printer.targets.cooled_c.clear()
+        self._control.targets.cooled_c.clear()
         lines = f"; {left} lines after it are not carried out" if left else ""
         self.say(f"echo:The input has ended, so the wait for the user ends, too{lines}")
-        self._printer.waits.end()
+        self._control.waits.end()
 
     def _stopped(self, _: str) -> None:
         """Called after M410 or a triggered endstop: discards queued moves like the planned ones.
         Other queued lines are executed, because one may switch a heater off."""
-        if not self._printer.halted:
+        if not self._state.halted:
             self._given_up = len(self._lines)
             self._overtaken = self._task is not None and not self._working
 
@@ -431,7 +431,7 @@ class Session:
         outputs are switched off; the host still receives its `ok`."""
         if not isinstance(error, (Stopped, PassoError)):
             error = in_words(error)
-            self._printer.halt(error)
+            self._control.stops.halt(error)
         self.fail(str(error), error.problems if isinstance(error, PassoError) else ())
 
     def _stored(self, line: Line, code: str) -> bool:
@@ -451,7 +451,7 @@ class Session:
         self._printed = False
         upload.numbered = upload.numbered or line.number is not None
         if upload.numbered and line.number is None:
-            if code in self._printer.dispatch.immediate:
+            if code in self._control.dispatch.immediate:
                 return False
             self.fail(f"{code} is not carried out while a file is written; end it with M29")
             return True
@@ -475,22 +475,22 @@ class Session:
         return True
 
     def _halted(self, code: str) -> bool:
-        if self._printer.halted and not self._printer.dispatch.answers_halted(code):
-            self.fail(f"Printer stopped: {self._printer.state.why_halted}")
+        if self._state.halted and not self._control.dispatch.answers_halted(code):
+            self.fail(f"Printer stopped: {self._state.why_halted}")
             return True
         return False
 
     def _acknowledge(self, number: int | None) -> None:
         text = "ok"
         if self.advanced_ok:
-            free = max(0, MAX_QUEUED - self._printer.job.queued)
+            free = max(0, MAX_QUEUED - self._control.rig.job.queued)
             text += f" N{number}" if number is not None else ""
             text += f" P{free} B{self._lines.room}"
         self.say(f"{text} {self._ok}" if self._ok else text)
         self._timers.restart("wait")
 
     def _say_busy(self) -> None:
-        what = "heating" if self._printer.waits.heating else "processing"
+        what = "heating" if self._control.waits.heating else "processing"
         self.hear(f"echo:busy: {what}")
 
     def _say_wait(self) -> None:

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 
 from passo.console.aprinter_options import OptionCommands
 from passo.errors import CommandError, Problem
-from passo.gcode.command import Command, numeral
+from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.job.settings_store import Override, Setting, Store, commands_of, same, settings_in
 from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.dispatch import Dispatch
+    from passo.printer.settings import Settings
+    from passo.printer.setup.motion import Motion
+    from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
 
@@ -46,68 +49,21 @@ class SettingsCommands:
     """The settings of one printer: values of the machine file, and values that commands have
     changed. `store` stores the changed ones; None stores nothing."""
 
-    def __init__(self, printer: Printer, store: Store | None, options: OptionCommands) -> None:
-        self._printer, self._store, self._options = printer, store, options
-        self._defaults = list(self.lines())
+    def __init__(
+        self,
+        state: State,
+        dispatch: Dispatch,
+        motion: Motion,
+        settings: Settings,
+        store: Store | None,
+        options: OptionCommands,
+    ) -> None:
+        self._state, self._dispatch, self._motion = state, dispatch, motion
+        self._settings, self._store, self._options = settings, store, options
+        self._defaults = list(settings.lines())
         self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}
         self._compared: list[str] | None = None  # the settings for which `_unsaved` was computed
         self._unsaved: dict[str, dict[str, str]] = {}
-
-    def groups(self) -> Iterator[tuple[str, list[str]]]:
-        """All settings by heading, as commands that restore them."""
-        motion, heat, job = self._printer.motion, self._printer.heat, self._printer.job
-        limits = self._printer.commands.limits
-        yield "Steps per unit", motion.scale_lines()
-        yield "Maximum feedrates (units/s)", limits.axis_lines("M203", "speed")
-        yield "Maximum acceleration (units/s2)", limits.axis_lines("M201", "accel")
-        yield "Acceleration (units/s2)", [limits.acceleration_line()]
-        if corners := limits.junction_lines():
-            yield "Corners", corners
-        yield "Speed of the path (units/s), share of cruise", [limits.velocity_line()]
-        filters = self._printer.commands.filters
-        yield "Input shapers", filters.shaper_lines()
-        yield "Limit of jerk (units/s3)", [filters.jerk_line()]
-        if self._printer.machine.extruders:
-            yield "Pressure advance", filters.advance_lines()
-        backlash = self._printer.commands.backlash
-        if backlash.gaps_mm:
-            yield "Backlash compensation", [backlash.line()]
-        yield "Home offset", [motion.home_offset_line()]
-        if self._printer.machine.moves:
-            yield "Predefined moves", list(self._printer.move_commands.setting_lines())
-        if job.tool_offsets:
-            yield "Tool offsets", list(motion.tool_offset_lines())
-        if self._printer.machine.probe:
-            yield "Probe and bed levelling", list(self._printer.levelling.setting_lines())
-        if self._printer.delta:
-            yield "Geometry of the delta", list(self._printer.delta.setting_lines())
-        if self._printer.z_endstops:
-            yield "Endstops of the motors of Z", list(self._printer.z_endstops.setting_lines())
-        if self._printer.skew:
-            yield "Skew of the axes", list(self._printer.skew.setting_lines())
-        controls = self._printer.controls
-        yield "Heater sensors", list(controls.sensor_lines())
-        yield "Heater PID", list(controls.gain_lines())
-        yield "Heater PID's bounds", list(controls.drive_lines())
-        models = list(controls.model_lines())
-        if models:
-            yield "Heater models", models
-        yield "Material presets", list(self._printer.commands.set_points.presets.lines())
-        if self._printer.machine.extruders:
-            yield "Filament", list(motion.filament_lines())
-            yield "Firmware retraction", list(motion.retraction_lines())
-            yield "Filament change", list(motion.change_lines())
-        if self._printer.drivers.states:
-            yield "Motor drivers", list(self._printer.driver_commands.setting_lines())
-        idle = f"M84 S{numeral(self._printer.motors.idle_s)}"
-        yield "Idle times", [idle, self._printer.prompts.kill_line()]
-        yield "Endstops", [self._printer.endstops.stop_line()]
-        yield "Cold extrusion", list(heat.cold_lines())
-
-    def lines(self) -> Iterator[str]:
-        """All settings as commands."""
-        for _, commands in self.groups():
-            yield from commands
 
     def provenance(self) -> Iterator[tuple[str, Setting, str | None, str | None, str]]:
         """All active values by heading: the setting, the value of the machine file, the stored
@@ -118,7 +74,7 @@ class SettingsCommands:
         except CommandError:
             overrides = []
         held = {override.setting.key: override.setting.value for override in overrides}
-        for group, lines in self.groups():
+        for group, lines in self._settings.groups():
             for setting in settings_in(lines):
                 file, stored = self._file.get(setting.key), held.get(setting.key)
                 if stored is not None and same(stored, setting.value):
@@ -132,7 +88,7 @@ class SettingsCommands:
         Empty without a store. Cheap to call, because the store is read only after a change."""
         if self._store is None:
             return {}
-        lines = list(self.lines())
+        lines = list(self._settings.lines())
         if lines != self._compared:
             self._compared, self._unsaved = lines, self._found_unsaved()
         return self._unsaved
@@ -147,7 +103,7 @@ class SettingsCommands:
     def restore(self, lines: Iterable[str], reply: Reply) -> None:
         """Executes commands of settings. Call it with the motion lock held, at standstill."""
         for line in lines:
-            self._printer.dispatch.take_setting(line, reply)
+            self._dispatch.take_setting(line, reply)
 
     def load_at_start(self) -> None:
         """Applies the stored values that differ from the machine file's, and reports them. Stored
@@ -159,13 +115,13 @@ class SettingsCommands:
                 return
             held = self._differing(stored)
             for line in self._take_and_name(held):
-                self._printer.tell(line)
+                self._state.tell(line)
                 _log.info("%s", line.removeprefix("echo:"))
             if held != stored:
                 self._needed().save(held)
         except CommandError as error:
             problem = error.problems[0]
-            self._printer.state.announce(_log, logging.WARNING, str(error), problem)
+            self._state.announce(_log, logging.WARNING, str(error), problem)
 
     def name_stored(self) -> list[str]:
         """Like `load_at_start`, but returns the messages instead of reporting them, and leaves the
@@ -182,11 +138,11 @@ class SettingsCommands:
         said: list[str] = []
         self.restore(commands_of(override.setting for override in held), _Collected(said))
         said = [line for line in said if not line.startswith(_ANSWERS_OF_BED)]
-        now = {setting.key: setting.value for setting in settings_in(self.lines())}
+        now = {setting.key: setting.value for setting in settings_in(self._settings.lines())}
         of_bed = [o for o in held if o.setting.head.split()[0] in _OF_BED]
         if of_bed:
             taken = all(same(now.get(o.setting.key), o.setting.value) for o in of_bed)
-            state = "on" if self._printer.correction.on else "off"
+            state = "on" if self._motion.correction.on else "off"
             found = f"is as it was, and {state}" if taken else "could not be taken as it is"
             said.append(f"echo:Stored correction of the bed {found} ({len(of_bed)} values)")
         for override in held:
@@ -216,7 +172,7 @@ class SettingsCommands:
         """The values that differ from the machine file's."""
         return [
             Override(setting, file)
-            for setting in settings_in(self.lines())
+            for setting in settings_in(self._settings.lines())
             if not same(file := self._file.get(setting.key), setting.value)
         ]
 
@@ -258,7 +214,7 @@ class SettingsCommands:
         kind=Kind.SERVED,
     )
     def _load(self, _: Command, reply: Reply) -> Wait | None:
-        self._printer.motion.require_scales("M501")
+        self._motion.settings.require_scales("M501")
         stored = self._needed().load()
         if stored is None:
             raise CommandError.of("settings.none")
@@ -273,12 +229,12 @@ class SettingsCommands:
         kind=Kind.SERVED,
     )
     def _reset(self, _: Command, reply: Reply) -> Wait | None:
-        self._printer.motion.require_scales("M502")
+        self._motion.settings.require_scales("M502")
         return WaitForMoves(lambda: self._take("M502", [], reply))
 
     def _take(self, code: str, stored: list[Override], reply: Reply) -> None:
         """Applies the machine file's values, then the stored ones."""
-        self._printer.motion.require_scales(code)  # a pause may have begun in the meantime
+        self._motion.settings.require_scales(code)  # a pause may have begun in the meantime
         self.restore(self._defaults, NullReply())
         if code == "M502":
             reply.say("echo:Factory Settings Loaded")
@@ -299,7 +255,7 @@ class SettingsCommands:
     )
     def _report(self, command: Command, reply: Reply) -> Wait | None:
         headings = command.words().get("S", 1) != 0
-        for heading, lines in self.groups():
+        for heading, lines in self._settings.groups():
             if headings:
                 reply.say(f"; {heading}")
             for line in lines:

@@ -31,7 +31,18 @@ async def _overrides(machine: MachineConfig, state: Path) -> list[str]:
     printer = Printer(machine)
     try:
         store = Store(state / "settings.json", machine.uuid)
-        return SettingsCommands(printer, store, OptionCommands(printer)).name_stored()
+        options = OptionCommands(printer.dispatch, printer.settings)
+        commands = SettingsCommands(
+            *(
+                printer.state,
+                printer.dispatch,
+                printer.motion,
+                printer.settings,
+                store,
+                options,
+            )
+        )
+        return commands.name_stored()
     finally:
         printer.close()
 

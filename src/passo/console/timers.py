@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from passo.motion.motion_queue import Alarm, MotionQueue
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
 
 MIN_S = 0.1  # minimum interval, so that answers stay readable
 
@@ -27,8 +27,8 @@ class Timers:
     """Named actions, each with an interval of host time. For reports, the interval is print time if
     that passes faster."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer, self._loop = printer, asyncio.get_running_loop()
+    def __init__(self, rig: Rig) -> None:
+        self._rig, self._loop = rig, asyncio.get_running_loop()
         self._timers: dict[str, _Timer] = {}
 
     def set(
@@ -47,7 +47,7 @@ class Timers:
         handle = self._loop.call_later(seconds, self._act, name)
         timer = self._timers[name] = _Timer(seconds, action, report, handle)
         if report:
-            queue = self._printer.queue
+            queue = self._rig.queue
             alarm = queue.call_after(seconds, lambda: self._act(name))
             timer.alarm = (queue, alarm) if alarm is not None else None
 

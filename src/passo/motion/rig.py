@@ -47,6 +47,11 @@ class Rig:
             self.machine, self.connection, self.job, lambda: self.queue.passed
         )
 
+    def planned_s(self) -> float:
+        """Print time of all motion and dwell that was planned so far, seconds."""
+        plan = self.job.statistics()
+        return plan["move_s"] + plan["dwell_s"]
+
     def use_geometry(self, machine: MachineConfig) -> None:
         """Activates `machine`, which may differ from the present one in the parameters of the
         geometry and the positions of the endstops. No motor moves: the new geometry gives new axis

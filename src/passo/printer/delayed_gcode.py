@@ -15,7 +15,8 @@ from passo.gcode.registry import Kind, Subject, When, command
 from passo.printer.wait_requests import Reply, Stopped, without_effect
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.lifetime import Lifetime
     from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
@@ -60,14 +61,14 @@ class DelayedGcode:
     """The delayed G-code of one printer. Each entry waits for the motion lock like a console; a
     halted printer runs none. Create it within a running event loop."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._reply = _ToAllConsoles(printer.state)
+    def __init__(self, control: Control, lifetime: Lifetime) -> None:
+        self._control = control
+        self._reply = _ToAllConsoles(control.state)
         self._due: dict[str, asyncio.TimerHandle] = {}
         self._tasks: set[asyncio.Task[None]] = set()
-        for name, delayed in printer.machine.delayed_gcode.items():
+        for name, delayed in control.rig.machine.delayed_gcode.items():
             self._set(name, delayed.initial_duration_s)
-        printer.closers.append(self._close)
+        lifetime.at_end(self._close)
 
     @command(
         "UPDATE_DELAYED_GCODE",
@@ -83,7 +84,7 @@ class DelayedGcode:
         for key in ("ID", "DURATION"):
             if key not in words:
                 raise CommandError.of("input.missing-word", axis=command.code, value=key)
-        known = self._printer.machine.delayed_gcode
+        known = self._control.rig.machine.delayed_gcode
         name = found_name(known, words["ID"])
         if name is None:
             listed = ", ".join(known) or "none"
@@ -111,19 +112,19 @@ class DelayedGcode:
         task.add_done_callback(self._tasks.discard)
 
     async def _carry_out(self, name: str) -> None:
-        printer = self._printer
-        await printer.motion_lock.acquire()
+        control = self._control
+        await control.motion_lock.acquire()
         try:
-            hurried = await printer.dispatch.room()
-            if printer.halted:
+            hurried = await control.dispatch.room()
+            if control.state.halted:
                 return
-            wait = printer.dispatch.take_delayed(name, self._reply)
-            await printer.dispatch.finish(wait, self._reply, first_ends=hurried)
+            wait = control.dispatch.take_delayed(name, self._reply)
+            await control.dispatch.finish(wait, self._reply, first_ends=hurried)
         except (Stopped, PassoError) as error:
             problems = error.problems if isinstance(error, PassoError) else ()
             self._reply.fail(f"delayed_gcode.{name}: {error}", problems)
         finally:
-            printer.motion_lock.release()
+            control.motion_lock.release()
 
     def _close(self) -> None:
         for due in self._due.values():

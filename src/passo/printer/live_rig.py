@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from passo.errors import Problem
 from passo.motion.rig import Rig
 from passo.printer.commands.plan import LivePlan
 from passo.printer.commands.program import Commands
@@ -38,6 +39,10 @@ class LiveRig(Rig):
         full = [boards.full_scale(output.name) for output in boards.board.outputs]
         plan = LivePlan(self.queue, during_print)
         self.commands = Commands(self.machine, self.job, heat, full, plan, self.macros)
+
+    def problem(self) -> Problem:
+        """The problem at which the job stopped."""
+        return self.commands.problem()
 
     def use_geometry(self, machine: MachineConfig) -> None:
         """Like `Rig.use_geometry`, also for the commands of the job."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from passo.board.faults import HeaterFault
 from passo.errors import MachineError, PassoError, Problem
@@ -44,13 +44,31 @@ class State:
         # called with the cause of a halt
         self.halt_listeners: list[Callable[[PassoError], None]] = []
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
-        # Callbacks that higher layers set.
-        self.busy: Callable[[], bool] = lambda: False  # a print is running or paused
-        self.end_asking: Callable[[], None] = lambda: None  # resumes a file that waits for the user
-        self.settings: Callable[[], Iterable[str]] = tuple  # commands that restore the settings
-        self.store_settings: Callable[[], object] | None = None  # None: settings cannot be stored
-        self.greeting: Callable[[], str] = str  # text for a console that opens
+        # called when M108 finds no wait of a command: resumes a file that waits for the user
+        self.go_on_listeners: list[Callable[[], None]] = []
+        # Each gives the name of the file that it prints or has paused, or None.
+        self.prints: list[Callable[[], str | None]] = []
+        self.stores: list[Callable[[], object]] = []  # each stores the settings
+        self.greetings: list[Callable[[], str]] = []  # each gives text for a console that opens
         self.program_restart: ProgramRestart | None = None  # None: the program cannot restart
+
+    def busy(self) -> bool:
+        """Whether a print is running or paused."""
+        return any(name() is not None for name in self.prints)
+
+    @property
+    def printed_file(self) -> str:
+        """The name of the file that is being printed or paused, or empty."""
+        return next((found for name in self.prints if (found := name())), "")
+
+    def store_settings(self) -> None:
+        """Stores the settings, if they can be stored."""
+        for store in self.stores:
+            store()
+
+    def greeting(self) -> str:
+        """The text for a console that opens, or empty."""
+        return next((text for greeting in self.greetings if (text := greeting())), "")
 
     def halt(self, cause: PassoError, reason: str = "") -> None:
         """Marks the printer as halted until M999. `reason` is shown; the default is the text of the

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 from passo.motion.rig import Rig
+from passo.printer.power import Power
 
 
 class Targets:
     """The targets of one printer's heaters. `cooled_c` has the targets, °C by heater, of heaters
     that a long pause or a fault has switched off; they are set again before the print resumes."""
 
-    def __init__(self, rig: Rig, require_power: Callable[[], None]) -> None:
-        self._rig = rig
-        self._require_power = require_power  # raises CommandError while the power supply is off
+    def __init__(self, rig: Rig, power: Power) -> None:
+        self._rig, self._power = rig, power
         self._heaters = list(rig.machine.heaters)
         self.cooled_c: dict[str, float] = {}
         self._commanded_c: dict[str, float] = {}  # the last targets, including queued ones
@@ -22,7 +22,7 @@ class Targets:
         """Sets a heater's target when the moves so far are done, or at once. Raises CommandError if
         the power supply is off."""
         if celsius > 0:
-            self._require_power()
+            self._power.require()
         self.cooled_c.pop(heater, None)
         self._commanded_c[heater] = celsius
         if at_once:

@@ -69,17 +69,28 @@ class WaitRunner:
         prompts: UserPrompts,
         laser: Laser,
         targets: Targets,
+        temperatures: Callable[[], str],
     ) -> None:
         self._rig, self._state, self._homer, self._moves = rig, state, homer, moves
         self._prompts, self._laser, self._targets = prompts, laser, targets
+        self._temperatures = temperatures  # gives them as a line
         self.heating = False  # a command waits for a temperature
         self.person = False  # a command waits for the user
-        self.temperatures: Callable[[], str] = str  # gives the temperatures as a line
         self.busy = False  # a command waits
         self.in_procedure = False  # a command moves the machine by itself, as for a probing
         self.for_room = False  # a line waits for free space in the plan
         self._skip_moves = False  # after M108: do not wait for queued moves either
         self._uninterruptible = False  # M108 does not end the current wait
+
+    def go_on(self) -> None:
+        """M108: ends the current wait for moves, time, temperatures or the user. Moves continue. If
+        only a paused file waits for the user, the file resumes."""
+        waited = self.busy
+        self._rig.queue.skip_dwell()
+        self.end()
+        if not waited:
+            for listener in self._state.go_on_listeners:
+                listener()
 
     def end(self) -> None:
         """Ends the current wait, unless an action follows its moves. Moves and dwells continue."""
@@ -217,7 +228,7 @@ class WaitRunner:
             nonlocal told_s
             if rig.queue.now_s >= told_s + WARMING_S:
                 told_s += WARMING_S
-                reply.warming(f" {self.temperatures()} W:?")
+                reply.warming(f" {self._temperatures()} W:?")
             # Check each of them: they cool at the same time.
             left = [name for name, h in heaters.items() if on_its_way(name, h)]
             return state.interrupted or any(h.fault for h in heaters.values()) or not left

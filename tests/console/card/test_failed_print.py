@@ -44,7 +44,7 @@ def test_a_fault_of_the_program_leaves_nothing_hot(folder, monkeypatch):
         s.host.expect("Error:Printer halted: a fault of the program, RuntimeError: by the test", 5)
         s.passes(4)
         assert s.board.output_value("bed") == 0
-        assert s.printer.connection.heaters["bed"].target == 0
+        assert s.printer.rig.connection.heaters["bed"].target == 0
 
 
 def test_a_host_that_connects_leaves_a_print_that_failed(s, folder):
@@ -77,7 +77,7 @@ def test_failed_print_reports_next_action_once(s, folder):
         " (M24), or cancel (M524)."
     )
     s.passes(1)
-    bed = s.printer.connection.heaters["bed"]
+    bed = s.printer.rig.connection.heaters["bed"]
     assert (bed.target, s.board.output_value("part")) == (0, 0)
     s.host.ok("M24")
     s.passes(1)

@@ -56,7 +56,7 @@ def test_a_pause_brakes_parks_and_resumes_at_the_same_point(folder):
         assert s.until(lambda: s.positions()["e"] > 2, 60)
         before = s.loop.time()
         s.host.ok("M25")
-        assert s.until(lambda: s.printer.queue.standing, 2)
+        assert s.until(lambda: s.printer.rig.queue.standing, 2)
         assert s.loop.time() - before <= 0.25
         stopped = s.positions()
         s.passes(4)
@@ -82,7 +82,7 @@ def test_cancelling_leaves_the_heaters_off_and_the_file_selected(s):
     stopped = s.positions()
     s.passes(5)
     assert s.positions() == stopped
-    assert s.printer.connection.heaters["bed"].target == 0
+    assert s.printer.rig.connection.heaters["bed"].target == 0
     assert s.board.output_value("part") == 0
     assert s.host.ok("M27")[0] == "Not SD printing"
     s.host.ok("M24")
@@ -185,4 +185,4 @@ def test_selection_after_cancel_does_not_start(s, folder):
     s.host.send("M524", "M24")
     s.passes(3)
     assert "SD printing byte" in s.host.ok("M27")[0]
-    assert s.printer.connection.heaters["hotend"].target == 200
+    assert s.printer.rig.connection.heaters["hotend"].target == 200

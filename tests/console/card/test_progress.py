@@ -37,7 +37,7 @@ def test_progress_counts_on_after_a_line_that_failed(s, folder):
     (folder / "half.g").write_text(f"G28 X\n{way}G1 E10001\n{way}")
     s.host.ok("M32 half.g")
     s.host.expect("Print of half.g stopped", 200)
-    s.until(lambda: s.printer.queue.standing, 10)
+    s.until(lambda: s.printer.rig.queue.standing, 10)
     s.host.ok("M24")
     s.passes(0.1)
     assert float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1]) == pytest.approx(50, abs=5)

@@ -10,8 +10,7 @@ import tty
 from pathlib import Path
 
 from passo.console.session import Session
-from passo.console.transports.streams import Console, Opened, StreamWire, cannot_open, join
-from passo.printer.printer import Printer
+from passo.console.transports.streams import Console, NewSession, StreamWire, cannot_open, join
 from passo.serial_line import open_serial_line
 
 REOPEN_S = 1.0  # interval of checks for an unplugged device
@@ -22,8 +21,8 @@ class _Pty(StreamWire):
     copy during an upload and within a line, so that a disconnection of the host is detected: later
     bytes must not go into the file, or end the line."""
 
-    def __init__(self, printer: Printer, opened: Opened, path: str) -> None:
-        super().__init__(printer, opened, f"pty {path}")
+    def __init__(self, new_session: NewSession, path: str) -> None:
+        super().__init__(new_session, f"pty {path}")
         self._link = Path(path)
         self._master, slave = os.openpty()
         self._slave: int | None = slave
@@ -97,10 +96,10 @@ class _Pty(StreamWire):
             self._link.unlink()
 
 
-async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
+async def open_pty(new_session: NewSession, path: str) -> Console:
     """Opens a pseudo terminal, and makes `path` a link to it, which replaces an existing link.
     Hosts may open and close it at any time. Raises ConsoleError."""
-    wire = _Pty(printer, opened, path)
+    wire = _Pty(new_session, path)
     try:
         await wire.open()
     except OSError as error:
@@ -111,9 +110,9 @@ async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
 class _Serial:
     """A serial device that may be unplugged; it is opened again when it is back."""
 
-    def __init__(self, printer: Printer, device: str, baud: int, opened: Opened) -> None:
+    def __init__(self, new_session: NewSession, device: str, baud: int) -> None:
         self.place = f"serial {device} at {baud}"
-        self._printer, self._device, self._baud, self._opened = printer, device, baud, opened
+        self._new_session, self._device, self._baud = new_session, device, baud
         self._wire: StreamWire | None = None
         self._waiting: asyncio.Task[None] | None = None
 
@@ -125,7 +124,7 @@ class _Serial:
     async def open(self) -> None:
         """Opens the device. Raises OSError."""
         line = open_serial_line(self._device, self._baud)
-        self._wire = StreamWire(self._printer, self._opened, self.place, self._unplugged)
+        self._wire = StreamWire(self._new_session, self.place, self._unplugged)
         await join(self._wire, line, os.dup(line))
 
     def _unplugged(self, wire: StreamWire) -> None:
@@ -150,10 +149,10 @@ class _Serial:
             self._wire.close()
 
 
-async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
+async def open_serial(new_session: NewSession, device: str, baud: int) -> Console:
     """Opens a serial device at any baud rate that its driver supports. When the device is
     unplugged, its session ends; when it is back, a new session begins. Raises ConsoleError."""
-    serial = _Serial(printer, device, baud, opened)
+    serial = _Serial(new_session, device, baud)
     try:
         await serial.open()
     except OSError as error:

@@ -15,9 +15,8 @@ from collections.abc import Callable
 from io import FileIO
 from typing import Protocol
 
-from passo.console.session import Session
+from passo.console.session import Session, Wire
 from passo.errors import PassoError
-from passo.printer.printer import Printer
 
 _log = logging.getLogger(__name__)
 
@@ -26,7 +25,7 @@ _AT_ONCE = 4096
 _ROOM = 1 << 16  # waiting bytes above which dispensable text is dropped
 _DEAD = 1 << 20  # waiting bytes above which all text is dropped
 
-Opened = Callable[[Session], None]
+NewSession = Callable[[Wire], Session]  # makes the session of a console that opens
 
 
 class Console(Protocol):
@@ -54,13 +53,12 @@ class StreamWire(asyncio.Protocol):
 
     def __init__(
         self,
-        printer: Printer,
-        opened: Opened,
+        new_session: NewSession,
         place: str,
         closed: Callable[[StreamWire], None] | None = None,
     ) -> None:
         self.place = place
-        self._printer, self._opened, self.closed = printer, opened, closed
+        self._new_session, self.closed = new_session, closed
         self.reader: asyncio.ReadTransport | None = None
         self.writer: asyncio.WriteTransport | _Filed | None = None
         self.session: Session | None = None
@@ -72,9 +70,8 @@ class StreamWire(asyncio.Protocol):
             transport.max_size = _AT_ONCE  # pyright: ignore[reportAttributeAccessIssue]
         if self.writer is None and isinstance(transport, asyncio.WriteTransport):
             self.writer = transport
-        self.session = Session(self._printer, self)
+        self.session = self._new_session(self)
         _log.info("Console %d opened on %s", self.session.number, self.place)
-        self._opened(self.session)
 
     def data_received(self, data: bytes) -> None:
         """Passes the bytes of a host to the session."""
@@ -234,17 +231,17 @@ class _SentAway(asyncio.Protocol):
 class _Tcp:
     """A server with a limited number of clients."""
 
-    def __init__(self, printer: Printer, most: int, opened: Opened) -> None:
+    def __init__(self, new_session: NewSession, most: int) -> None:
         self.place = ""
         self.server: asyncio.Server | None = None
-        self._printer, self._most, self._opened = printer, most, opened
+        self._new_session, self._most = new_session, most
         self._clients: set[StreamWire] = set()
 
     def client(self) -> asyncio.Protocol:
         """The protocol of a new client."""
         if len(self._clients) >= self._most:
             return _SentAway()
-        wire = _Client(self._printer, self._opened, self.place, self._clients.discard)
+        wire = _Client(self._new_session, self.place, self._clients.discard)
         self._clients.add(wire)
         return wire
 
@@ -256,10 +253,10 @@ class _Tcp:
             wire.close()
 
 
-async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened: Opened) -> Console:
+async def open_tcp(new_session: NewSession, host: str, port: int, clients: int) -> Console:
     """Opens a TCP console for at most `clients` clients at once; a further client receives a
     message and is disconnected. Port 0 is any free port. Raises ConsoleError."""
-    tcp = _Tcp(printer, clients, opened)
+    tcp = _Tcp(new_session, clients)
     try:
         tcp.server = await asyncio.get_running_loop().create_server(tcp.client, host, port)
     except (OSError, UnicodeError) as error:
@@ -289,10 +286,10 @@ class _Standard(StreamWire):
             self.session.end(self.ended)
 
 
-async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]) -> Console:
+async def open_stdin(new_session: NewSession, ended: Callable[[], None]) -> Console:
     """Opens a console on standard input and output: a terminal, a pipe or a file. `ended` is called
     when the input has ended and all its lines are executed. Raises ConsoleError."""
-    wire = _Standard(printer, opened, "standard input")
+    wire = _Standard(new_session, "standard input")
     wire.ended = ended
     # The streams are None if the parent process has closed them.
     if sys.stdin is None or sys.stdout is None:  # pyright: ignore[reportUnnecessaryComparison]

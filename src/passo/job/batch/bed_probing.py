@@ -109,10 +109,12 @@ class BedProbing:
         printer = self._printer
         return replace(
             status,
-            bed=printer.levelling.status(),
-            gantry_level=printer.gantry.level if printer.gantry else None,
-            screws=printer.screws.measured if printer.screws else (),
-            screws_limit_mm=printer.screws.exceeded_mm if printer.screws else None,
+            bed=printer.levelling.bed.status(),
+            gantry_level=printer.levelling.gantry.level if printer.levelling.gantry else None,
+            screws=printer.levelling.screws.measured if printer.levelling.screws else (),
+            screws_limit_mm=printer.levelling.screws.exceeded_mm
+            if printer.levelling.screws
+            else None,
         )
 
     def close(self) -> None:
@@ -151,11 +153,11 @@ class BedProbing:
         """Returns the printer. The first call starts it, and homes it if the job is homed."""
         if self._printer is None:
             self._printer = printer = Printer(self._machine, free=True)
-            printer.levelling.job_area = lambda: covered(objects_of(self._job))
+            printer.levelling.bed.job_area = lambda: covered(objects_of(self._job))
             printer.report_start()
             self._task = asyncio.get_running_loop().create_task(printer.run())
             if not self._lost:
-                await printer.homer.home("XYZ")
+                await printer.motion.homer.home("XYZ")
         return self._printer
 
     @property
@@ -168,7 +170,7 @@ class BedProbing:
         try:
             if not self._lost:
                 await self._go(self._job.machine_position)
-                printer.job.adopt(self._job)
+                printer.rig.job.adopt(self._job)
             wait = printer.dispatch.run_command(command, answers)
             await printer.dispatch.finish(wait, answers)
         finally:
@@ -179,13 +181,13 @@ class BedProbing:
     async def _homed(self, letters: str, start: Sequence[float]) -> None:
         printer = await self._ready()
         await self._go(start)
-        await printer.homer.home(letters)
+        await printer.motion.homer.home(letters)
 
     async def _go(self, to: Sequence[float]) -> None:
         printer = await self._ready()
         go_back(printer.rig, {slot: to[slot] for slot in (X, Y, Z)}, math.inf)
-        printer.queue.flush()
-        await printer.triggered.standstill()
+        printer.rig.queue.flush()
+        await printer.motion.triggered.standstill()
         printer.state.raise_if_interrupted()
 
     # -- the job ----------------------------------------------------------------------------------
@@ -197,14 +199,14 @@ class BedProbing:
         if machine.geometry != self._commands.machine.geometry:
             job.set_geometry(machine.geometry.spec())
             self._commands.use_geometry(machine)
-        printer.correction.apply_to(job)
+        printer.motion.correction.apply_to(job)
         if not self._lost:
-            job.stand_at([(slot, printer.job.machine_position[slot]) for slot in (X, Y, Z)])
+            job.stand_at([(slot, printer.rig.job.machine_position[slot]) for slot in (X, Y, Z)])
         board = printer.board
         assert board is not None
         return {
             row["name"]: board.position(row["name"]) - row["count"] / row["steps_per_unit"]
-            for row in printer.job.steppers()
+            for row in printer.rig.job.steppers()
         }
 
 

@@ -21,7 +21,10 @@ from passo.printer.watch.heater_history import HeaterHistory
 if TYPE_CHECKING:
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
-    from passo.printer.printer import Printer
+    from passo.printer.lifetime import Lifetime
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.settings import Settings
+    from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
 
@@ -35,7 +38,8 @@ class _Halt:
 
     def __init__(
         self,
-        printer: Printer,
+        rig: LiveRig,
+        state: State,
         host_s: float,
         job: JobMoment,
         history: HeaterHistory,
@@ -43,13 +47,13 @@ class _Halt:
     ) -> None:
         self.when = datetime.now().astimezone()
         self.host_s = host_s
-        self.print_s = printer.queue.now_s
-        self.why = printer.state.why_halted
+        self.print_s = rig.queue.now_s
+        self.why = state.why_halted
         self.cause = cause
         self.job = job
         self.heaters = [*history.samples(), (self.print_s, history.now())]
         # A restart replaces the connections, so keep these, which have the recorded frames.
-        self.connections = [(c, c.host_ticks) for c in printer.connection.connections]
+        self.connections = [(c, c.host_ticks) for c in rig.connection.connections]
 
 
 class HaltReports:
@@ -60,33 +64,45 @@ class HaltReports:
     receive its path. A report that cannot be written causes only a warning.
     """
 
-    def __init__(self, printer: Printer, runner: Runner, progress: Progress, stem: Path) -> None:
-        self._printer, self._runner, self._progress = printer, runner, progress
+    def __init__(
+        self,
+        rig: LiveRig,
+        state: State,
+        lifetime: Lifetime,
+        settings: Settings,
+        runner: Runner,
+        progress: Progress,
+        stem: Path,
+    ) -> None:
+        self._rig, self._state, self._settings = rig, state, settings
+        self._runner, self._progress = runner, progress
         self._stem = stem
-        self._history = HeaterHistory(printer.rig)
+        self._history = HeaterHistory(rig)
         self._loop = asyncio.get_running_loop()
         self._writing = asyncio.Lock()
         self._pending: dict[_Halt, asyncio.Task[None]] = {}
-        printer.watchers.append(self._history.time_passed)
-        printer.state.halt_listeners.append(self._halted)
-        printer.closers.append(self._close)
+        lifetime.as_time_passes(self._history.time_passed)
+        state.halt_listeners.append(self._halted)
+        lifetime.at_end(self._close)
 
     def _halted(self, cause: PassoError) -> None:
         if cause.problems[0].code == "machine.restart":
             return  # the cause is not a failure
         try:
-            halt = _Halt(self._printer, self._loop.time(), self._job(), self._history, cause)
+            halt = _Halt(
+                self._rig, self._state, self._loop.time(), self._job(), self._history, cause
+            )
         except Exception:  # a failed report must not disturb the halt
             self._failed(exc_info=True)
         else:
             self._pending[halt] = self._loop.create_task(self._write_later(halt))
 
     def _job(self) -> JobMoment:
-        runner, printer = self._runner, self._printer
+        runner, rig = self._runner, self._rig
         return JobMoment(
             runner.state.name.lower(),
             runner.name,
-            printer.job.line_at(printer.queue.passed) if runner.active else 0,
+            rig.job.line_at(rig.queue.passed) if runner.active else 0,
             runner.offset if runner.reader else 0,
             runner.size,
             self._progress.printed_s,
@@ -118,7 +134,7 @@ class HaltReports:
             self._failed(exc_info=True)
 
     def _gathered(self, halt: _Halt) -> HaltReport:
-        printer = self._printer
+        machine, state = self._rig.machine, self._state
         return HaltReport(
             when=halt.when.isoformat(timespec="milliseconds"),
             host_s=halt.host_s,
@@ -126,25 +142,25 @@ class HaltReports:
             why=halt.why,
             problems=halt.cause.problems,
             trace=_trace(halt.cause),
-            printer=printer.machine.name,
+            printer=machine.name,
             job=halt.job,
             console_lines=[
-                line for line in printer.state.console_lines.last() if line.host_s <= halt.host_s
+                line for line in state.console_lines.last() if line.host_s <= halt.host_s
             ],
             heaters=halt.heaters,
             frames=[c.recorded_frames(ticks) for c, ticks in halt.connections],
-            settings=list(printer.state.settings()),
-            machine=machine_text(printer.machine),
+            settings=list(self._settings.lines()),
+            machine=machine_text(machine),
         )
 
     def _written(self, path: Path) -> None:
         text = f"The report of this halt is in {path}. Attach it when you ask for help"
-        self._printer.state.announce(_log, logging.INFO, text)
+        self._state.announce(_log, logging.INFO, text)
 
     def _failed(self, reason: str = "an error of the program", *, exc_info: bool = False) -> None:
         text = f"The report of this halt could not be written: {reason}"
         _log.warning("%s", text, exc_info=exc_info)
-        self._printer.tell(f"echo:{text}")
+        self._state.tell(f"echo:{text}")
 
 
 def _trace(cause: PassoError) -> str:

@@ -13,7 +13,9 @@ from passo.printer.wait_requests import NullReply, Stopped, WaitForProcedure
 
 if TYPE_CHECKING:
     from passo.board.faults import HeaterFault
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.setup.heat import Heat
+    from passo.printer.suspension import Suspension
 
 _log = logging.getLogger(__name__)
 
@@ -23,13 +25,13 @@ RECENT_S = 10.0  # idle longer than this means that no host print is running
 class HostPause:
     """Pauses the prints that hosts send to one printer; `Runner` pauses prints from the card."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._park = Park(printer)
+    def __init__(self, control: Control, suspension: Suspension, heat: Heat) -> None:
+        self._control, self._suspension, self._heat = control, suspension, heat
+        self._park = Park(control, suspension, heat)
         self._stopped = False
         self._task: asyncio.Task[None] | None = None
-        printer.state.stop_listeners.append(self._stop)
-        printer.state.fault_listeners.append(self._heater_failed)
+        control.state.stop_listeners.append(self._stop)
+        control.state.fault_listeners.append(self._heater_failed)
 
     async def stand_by(
         self,
@@ -44,18 +46,18 @@ class HostPause:
         user. With `rearms`, failed heaters are rearmed when the user resumes. Raises Stopped after
         a stop or a halt, and when the host is `gone`, because it could not continue from the old
         position."""
-        printer = self._printer
-        printer.tell("// action:pause")
-        if not printer.job.suspended:
-            printer.suspend_job()
+        control = self._control
+        control.state.tell("// action:pause")
+        if not control.rig.job.suspended:
+            self._suspension.suspend()
         try:
             await self._leave_and_return(self._park, text, words, gone, rearms=rearms)
         except BaseException:
-            if printer.job.suspended:
-                printer.job.forget_suspended()  # the suspended job cannot resume
+            if control.rig.job.suspended:
+                control.rig.job.forget_suspended()  # the suspended job cannot resume
             raise
-        printer.resume_job()
-        printer.tell("// action:resume")
+        self._suspension.resume()
+        control.state.tell("// action:resume")
 
     async def park_and_wait(
         self,
@@ -67,7 +69,7 @@ class HostPause:
         """Like `stand_by`, during the pause of a file, which continues afterwards: the nozzle
         returns to its present position. If it cannot, `files`, the park of the file, restores the
         retracted filament later."""
-        park = Park(self._printer, here=True)
+        park = Park(self._control, self._suspension, self._heat, here=True)
         try:
             await self._leave_and_return(park, text, words, gone)
         except BaseException:
@@ -83,82 +85,82 @@ class HostPause:
         *,
         rearms: bool = False,
     ) -> None:
-        printer = self._printer
+        control = self._control
         self._stopped = False
-        printer.prompts.ask(text)
+        control.prompts.ask(text)
         try:
             await park.leave(words)
         except BaseException:
-            printer.prompts.answered()
+            control.prompts.answered()
             raise
         while True:
             await self._answered(gone)
             if rearms:
-                printer.targets.rearm_failed()
+                control.targets.rearm_failed()
             try:
                 await park.come_back()
                 break
             except CommandError as error:
                 text = f"Print still paused: {error}"
-                printer.state.announce(_log, logging.WARNING, text, error.problems[0])
-                printer.state.ended, rearms = False, True
-                printer.prompts.ask(f"{error} Continue with M108")
+                control.state.announce(_log, logging.WARNING, text, error.problems[0])
+                control.state.ended, rearms = False, True
+                control.prompts.ask(f"{error} Continue with M108")
         self._raise_if_stopped()
 
     async def _answered(self, gone: Callable[[], bool]) -> None:
         """Waits until the user continues, or until the host is `gone`."""
-        printer = self._printer
+        control = self._control
         try:
-            printer.tell("echo:busy: paused for user")
-            with printer.prompts.waited_for():
-                await printer.queue.until(lambda: printer.state.interrupted, idly=True)
+            control.state.tell("echo:busy: paused for user")
+            with control.prompts.waited_for():
+                await control.rig.queue.until(lambda: control.state.interrupted, idly=True)
         finally:
-            printer.prompts.answered()
-        printer.state.raise_if_halted()
+            control.prompts.answered()
+        control.state.raise_if_halted()
         if gone():
             self._stop("")
         self._raise_if_stopped()
 
     def _raise_if_stopped(self) -> None:
-        if self._stopped or not self._printer.job.suspended:
+        if self._stopped or not self._control.rig.job.suspended:
             raise Stopped("it was stopped")
 
     def _stop(self, _: str) -> None:
         """Called after M410 or a triggered endstop: discards the pause, because the position is
         lost."""
         self._stopped = True
-        if self._printer.job.suspended and not self._printer.state.busy():
-            self._printer.job.forget_suspended()
+        if self._control.rig.job.suspended and not self._control.state.busy():
+            self._control.rig.job.forget_suspended()
 
     def _heater_failed(self, fault: HeaterFault) -> None:
         """Called for a failed heater whose policy is to pause the print. Lines in progress, such as
         homing, end first; no other line is accepted."""
-        printer = self._printer
-        if printer.state.busy() or printer.halted or printer.state.host_paused:
+        control = self._control
+        if control.state.busy() or control.state.halted or control.state.host_paused:
             return
-        if not printer.waits.busy and printer.queue.idle_s > RECENT_S:
-            printer.tell("// action:pause")
+        if not control.waits.busy and control.rig.queue.idle_s > RECENT_S:
+            control.state.tell("// action:pause")
             return
-        printer.state.host_paused = True
+        control.state.host_paused = True
         self._task = asyncio.get_running_loop().create_task(self._pause_after(fault))
 
     async def _pause_after(self, fault: HeaterFault) -> None:
-        printer = self._printer
+        control = self._control
         text = f"Heater {fault.heater} failed; repair it, then M108 continues and rearms it"
         try:
-            await printer.queue.until(
-                lambda: not printer.waits.busy or bool(printer.halted), idly=True
+            await control.rig.queue.until(
+                lambda: not control.waits.busy or bool(control.state.halted), idly=True
             )
             # rearmed during another pause
-            mended = printer.connection.heaters[fault.heater].fault is None
-            if not (printer.halted or mended):
-                printer.suspend_job()
+            mended = control.rig.connection.heaters[fault.heater].fault is None
+            if not (control.state.halted or mended):
+                self._suspension.suspend()
                 pause = WaitForProcedure(lambda: self.stand_by(text, {}, rearms=True))
                 try:
-                    await printer.waits.wait(pause, NullReply())
+                    await control.waits.wait(pause, NullReply())
                 except Stopped:
                     pass  # the source of the stop has reported it
                 except PassoError as error:
-                    printer.halt(error, f"the print could not be paused: {error}")
+                    control.stops.halt(error, f"the print could not be paused: {error}")
         finally:
-            printer.state.host_paused = False
+            control.state.host_paused = False

@@ -17,7 +17,8 @@ from passo.motion.axis_slots import slot_of_axis
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.job.live.reader import Reader
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.settings import Settings
 
 _HEAD_BYTES = 1 << 16  # beginning of the file, to recognise it
 _LONGEST = 1 << 16  # maximum bytes of a record
@@ -31,9 +32,9 @@ _MEANING = re.compile(
 Change = tuple[int, list[str]]  # bytes of the file, and the commands that apply after them
 
 
-def meaning(printer: Printer) -> list[str]:
+def meaning(settings: Settings) -> list[str]:
     """Commands for the settings of the printer that change the meaning of a program."""
-    return [line for line in printer.state.settings() if _MEANING.match(line)]
+    return [line for line in settings.lines() if _MEANING.match(line)]
 
 
 def crc_of_macros(machine: MachineConfig) -> int:
@@ -76,17 +77,17 @@ class Program:
         reader.seek(0)
         return cls(machine, path, reader.size, crc)
 
-    def begun(self, printer: Printer) -> Self:
+    def begun(self, control: Control, settings: Settings) -> Self:
         """A copy with the present state of the printer as start state."""
-        job, axes = printer.job, len(printer.machine.axes)
+        job, axes = control.rig.job, len(control.machine.axes)
         due = [*job.offset_due, *[0.0] * (axes - 3)]
         return replace(
             self,
-            settings=meaning(printer),
+            settings=meaning(settings),
             modes=job.modes.split("\n"),
             machine_mm=[job.machine_position[slot_of_axis(i)] + due[i] for i in range(axes)],
             program_mm=job.program_position,
-            macros=crc_of_macros(printer.machine),
+            macros=crc_of_macros(control.machine),
         )
 
 

@@ -21,7 +21,12 @@ from passo.printer.status import InterruptedPrint
 from passo.printer.wait_requests import Stopped
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.lifetime import Lifetime
+    from passo.printer.settings import Settings as PrinterSettings
+    from passo.printer.setup.heat import Heat
+    from passo.printer.setup.motion import Motion
+    from passo.printer.setup.outputs import Outputs
 
 _log = logging.getLogger(__name__)
 
@@ -38,26 +43,33 @@ class JournalKeeper:
 
     def __init__(
         self,
-        printer: Printer,
+        control: Control,
+        lifetime: Lifetime,
+        outputs: Outputs,
+        motion: Motion,
+        heat: Heat,
+        settings: PrinterSettings,
         runner: Runner,
         library: Library,
         objects: PrintObjects,
         directory: Path,
     ) -> None:
-        self._printer, self._runner, self._library = printer, runner, library
+        self._control, self._outputs, self._motion = control, outputs, motion
+        self._heat, self._printer_settings = heat, settings
+        self._runner, self._library = runner, library
         self._journal = Journal(directory)
-        self._overrides = Overrides(printer, runner)
-        self._settings = Settings(printer, runner, self._follows, self._set_by_console)
+        self._overrides = Overrides(control, runner)
+        self._settings = Settings(control, settings, runner, self._follows, self._set_by_console)
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._settlings = 0
         self._interrupted = self._journal.read()
         self._program: Program | None = None  # the last program that was begun
-        self.instead = ""  # reported with the offer: the action that was skipped because of it
+        self._instead = ""  # reported with the offer
         objects.watchers.append(self._object_cancelled)
         runner.watchers.append(self._job_changed)
-        printer.watchers.append(self._time_passed)
-        printer.closers.append(self._journal.leave)
+        lifetime.as_time_passes(self._time_passed)
+        lifetime.at_end(self._journal.leave)
 
     def offer(self) -> str:
         """The message about an interrupted print for a console that opens; empty if there is
@@ -69,8 +81,12 @@ class JournalKeeper:
         way = f" {found.way}" if found.way else ""
         return (
             f"echo:The print of {found.path} was interrupted at {where}."
-            f" M1000 resumes it{way}, M1000 C forgets it{self.instead}"
+            f" M1000 resumes it{way}, M1000 C forgets it{self._instead}"
         )
+
+    def offer_instead(self, skipped: str) -> None:
+        """Reports with the offer that `skipped` was not started because of it."""
+        self._instead = f". {skipped} was not started"
 
     def status(self) -> InterruptedPrint | None:
         """`Status.interrupted`."""
@@ -79,7 +95,7 @@ class JournalKeeper:
         program, moment = self._interrupted
         if moment.line == 0:
             way = "from there"
-        elif self._printer.positions.held and moment.origins:
+        elif self._control.rig.positions.held and moment.origins:
             way = "from where the board has stopped"
         else:
             way = self._by_hand()
@@ -87,9 +103,9 @@ class JournalKeeper:
 
     def _by_hand(self) -> str:
         """The manual steps before a resume, for a machine that cannot home all axes."""
-        if self._printer.machine.homing:
+        if self._control.machine.homing:
             return ""
-        x, y, _ = self._printer.machine.home_point
+        x, y, _ = self._control.machine.home_point
         return f"from X {x:g} Y {y:g}: without switches it must be moved there by hand first"
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
@@ -104,7 +120,7 @@ class JournalKeeper:
         still be resumed, even after a power cut; without any move so far, it restarts."""
         if not self._journal.open or self._interrupted is not None:
             return
-        if self._printer.halted:
+        if self._control.state.halted:
             self._journal.leave()
             self._interrupted = self._journal.read()
         elif not (self._runner.stands and self._has_moved()):
@@ -112,9 +128,9 @@ class JournalKeeper:
 
     def _has_moved(self) -> bool:
         """Whether a move of the print has started, or will start although the print is stopped."""
-        printer = self._printer
-        line = self._recorded.line or printer.job.line_at(printer.queue.passed)
-        return line > 1 or not printer.queue.standing
+        control = self._control
+        line = self._recorded.line or control.rig.job.line_at(control.rig.queue.passed)
+        return line > 1 or not control.rig.queue.standing
 
     def _begin(self) -> None:
         """Starts the journal, before the first line of a print is read."""
@@ -124,19 +140,23 @@ class JournalKeeper:
         followed = self._journal.open or self._interrupted is not None
         self._interrupted = None
         self._seen_z_mm = self._z()
-        self._printer.positions.confirm()
-        self._settlings = self._printer.positions.settlings
+        self._control.rig.positions.confirm()
+        self._settlings = self._control.rig.positions.settlings
         self._overrides.begin()
         self._settings.begin()
         # A print that has stopped at a failed line continues after the line.
-        line = self._printer.job.line_at(self._printer.queue.passed) or self._runner.first_line
+        line = (
+            self._control.rig.job.line_at(self._control.rig.queue.passed) or self._runner.first_line
+        )
         self._recorded = self._moment(line, self._seen_z_mm)
         read = reader.tell()  # more bytes are read than planned
         try:
-            printer, runner = self._printer, self._runner
-            program = Program.of(printer.machine.uuid, runner.path, reader)
+            control, runner = self._control, self._runner
+            program = Program.of(control.machine.uuid, runner.path, reader)
             if self._program is None or self._program != program or runner.offset == 0:
-                self._program = replace(program.begun(printer), allow=runner.skips.allowed)
+                self._program = replace(
+                    program.begun(self._control, self._printer_settings), allow=runner.skips.allowed
+                )
             elif not followed:  # a line has failed before the first move
                 self._program.changes.append(self._settings.held())
             program = self._program  # a resumed print keeps its start state
@@ -148,13 +168,13 @@ class JournalKeeper:
             reader.seek(read)
 
     def _time_passed(self) -> None:
-        printer, active = self._printer, self._runner.active
+        control, active = self._control, self._runner.active
         if not active:
             self._over()
         waits = None if active else self._interrupted
-        if not (waits or self._journal.open) or printer.homer.active:
+        if not (waits or self._journal.open) or self._motion.homer.active:
             return
-        if printer.connection.unheard_s > _UNHEARD_S:
+        if control.rig.connection.unheard_s > _UNHEARD_S:
             return
         if waits is not None:
             self._keep_z(*waits)
@@ -165,13 +185,13 @@ class JournalKeeper:
             self._follow_print()
 
     def _follow_print(self) -> None:
-        printer = self._printer
-        queue = printer.queue
+        control = self._control
+        queue = control.rig.queue
         # Use the time up to which targets are set; otherwise the line of a later move would be
         # recorded with an earlier target. This call drops past lines, so make it often.
-        line = printer.job.line_at(queue.passed)
+        line = control.rig.job.line_at(queue.passed)
         before, self._seen_z_mm = self._seen_z_mm, self._z()
-        settlings = printer.positions.settlings
+        settlings = control.rig.positions.settlings
         elsewhere, self._settlings = settlings != self._settlings, settlings
         early = queue.passed / queue.hz < self._recorded.print_s + EVERY_S
         if early and not elsewhere and not self._z_matters(before):
@@ -190,7 +210,7 @@ class JournalKeeper:
     def _keep_z(self, program: Program, moment: Moment) -> None:
         """Records the Z of the machine if it moves before an interrupted print is resumed, in case
         of another interruption."""
-        if "z" not in self._printer.positions.known or self._printer.halted:
+        if "z" not in self._control.rig.positions.known or self._control.state.halted:
             return
         before, self._seen_z_mm = self._seen_z_mm, self._z()
         self._recorded = moment
@@ -227,7 +247,7 @@ class JournalKeeper:
     def _z_matters(self, before_mm: float) -> bool:
         """Whether Z has moved far, or has stopped at another position, since the last record. If Z
         moves independently, a resumed print uses this Z without homing it."""
-        if self._printer.machine.geometry.lifts_together:
+        if self._control.machine.geometry.lifts_together:
             return False
         distance_mm = abs(self._seen_z_mm - self._recorded.z_mm)
         return distance_mm >= Z_MM or (distance_mm > _SAME_Z_MM and self._seen_z_mm == before_mm)
@@ -251,23 +271,23 @@ class JournalKeeper:
             self._warn(f"The journal of the print stays: {error.strerror}")
 
     def _warn(self, text: str) -> None:
-        self._printer.state.announce(_log, logging.WARNING, text)
+        self._control.state.announce(_log, logging.WARNING, text)
 
     def _z(self) -> float:
-        job = self._printer.job
-        return (job.position_at(self._printer.queue.passed) or job.machine_position)[2]
+        job = self._control.rig.job
+        return (job.position_at(self._control.rig.queue.passed) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
-        printer = self._printer
-        babysteps_mm = printer.offsets.of_program_mm(suspended=printer.job.suspended)
+        control = self._control
+        babysteps_mm = self._motion.offsets.of_program_mm(suspended=control.rig.job.suspended)
         return Moment(
             line if line > 1 else 0,
-            round(printer.queue.passed / printer.queue.hz, 3),
+            round(control.rig.queue.passed / control.rig.queue.hz, 3),
             round(z_mm, 6),
-            {n: h.target for n, h in printer.connection.heaters.items()},
+            {n: h.target for n, h in control.rig.connection.heaters.items()},
             self._overrides.held,
             {axis: mm for axis, mm in babysteps_mm.items() if mm},
-            printer.positions.origins(),
+            control.rig.positions.origins(),
         )
 
     def interrupted(self) -> tuple[Program, Moment] | None:
@@ -288,7 +308,12 @@ class JournalKeeper:
         assert reader is not None
         self._program = program
         try:
-            recovery = Recovery(self._printer, program, moment, reader)
+            recovery = Recovery(
+                *(self._control, self._outputs, self._motion, self._heat, self._printer_settings),
+                program,
+                moment,
+                reader,
+            )
             with self._runner.keep() as seek:
                 offset = await recovery.run()
                 seek(offset)
@@ -296,12 +321,12 @@ class JournalKeeper:
                 for line in (line for _, lines in program.changes for line in lines):
                     code, _, words = line.partition(" ")
                     if code == "M486":
-                        self._printer.commands.run(Command(0, "M", 486, 0, "", words))
+                        self._control.rig.commands.run(Command(0, "M", 486, 0, "", words))
             # Settings that were made after more of the file had been read apply before the next
             # line now.
             changes = [(min(at, offset), lines) for at, lines in program.changes]
             self._program = replace(program, changes=changes)
         except (PassoError, Stopped):
             self._runner.seek(0)
-            self._printer.targets.switch_off(self._printer.machine.heaters)
+            self._control.targets.switch_off(self._control.machine.heaters)
             raise

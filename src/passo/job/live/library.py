@@ -16,7 +16,8 @@ from passo.gcode.program_files import is_program
 from passo.job.live.runner import Runner
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.lifetime import Lifetime
+    from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
 
@@ -29,13 +30,13 @@ class Library:
     without one; `folder` is the same if the card is a folder. Paths of files are absolute on the
     card, or `file:///…` on this computer."""
 
-    def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
-        self._printer, self._runner, self._path = printer, runner, path
+    def __init__(self, state: State, lifetime: Lifetime, runner: Runner, path: str | None) -> None:
+        self._state, self._runner, self._path = state, runner, path
         self.folder = None if path is None or not Path(path).is_dir() else Path(path).resolve()
         self._card: Card | None = None
         self._released = False
         self._selected: Entry | None = None
-        printer.closers.append(self._leave)
+        lifetime.at_end(self._leave)
 
     # -- the card ---------------------------------------------------------------------------------
 
@@ -90,7 +91,7 @@ class Library:
                 runner.exchange(self.card.open(runner.path))
                 return
         text = f"{runner.name} was changed on the card or removed; its print is cancelled"
-        self._printer.state.announce(_log, logging.WARNING, text)
+        self._state.announce(_log, logging.WARNING, text)
         runner.release()
 
     # -- files --------------------------------------------------------------------------------

@@ -11,7 +11,8 @@ from passo.printer.print_objects import objects_of
 if TYPE_CHECKING:
     from passo import _core
     from passo.job.live.runner import Runner
-    from passo.printer.printer import Printer
+    from passo.printer.dispatch import Dispatch
+    from passo.printer.live_rig import LiveRig
     from passo.printer.status import PrintObject
 
 
@@ -20,8 +21,8 @@ class PrintObjects:
     object is cancelled when a print begins. `watchers` are called with the number of each object
     that a client cancels or restores, and whether it is cancelled."""
 
-    def __init__(self, printer: Printer, runner: Runner) -> None:
-        self._printer, self._runner = printer, runner
+    def __init__(self, rig: LiveRig, dispatch: Dispatch, runner: Runner) -> None:
+        self._rig, self._dispatch, self._runner = rig, dispatch, runner
         self._known: tuple[PrintObject, ...] = ()
         # the job and the print from which `all` was read
         self._of: tuple[_core.Job, int] | None = None
@@ -30,7 +31,7 @@ class PrintObjects:
     @property
     def all(self) -> tuple[PrintObject, ...]:
         """Each object of the current print, or of the last one, by its number."""
-        job = self._printer.job
+        job = self._rig.job
         version = job.objects_version
         if self._of is None or self._of[0] is not job or self._of[1] != version:
             self._of = job, version
@@ -42,20 +43,20 @@ class PrintObjects:
         """The object whose moves are being executed; None between objects, and without a print."""
         if not self._runner.active:
             return None
-        job = self._printer.job
-        number = job.object_of_line(job.line_at(self._printer.queue.passed))
+        job = self._rig.job
+        number = job.object_of_line(job.line_at(self._rig.queue.passed))
         return number if number >= 0 else None
 
     @property
     def planned_to_line(self) -> int:
         """The line up to which moves are planned; a cancellation does not affect these moves."""
-        with self._printer.dispatch.file_selected() as job:
+        with self._dispatch.file_selected() as job:
             return job.line
 
     def named(self, name: str) -> int:
         """The number of the object with this name; case does not matter. Raises CommandError."""
         self._require_print()
-        numbers = self._printer.job.find_objects(name)
+        numbers = self._rig.job.find_objects(name)
         if not numbers:
             raise CommandError.of("job.no-object", value=name, limit=self._choice())
         if len(numbers) > 1:
@@ -71,9 +72,9 @@ class PrintObjects:
             raise CommandError.of("job.no-object", value=str(number), limit=self._choice())
         if self.all[number].cancelled == cancelled:
             return False
-        if self._printer.machine.laser:
+        if self._rig.machine.laser:
             raise CommandError.of("job.objects-and-laser")
-        self._printer.job.cancel_object(number, cancelled)
+        self._rig.job.cancel_object(number, cancelled)
         for watcher in self.watchers:
             watcher(number, cancelled)
         return True

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from passo import _core
     from passo.job.live.runner import Runner
     from passo.printer.commands.program import Commands
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.settings import Settings as PrinterSettings
     from passo.printer.wait_requests import Reply
 
 _SET_BY = ("M106", "M107", "M220", "M221")
@@ -46,11 +47,11 @@ class Overrides:
     each with the number of bytes of the file that were read before it. Commands of the file are not
     included."""
 
-    def __init__(self, printer: Printer, runner: Runner) -> None:
-        self._printer, self._runner = printer, runner
+    def __init__(self, control: Control, runner: Runner) -> None:
+        self._control, self._runner = control, runner
         self._seen: dict[str, float] = {}
         self.held: dict[str, tuple[int, float]] = {}
-        printer.state.command_listeners.append(self._carried_out)
+        control.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
         """Call this when a print begins, or resumes after an interruption."""
@@ -59,7 +60,7 @@ class Overrides:
         self.held = {name: (offset, factor) for name, factor in self._seen.items()}
 
     def _now(self) -> dict[str, float]:
-        return overrides_of(self._printer.job, self._printer.commands)
+        return overrides_of(self._control.rig.job, self._control.rig.commands)
 
     def _carried_out(self, command: Command, reply: Reply) -> None:
         if not self._runner.active or command.code not in _SET_BY:
@@ -78,16 +79,17 @@ class Settings:
 
     def __init__(
         self,
-        printer: Printer,
+        control: Control,
+        settings: PrinterSettings,
         runner: Runner,
         watched: Callable[[], bool],
         changed: Callable[[Change], None],
     ) -> None:
-        self._printer, self._runner = printer, runner
+        self._control, self._settings, self._runner = control, settings, runner
         self._watched, self._changed = watched, changed
         self._seen: list[str] = []
-        printer.state.line_listeners.append(self._line)
-        printer.state.command_listeners.append(self._carried_out)
+        control.state.line_listeners.append(self._line)
+        control.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
         """Call this when a print begins or resumes: the current state is the reference."""
@@ -98,14 +100,14 @@ class Settings:
         return self._change(self._now())
 
     def _now(self) -> list[str]:
-        return meaning(self._printer) + self._printer.job.modes.split("\n")[1:]
+        return meaning(self._settings) + self._control.rig.job.modes.split("\n")[1:]
 
     def _line(self, done: bool) -> None:
         if not self._watched():
             return
         before, self._seen = self._seen, self._now()
         # Modes that are set during a pause end with the pause.
-        now = meaning(self._printer) if self._printer.job.suspended else self._seen
+        now = meaning(self._settings) if self._control.rig.job.suspended else self._seen
         new = [line for line in now if line not in before]
         if done and new:
             self._tell(new)
@@ -113,11 +115,11 @@ class Settings:
     def _carried_out(self, command: Command, reply: Reply) -> None:
         """Called with each executed command; M302 takes effect before its line ends."""
         if command.code == "M302" and self._watched() and not self._runner.printing_from(reply):
-            self._tell([line for line in meaning(self._printer) if line.startswith("M302 ")])
+            self._tell([line for line in meaning(self._settings) if line.startswith("M302 ")])
 
     def _tell(self, lines: list[str]) -> None:
         self._changed(self._change(lines))
 
     def _change(self, lines: list[str]) -> Change:
-        units = self._printer.job.modes.split("\n")[-1]
+        units = self._control.rig.job.modes.split("\n")[-1]
         return self._runner.offset, ["G21", *lines, units]

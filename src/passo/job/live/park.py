@@ -17,7 +17,9 @@ from passo.motion.travel import go_back
 from passo.printer.wait_requests import NullReply, WaitForTemperatures
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.setup.heat import Heat
+    from passo.printer.suspension import Suspension
 
 _log = logging.getLogger(__name__)
 
@@ -42,15 +44,18 @@ class Park:
     The nozzle returns to the stop position of the print or, with `here`, to its position at
     `leave`."""
 
-    def __init__(self, printer: Printer, *, here: bool = False) -> None:
-        self._printer, self._here = printer, here
+    def __init__(
+        self, control: Control, suspension: Suspension, heat: Heat, *, here: bool = False
+    ) -> None:
+        self._control, self._suspension, self._heat = control, suspension, heat
+        self._here = here
         self._left: list[float] | None = None  # the position at `leave`, with `here`
         self._away = False
         self._warm = False  # whether the hotend was warm at `leave`
         self._retracted_mm = 0.0
         self.owed_mm = 0.0  # mm of filament retracted by other parks during this pause
         self._load_mm = 0.0
-        axes = printer.machine.axes
+        axes = control.machine.axes
         order = enumerate(axis_order(axes))
         self._places = {i: slot_of_axis(i) for i, name in order if not axes[name].extruder}
         self._celsius: float | None = None
@@ -65,40 +70,42 @@ class Park:
         `by_macro`: the macro that has paused the print parks the nozzle. Only if the nozzle is
         still at the stop position, because the macro has failed or moves nothing, it is parked
         here."""
-        printer = self._printer
-        park = printer.machine.park
+        control = self._control
+        park = control.machine.park
         self._away = False
         self._warm = (
-            printer.can_extrude() and not printer.targets.cooled_c
+            self._heat.settings.can_extrude() and not control.targets.cooled_c
         )  # a heater in `cooled_c` may have failed, so its reading does not count
         self._celsius = words.get("S")
-        self._left = printer.job.machine_position if self._here else None
-        if park is None or printer.job.locked_axes:
+        self._left = control.rig.job.machine_position if self._here else None
+        if park is None or control.rig.job.locked_axes:
             return
-        await printer.queue.until(lambda: printer.queue.standing or bool(printer.halted))
-        printer.state.raise_if_halted()
-        if not printer.job.suspended:
+        await control.rig.queue.until(
+            lambda: control.rig.queue.standing or bool(control.state.halted)
+        )
+        control.state.raise_if_halted()
+        if not control.rig.job.suspended:
             return  # cancelled in the meantime
         if by_macro and self._has_moved():
             return
         self._take_tool()
-        queue, at = printer.queue, self._place()
-        extrudes = printer.can_extrude()
+        queue, at = control.rig.queue, self._place()
+        extrudes = self._heat.settings.can_extrude()
         self._retracted_mm = abs(words.get("E", park.retract_mm)) if extrudes else 0.0
         self._load_mm = abs(words.get("L", 0.0))
         lift_mm = abs(words.get("Z", park.raise_mm))
-        top = printer.machine.axes["z"].max_mm
+        top = control.machine.axes["z"].max_mm
         self._away = True
         self._push(-self._retracted_mm, park.retract_mm_s)
         # A macro that pauses the print may have lifted the nozzle higher.
-        lifted = max(min(at[Z] + lift_mm, max(top, at[Z])), printer.job.machine_position[Z])
+        lifted = max(min(at[Z] + lift_mm, max(top, at[Z])), control.rig.job.machine_position[Z])
         queue.move({Z: lifted}, math.inf)
         place = dict(zip((X, Y), park.position_mm or (), strict=False))
         place |= {slot: words[letter] for slot, letter in ((X, "X"), (Y, "Y")) if letter in words}
         if place and not queue.move(place, park.speed_mm_s):
-            problem = printer.commands.problem()
+            problem = control.rig.commands.problem()
             text = f"The nozzle stays over the print: {problem}"
-            printer.state.announce(_log, logging.WARNING, text, problem)
+            control.state.announce(_log, logging.WARNING, text, problem)
         if extrudes:
             self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
         await self._wait_for_moves()
@@ -112,40 +119,40 @@ class Park:
     def _take_tool(self) -> None:
         """Selects the tool of the print; with `here`, the active tool stays selected."""
         if not self._here:
-            self._printer.take_stopped_tool()
+            self._suspension.take_tool()
 
     def _place(self) -> list[float]:
         """The position to which the nozzle returns, machine mm."""
-        return self._left or self._printer.job.stop_position
+        return self._left or self._control.rig.job.stop_position
 
     def _has_moved(self) -> bool:
         """Whether the nozzle is no longer at the position to which it returns."""
-        at, place = self._printer.job.machine_position, self._place()
+        at, place = self._control.rig.job.machine_position, self._place()
         return any(abs(at[i] - place[i]) > _SAME_MM for i in self._places.values())
 
     def _push(self, mm: float, speed_mm_s: float) -> None:
         """Moves filament by `mm`; a positive length extrudes."""
         if mm:
-            at = self._printer.job.machine_position[E]
-            self._printer.queue.move({E: at + mm}, speed_mm_s)
+            at = self._control.rig.job.machine_position[E]
+            self._control.rig.queue.move({E: at + mm}, speed_mm_s)
 
     async def come_back(self) -> None:
         """Returns the nozzle to the position that it left: first above it, then down. Babysteps
         during the pause shift this position, even if the nozzle was not parked. Raises CommandError
         if a heater fails or is off, or if the arms cannot reach the position; the caller may try
         again."""
-        printer = self._printer
-        park = printer.machine.park
+        control = self._control
+        park = control.machine.park
         await self._wait_for_moves()  # this also waits until queued targets are set
-        printer.state.raise_if_halted()
+        control.state.raise_if_halted()
         if self._celsius is not None:
             await self._reach(self._celsius)
-        job = printer.job
+        job = control.rig.job
         if job.suspended:
             self._take_tool()
-            await printer.waits.warm_again()
+            await control.waits.warm_again()
             await self._melt()
-        if self._away and job.suspended and printer.can_extrude():
+        if self._away and job.suspended and self._heat.settings.can_extrude():
             self._push(self._load_mm, _core.LOAD_MM_S)
             self._load_mm = 0.0
         at: list[float] | None = None
@@ -157,9 +164,9 @@ class Park:
             for i in unknown:
                 job.lock_axis(i, True)
             place = {slot: at[slot] for i, slot in self._places.items() if i not in unknown}
-            if not go_back(printer.rig, place, park.speed_mm_s if park else math.inf):
-                raise CommandError([printer.commands.problem()])
-            if park is not None and printer.can_extrude():
+            if not go_back(control.rig, place, park.speed_mm_s if park else math.inf):
+                raise CommandError([control.rig.commands.problem()])
+            if park is not None and self._heat.settings.can_extrude():
                 mm = self.owed_mm + (self._retracted_mm if self._away else 0.0)
                 self._push(mm, park.retract_mm_s)
             self._away, self.owed_mm = False, 0.0
@@ -168,24 +175,26 @@ class Park:
     async def _melt(self) -> None:
         """Waits until a hotend that was warm at the pause is warm again. Raises CommandError if it
         is not being heated."""
-        printer = self._printer
-        if not self._warm or not printer.job.suspended or printer.can_extrude():
+        control = self._control
+        if not self._warm or not control.rig.job.suspended or self._heat.settings.can_extrude():
             return
-        hotend = printer.commands.set_points.heater("hotend")
-        if printer.connection.heaters[hotend].target > 0:
-            await printer.waits.wait(WaitForTemperatures((hotend,)), NullReply())
-        if printer.job.suspended and not printer.can_extrude():
+        hotend = control.rig.commands.set_points.heater("hotend")
+        if control.rig.connection.heaters[hotend].target > 0:
+            await control.waits.wait(WaitForTemperatures((hotend,)), NullReply())
+        if control.rig.job.suspended and not self._heat.settings.can_extrude():
             raise CommandError.of("input.cold")
 
     async def _reach(self, celsius: float) -> None:
         """Heats the hotend of the active tool to the temperature for the new filament."""
-        printer = self._printer
-        hotend = printer.commands.set_points.heater("hotend")
-        printer.targets.set_target(hotend, celsius, at_once=True)
-        await printer.waits.wait(WaitForTemperatures((hotend,), cooling=True), NullReply())
+        control = self._control
+        hotend = control.rig.commands.set_points.heater("hotend")
+        control.targets.set_target(hotend, celsius, at_once=True)
+        await control.waits.wait(WaitForTemperatures((hotend,), cooling=True), NullReply())
         self._celsius = None
 
     async def _wait_for_moves(self) -> None:
-        printer = self._printer
-        printer.queue.flush()
-        await printer.queue.until(lambda: printer.queue.standing or bool(printer.halted))
+        control = self._control
+        control.rig.queue.flush()
+        await control.rig.queue.until(
+            lambda: control.rig.queue.standing or bool(control.state.halted)
+        )

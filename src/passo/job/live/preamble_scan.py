@@ -20,7 +20,10 @@ from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Reply, Wait, WaitForHoming
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.settings import Settings
+    from passo.printer.setup.motion import Motion
+    from passo.printer.setup.outputs import Outputs
 
 _CHUNK = 1 << 16
 # Settings of the printer that a plan does not have. They do not depend on the tool.
@@ -58,23 +61,27 @@ class PreambleScan:
 
     def __init__(
         self,
-        printer: Printer,
+        control: Control,
+        outputs: Outputs,
+        motion: Motion,
+        settings: Settings,
         program: Program,
         reader: Reader,
         end: int,
         overrides: dict[str, tuple[int, float]],
     ) -> None:
-        self._printer, self._reader, self._end = printer, reader, end
-        machine = printer.machine
-        skips = printer.skips.allowing(program.allow)
+        self._control, self._outputs, self._motion = control, outputs, motion
+        self._settings, self._reader, self._end = settings, reader, end
+        machine = control.machine
+        skips = control.skips.allowing(program.allow)
         self.job = job = _core.Job(machine.core_spec(), False, skips.clamp, skips.ignore_tools)
         reader.seek(0)
         prepare(job, survey(machine, iter(partial(reader.read, _CHUNK), b"")), "", ALL)
         self._rest = at_rest(job)
         self.commands = _Observed.of_plan(machine, job)
-        self.commands.set_points.take_tool_temperatures(printer.commands.set_points)
+        self.commands.set_points.take_tool_temperatures(control.rig.commands.set_points)
         self.settings: list[str] = []
-        self.home_offset_mm = dict(printer.offsets.home_mm)
+        self.home_offset_mm = dict(self._motion.offsets.home_mm)
         self.homed_mm = dict(self.home_offset_mm)
         self._known = set[str]()  # axes that were homed, and whose motors have been on since
         self._set_up(program)
@@ -97,7 +104,7 @@ class PreambleScan:
         )
         while not self._read(pieces, settle):
             pass
-        held = list(_filters(printer.commands))
+        held = list(_filters(control.rig.commands))
         self.settings += (line for line in _filters(self.commands) if line not in held)
 
     def _read(self, pieces: Iterator[bytes], settle: Settle) -> bool:
@@ -115,14 +122,14 @@ class PreambleScan:
         """Applies the printer's settings that change the meaning of a program, and the start state
         of this program."""
         job = self.job
-        for tool, offset in enumerate(self._printer.job.tool_offsets):
+        for tool, offset in enumerate(self._control.rig.job.tool_offsets):
             for axis, mm in enumerate(offset):
                 job.set_tool_offset(tool, axis, mm)
-        letters = [name.upper() for name in axis_order(self._printer.machine.axes)]
+        letters = [name.upper() for name in axis_order(self._control.machine.axes)]
         zero = zip([*letters, "E"], program.program_mm, strict=False)
         words = " ".join(letter + numeral(mm) for letter, mm in zero)
         places = [f"G92 {words}"] if words else []  # G92 without words would set all axes to 0
-        self._take(*self._printer.state.settings(), *program.modes, "G21")
+        self._take(*self._settings.lines(), *program.modes, "G21")
         job.set_axes(list(enumerate(program.machine_mm)))
         self._take(*places, *program.modes[-1:])  # again, in the program's own units
 
@@ -159,7 +166,7 @@ class PreambleScan:
 
     def _observe(self, command: Command) -> None:
         """Records settings that only a printer has, not a plan. Raises CommandError."""
-        words, motion, job = command.words(), self._printer.motion, self.job
+        words, motion, job = command.words(), self._motion.settings, self.job
         if command.code == "M206":
             self.home_offset_mm |= motion.home_offsets(words)
         elif command.code == "M218":
@@ -168,22 +175,22 @@ class PreambleScan:
                 job.set_tool_offset(tool, "XYZ".index(axis), mm)
                 self.settings.append(f"M218 T{tool} {axis}{numeral(mm)}")
         elif command.code == "M92":
-            own = "E" in words and "T" not in words and len(self._printer.machine.extruders) > 1
+            own = "E" in words and "T" not in words and len(self._control.machine.extruders) > 1
             self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))
         elif command.code in ("M18", "M84") and "S" not in words:
-            motors = self._printer.motors
+            motors = self._outputs.motors
             self._known -= motors.axes_lost(motors.named(command.text))
         elif command.code in _OF_PRINTER and words:
             self.settings.append(f"{command.code} {command.text}")
 
     def _home(self, letters: str) -> None:
-        job, machine = self.job, self._printer.machine
+        job, machine = self.job, self._control.machine
         job.flush()
         if not machine.homing:
             job.settle_position()
             return
         job.abandon()
-        known = self._printer.homer.axes <= self._known
+        known = self._motion.homer.axes <= self._known
         goes_back = "B" in letters and "b" not in machine.axes and known
         only_lost = "O" in letters and machine.unhomed_moves == "refuse"
         names = {n for n in "xyz" if n.upper() in letters} or set("xyz")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from passo.job.live.job_state import JobState
     from passo.job.live.library import Library
     from passo.job.live.runner import Runner
-    from passo.printer.printer import Printer
+    from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
 MAX_QUEUED = 200
@@ -30,9 +30,9 @@ class PrintQueue:
     unchanged."""
 
     def __init__(
-        self, printer: Printer, runner: Runner, library: Library, directory: Path | None
+        self, state: State, runner: Runner, library: Library, directory: Path | None
     ) -> None:
-        self._printer, self._runner, self._library = printer, runner, library
+        self._state, self._runner, self._library = state, runner, library
         self._path = None if directory is None else directory / "queue.json"
         self._entries: tuple[QueuedPrint, ...] = ()
         self._automatic = False
@@ -105,7 +105,7 @@ class PrintQueue:
             self.start_next()
         except PassoError as error:
             text = f"The next print of the queue was not started: {error}"
-            self._printer.state.announce(_log, logging.WARNING, text)
+            self._state.announce(_log, logging.WARNING, text)
 
     def _keep(self, entries: tuple[QueuedPrint, ...], automatic: bool) -> None:
         if self._path is not None:
@@ -128,4 +128,4 @@ class PrintQueue:
             self._entries, self._automatic = tuple(rows), bool(kept["automatic"])
         except (OSError, ValueError, KeyError, TypeError) as error:
             text = f"{self._path} is damaged, so the queue of prints is empty: {error}"
-            self._printer.state.announce(_log, logging.WARNING, text)
+            self._state.announce(_log, logging.WARNING, text)

@@ -16,7 +16,10 @@ from passo.job.live.slicer_layers import SlicerLayers
 from passo.job.live.statistics import Print, Statistics
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.lifetime import Lifetime
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
+    from passo.printer.suspension import Suspension
 
 _log = logging.getLogger(__name__)
 
@@ -26,21 +29,21 @@ _HOST = "(a host's)"  # name of a host's print without a name
 class Stopwatch:
     """Print time that counts only while it runs."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, rig: LiveRig) -> None:
+        self._rig = rig
         self._sum_s = 0.0
         self._since_s: float | None = None
 
     @property
     def seconds(self) -> float:
         """The counted time so far, in seconds."""
-        running = 0.0 if self._since_s is None else self._printer.queue.now_s - self._since_s
+        running = 0.0 if self._since_s is None else self._rig.queue.now_s - self._since_s
         return self._sum_s + running
 
     def start(self) -> None:
         """Starts or continues to count."""
         if self._since_s is None:
-            self._since_s = self._printer.queue.now_s
+            self._since_s = self._rig.queue.now_s
 
     def pause(self) -> None:
         """Stops counting until `start`."""
@@ -59,17 +62,21 @@ class Progress:
 
     def __init__(
         self,
-        printer: Printer,
+        rig: LiveRig,
+        state: State,
+        lifetime: Lifetime,
+        suspension: Suspension,
         runner: Runner,
         statistics: Statistics,
         open_again: Callable[[str], CardReader],
     ) -> None:
-        self._printer, self._runner, self._statistics = printer, runner, statistics
+        self._rig, self._state, self._suspension = rig, state, suspension
+        self._runner, self._statistics = runner, statistics
         self._open_again = open_again
         self._forecast: asyncio.Task[Forecast | None] | None = None
         self._planned_s = 0.0  # planned time before this print
-        self._watch = Stopwatch(printer)
-        self._extrusion = Stopwatch(printer)  # since the first extrusion of the print
+        self._watch = Stopwatch(rig)
+        self._extrusion = Stopwatch(rig)  # since the first extrusion of the print
         self._has_extruded = False
         self._from_card: Print | None = None
         self._loop = asyncio.get_running_loop()
@@ -81,9 +88,9 @@ class Progress:
         self.minutes_left: float | None = None
         self.slicer_layers = SlicerLayers()
         runner.watchers.append(self._job_changed)
-        printer.state.stop_listeners.append(self._stopped)
-        printer.closers.append(self._close)
-        printer.watchers.append(self._time_passed)
+        state.stop_listeners.append(self._stopped)
+        lifetime.at_end(self._close)
+        lifetime.as_time_passes(self._time_passed)
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
         if state.prints:
@@ -92,7 +99,7 @@ class Progress:
             if self._from_card is None:
                 self._from_card = self._begun()
                 self._begun_s = self._loop.time()
-                self._planned_s = self._printer.planned_s()
+                self._planned_s = self._rig.planned_s()
                 self._start_forecast()
             self._watch.start()
             if self._has_extruded:
@@ -121,14 +128,14 @@ class Progress:
         meant, self._from_host = self._from_host, None  # a host has announced this print
         self._watch.reset()
         self._extrusion.reset()
-        self._has_extruded = not self._printer.machine.extruders
+        self._has_extruded = not self._rig.machine.extruders
         return self._statistics.begun(name, lambda: self._watch.seconds, self._runner.size, meant)
 
     def _time_passed(self) -> None:
         job = self._from_card
         if job is None or self._has_extruded or not self._runner.state.prints:
             return
-        if self._printer.filament_mm() > job.filament_mm:
+        if self._suspension.filament_mm() > job.filament_mm:
             self._has_extruded = True
             self._extrusion.start()
 
@@ -142,7 +149,7 @@ class Progress:
         """Called when a host's print begins. If a print was announced and has not begun, it is this
         one; otherwise an earlier print was interrupted."""
         before = self._from_host
-        if before is not None and self._printer.filament_mm() > before.filament_mm:
+        if before is not None and self._suspension.filament_mm() > before.filament_mm:
             self._host_ends("interrupted")
         self._watch.reset()
         self._from_host = self._statistics.begun(
@@ -160,7 +167,7 @@ class Progress:
     def _stopped(self, reason: str) -> None:
         """Called when the machine is stopped. After M410, a print of a host may continue; after a
         halt, none does."""
-        if self._printer.halted:
+        if self._state.halted:
             self._host_ends("failed", reason)
 
     def _start_forecast(self) -> None:
@@ -172,16 +179,14 @@ class Progress:
             self._forecast = None
             return
         loop = asyncio.get_running_loop()
-        self._forecast = loop.create_task(
-            forecast(self._printer.machine, reader, self._runner.offset)
-        )
+        self._forecast = loop.create_task(forecast(self._rig.machine, reader, self._runner.offset))
         self._forecast.add_done_callback(self._report_load)
 
     def _report_load(self, task: asyncio.Task[Forecast | None]) -> None:
         """Reports the load of the file on the board, when the forecast is ready."""
         found = None if task.cancelled() else task.result()
         for sentence in found.budget.report_lines(self._runner.name) if found else ():
-            self._printer.state.announce(_log, logging.INFO, sentence)
+            self._state.announce(_log, logging.INFO, sentence)
 
     @property
     def printed_s(self) -> float:
@@ -203,7 +208,7 @@ class Progress:
     def filament_mm(self) -> float:
         """The filament of all extruders for the current or the last print, mm."""
         job = self._from_card
-        return self._last[1] if job is None else self._printer.filament_mm() - job.filament_mm
+        return self._last[1] if job is None else self._suspension.filament_mm() - job.filament_mm
 
     @property
     def layers(self) -> int | None:
@@ -229,8 +234,8 @@ class Progress:
         if not found or not found.seconds:
             return None
         total = found.seconds
-        ahead = max(0.0, self._printer.queue.ahead_s)
-        done = found.before_s + self._printer.planned_s() - self._planned_s - ahead
+        ahead = max(0.0, self._rig.queue.ahead_s)
+        done = found.before_s + self._rig.planned_s() - self._planned_s - ahead
         return min(max(done, 0.0), total), total
 
     def share_done(self) -> float | None:

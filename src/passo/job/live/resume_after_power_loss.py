@@ -18,19 +18,34 @@ from passo.printer.input_errors import problem_of
 from passo.printer.wait_requests import NullReply, WaitForTemperatures
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.settings import Settings
+    from passo.printer.setup.heat import Heat
+    from passo.printer.setup.motion import Motion
+    from passo.printer.setup.outputs import Outputs
 
 
 class Recovery:
     """The recovery of one interrupted print. The printer must be idle. The caller must hold the
     motion lock. Raises CommandError, MachineError, Stopped."""
 
-    def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:
-        self._printer, self._program = printer, program
+    def __init__(
+        self,
+        control: Control,
+        outputs: Outputs,
+        motion: Motion,
+        heat: Heat,
+        settings: Settings,
+        program: Program,
+        moment: Moment,
+        reader: Reader,
+    ) -> None:
+        self._control, self._outputs, self._motion = control, outputs, motion
+        self._heat, self._settings, self._program = heat, settings, program
         self._moment, self._reader = moment, reader
         if Program.of(program.machine, program.path, reader) != program:
             raise CommandError.of("job.other-file", program.path)
-        machine = printer.machine
+        machine = control.machine
         if program.macros != crc_of_macros(machine):
             raise CommandError.of("job.other-macros", program.path)
         wanted = {f"heater {n}" for n, c in moment.targets_c.items() if c > 0}
@@ -44,108 +59,115 @@ class Recovery:
     async def run(self) -> int:
         """Moves the machine to the position at which the print resumes. Returns the offset in the
         file from which to read."""
-        printer = self._printer
+        control = self._control
         for line in self._program.settings:
-            printer.dispatch.take_setting(line, NullReply())
+            control.dispatch.take_setting(line, NullReply())
         if self._moment.line == 0:
             for line in self._program.modes:
-                printer.dispatch.take_setting(line, NullReply())
+                control.dispatch.take_setting(line, NullReply())
             return 0
         offset = offset_of_line(self._reader, self._moment.line)
-        past = PreambleScan(printer, self._program, self._reader, offset, self._moment.overrides)
+        past = PreambleScan(
+            *(control, self._outputs, self._motion, self._settings, self._program),
+            self._reader,
+            offset,
+            self._moment.overrides,
+        )
         state = past.job
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):
                 raise CommandError(
-                    [problem_of(state, self._program.path, printer.machine.geometry)]
+                    [problem_of(state, self._program.path, control.machine.geometry)]
                 )
         state.flush()
         at = state.machine_position
         for line in past.settings:
-            printer.dispatch.take_setting(line, NullReply())
-        printer.offsets.home_mm |= past.homed_mm
+            control.dispatch.take_setting(line, NullReply())
+        self._motion.offsets.home_mm |= past.homed_mm
         await self._lift_and_home()
-        printer.offsets.home_mm |= past.home_offset_mm
+        self._motion.offsets.home_mm |= past.home_offset_mm
         await self._warm(past.commands.outputs.fans)
-        if state.tool != printer.job.tool:
+        if state.tool != control.rig.job.tool:
             # select the tool first, because its nozzle is primed
-            printer.dispatch.take_setting(f"T{state.tool}", NullReply())
+            control.dispatch.take_setting(f"T{state.tool}", NullReply())
         await self._approach(at)
-        printer.job.adopt(state)
-        printer.commands.set_points.follow_tool()
-        printer.commands.set_points.take_tool_temperatures(past.commands.set_points)
-        printer.commands.macros.take_variables(past.commands.macros)
-        printer.job.set_speed_factor(state.speed_factor)
-        printer.commands.factors.kept = past.commands.factors.kept
-        printer.offsets.babysteps_mm |= self._moment.babysteps_mm
+        control.rig.job.adopt(state)
+        control.rig.commands.set_points.follow_tool()
+        control.rig.commands.set_points.take_tool_temperatures(past.commands.set_points)
+        control.rig.commands.macros.take_variables(past.commands.macros)
+        control.rig.job.set_speed_factor(state.speed_factor)
+        control.rig.commands.factors.kept = past.commands.factors.kept
+        self._motion.offsets.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
     async def _lift_and_home(self) -> None:
         """Lifts and homes. A machine with an independent Z takes Z from the journal, and homes the
         other axes after a lift; a machine whose arms move together homes upwards. Axes that were
         homed after the interruption, or by an earlier attempt, keep their positions."""
-        printer, machine = self._printer, self._printer.machine
+        control, machine = self._control, self._control.machine
         raise_mm = machine.park.raise_mm if machine.park else 0.0
-        if printer.positions.restore(self._moment.origins):
-            z = printer.job.machine_position[Z]
+        if control.rig.positions.restore(self._moment.origins):
+            z = control.rig.job.machine_position[Z]
             top = max(machine.axes["z"].max_mm, z)
-            if printer.queue.move({Z: min(z + raise_mm, top)}, math.inf):
-                printer.queue.flush()
+            if control.rig.queue.move({Z: min(z + raise_mm, top)}, math.inf):
+                control.rig.queue.flush()
             return
         if machine.geometry.lifts_together:
-            await printer.homer.home("")
+            await self._motion.homer.home("")
             return
-        known = printer.positions.known
-        offset_mm, was_mm = printer.offsets.home_mm["z"], printer.homer.offset_mm
+        known = control.rig.positions.known
+        offset_mm, was_mm = self._motion.offsets.home_mm["z"], self._motion.homer.offset_mm
         z = self._moment.z_mm
         if "z" in known:  # the program's coordinates refer to its own homing
-            z = printer.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
-        printer.job.set_axes([(Z, z)])
+            z = control.rig.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
+        control.rig.job.set_axes([(Z, z)])
         known.add("z")
         was_mm["z"] = offset_mm
-        z = printer.job.machine_position[Z]
+        z = control.rig.job.machine_position[Z]
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
             if not known.issuperset("xy"):
                 point = machine.home_point
-                printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
+                control.rig.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
                 known.update("xy")
             return
-        await printer.homer.home("XY")
+        await self._motion.homer.home("XY")
 
     async def _warm(self, fans: dict[str, float]) -> None:
-        printer = self._printer
+        control = self._control
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
-        for name in printer.machine.heaters:
+        for name in control.machine.heaters:
             target = self._moment.targets_c.get(name, 0.0)
-            printer.targets.set_target(name, target, at_once=True)
-        await printer.waits.wait(WaitForTemperatures(hot), NullReply())
-        printer.state.raise_if_interrupted()
-        for fan in printer.commands.outputs.commanded_fans:
-            printer.rig.set_fan(fan, fans.get(fan, 0.0))
+            control.targets.set_target(name, target, at_once=True)
+        await control.waits.wait(WaitForTemperatures(hot), NullReply())
+        control.state.raise_if_interrupted()
+        for fan in control.rig.commands.outputs.commanded_fans:
+            control.rig.set_fan(fan, fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:
         """Moves above the position, primes the nozzle with a little filament, and lowers it."""
-        park = self._printer.machine.park
+        park = self._control.machine.park
         speed = park.speed_mm_s if park else math.inf
-        if self._printer.machine.axes_of_arms == ("x", "y"):
-            await self._printer.homer.swing(at[X], at[Y])
+        if self._control.machine.axes_of_arms == ("x", "y"):
+            await self._motion.homer.swing(at[X], at[Y])
         else:
             place = {X: at[X], Y: at[Y], Z: at[Z]}
-            await self._arrive(reached=go_over(self._printer.rig, place, speed))
-        if park and park.prime_mm > 0 and self._printer.can_extrude():
-            e = self._printer.job.machine_position[E]
+            await self._arrive(reached=go_over(self._control.rig, place, speed))
+        if park and park.prime_mm > 0 and self._heat.settings.can_extrude():
+            e = self._control.rig.job.machine_position[E]
             await self._go({E: e + park.prime_mm}, park.prime_mm_s)
         await self._go({Z: at[Z]}, math.inf)
 
     async def _go(self, target: dict[int, float], speed_mm_s: float) -> None:
-        reached = self._printer.queue.move(target, speed_mm_s, Within.REACH)
+        reached = self._control.rig.queue.move(target, speed_mm_s, Within.REACH)
         await self._arrive(reached=reached)
 
     async def _arrive(self, *, reached: bool) -> None:
-        printer = self._printer
+        control = self._control
         if not reached:
             raise CommandError.of("job.other-file", self._program.path)
-        printer.queue.flush()
-        await printer.queue.until(lambda: printer.queue.standing or printer.state.interrupted)
-        printer.state.raise_if_interrupted()
+        control.rig.queue.flush()
+        await control.rig.queue.until(
+            lambda: control.rig.queue.standing or control.state.interrupted
+        )
+        control.state.raise_if_interrupted()

@@ -35,7 +35,11 @@ from passo.printer.wait_requests import (
 )
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.setup.heat import Heat
+    from passo.printer.setup.motion import Motion
+    from passo.printer.setup.outputs import Outputs
+    from passo.printer.suspension import Suspension
 
 _log = logging.getLogger(__name__)
 
@@ -50,10 +54,19 @@ class Runner:
     """Prints one file at a time; all consoles stay usable. Use it within the event loop of the
     printer. `reply` receives the answers to commands of the file."""
 
-    def __init__(self, printer: Printer, reply: Reply) -> None:
-        self._printer, self._reply = printer, reply
-        self.park = Park(printer)
-        self._cooling = Cooling(printer)
+    def __init__(
+        self,
+        control: Control,
+        outputs: Outputs,
+        motion: Motion,
+        heat: Heat,
+        suspension: Suspension,
+        reply: Reply,
+    ) -> None:
+        self._control, self._outputs, self._motion = control, outputs, motion
+        self._suspension, self._reply = suspension, reply
+        self.park = Park(control, suspension, heat)
+        self._cooling = Cooling(control)
         self.loops = Loops(self._go_to)
         self._park_words: Mapping[str, float] = {}
         self._macro_parks = False  # the macro that has paused the print parks the nozzle
@@ -73,7 +86,7 @@ class Runner:
         self._failed = ""
         self.problems: tuple[Problem, ...] = ()  # problems of the last print, if known
         self._pauses = False  # a print that is APPROACHING will pause as soon as it resumes
-        self._skips = printer.skips
+        self._skips = control.skips
         # the job that has the sub-programs of this file
         self._surveyed: tuple[Reader, _core.Job] | None = None
         self._state = JobState.NONE
@@ -81,10 +94,9 @@ class Runner:
         self.watchers: list[Callable[[JobState, JobState], None]] = []
         self.name = self.path = ""
         self.ended = ""  # result of the last print of the selected file: done, cancelled or failed
-        printer.state.busy = lambda: self.active
-        printer.lateness.program = lambda: self.name if self.active else ""
-        printer.state.stop_listeners.append(self._stopped)
-        printer.state.fault_listeners.append(lambda _: self.pause())
+        control.state.prints.append(lambda: self.name if self.active else None)
+        control.state.stop_listeners.append(self._stopped)
+        control.state.fault_listeners.append(lambda _: self.pause())
 
     @property
     def state(self) -> JobState:
@@ -127,7 +139,7 @@ class Runner:
     @property
     def offset(self) -> int:
         """The number of its bytes that are read and planned."""
-        with self._printer.dispatch.file_selected() as job:
+        with self._control.dispatch.file_selected() as job:
             return self._begin + job.offset
 
     @property
@@ -235,8 +247,8 @@ class Runner:
         if 0 < self.size <= self.offset and self.state is not JobState.FAILED:
             raise CommandError.of("job.at-end", value=self.name)
         if skips is not None or not self.stands:
-            self._skips = self._printer.skips if skips is None else skips.on(self._printer.machine)
-        self._printer.dispatch.allow(self._skips)
+            self._skips = self._control.skips if skips is None else skips.on(self._control.machine)
+        self._control.dispatch.allow(self._skips)
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # starts when the cancelled print has released the machine
@@ -271,13 +283,13 @@ class Runner:
         if self.state is JobState.APPROACHING and not self._pauses:
             self._pauses, self._park_words = True, words
             text = f"{self.name} will pause once it reaches the resume point"
-            self._printer.state.announce(_log, logging.INFO, text)
-        if self.state.prints and not self._printer.halted:
+            self._control.state.announce(_log, logging.INFO, text)
+        if self.state.prints and not self._control.state.halted:
             self._park_words, self._macro_parks = words, by_macro
             self._enter(JobState.PAUSED)
             self._resumed.clear()
             # Homing is not interrupted, because its moves are not those of the program.
-            if not self._printer.homer.active:
+            if not self._motion.homer.active:
                 self._suspend(hand_over_macro=by_file)
                 self._macro_left = by_file
 
@@ -288,16 +300,16 @@ class Runner:
             self._suspended = True
             self._parked = False
             self.park.owed_mm = 0.0
-            self._locked = set(self._printer.job.locked_axes)
-            if self._printer.dispatch.in_console_line:
-                self._printer.job.abandon()  # the suspended rest does not belong to the print
-            self._printer.suspend_job(hand_over_macro=hand_over_macro)
+            self._locked = set(self._control.rig.job.locked_axes)
+            if self._control.dispatch.in_console_line:
+                self._control.rig.job.abandon()  # the suspended rest does not belong to the print
+            self._suspension.suspend(hand_over_macro=hand_over_macro)
 
     def _require_places(self) -> None:
         """Raises CommandError if an axis that was homed when the pause began is not homed any
         more."""
-        if lost := set(self._printer.job.locked_axes) - self._locked:
-            axis = axis_order(self._printer.machine.axes)[min(lost)].upper()
+        if lost := set(self._control.rig.job.locked_axes) - self._locked:
+            axis = axis_order(self._control.machine.axes)[min(lost)].upper()
             raise CommandError.of("input.not-homed", axis=axis)
 
     def is_suspended(self) -> bool:
@@ -311,22 +323,22 @@ class Runner:
         """Ends the print: brakes to a stop, and switches heaters and fans off. The file stays
         selected, at its beginning. A failed print cannot be resumed afterwards."""
         self._again = False
-        printer = self._printer
+        control = self._control
         if not self.active:
             if self.state is JobState.APPROACHING:
-                printer.stop_all("cancelled")
-            elif self.state is JobState.FAILED and not printer.halted:
+                control.stops.stop_all("cancelled")
+            elif self.state is JobState.FAILED and not control.state.halted:
                 self._cooling.switch_off()
                 self._enter(JobState.READY)
                 self._rewind(0)
             return
         self.ended = "cancelled"
         self._enter(JobState.READY)
-        if not printer.halted:
-            printer.stop()
+        if not control.state.halted:
+            control.stops.stop()
             self._cooling.switch_off()
-        if printer.job.suspended:
-            printer.job.forget_suspended()
+        if control.rig.job.suspended:
+            control.rig.job.forget_suspended()
         self._resumed.set()
         self._rewind(0)
 
@@ -335,7 +347,7 @@ class Runner:
             raise CommandError.of("job.printing", value=self.name)
 
     def _rewind(self, offset: int, line: int = 1) -> None:
-        with self._printer.dispatch.file_selected() as job:
+        with self._control.dispatch.file_selected() as job:
             job.restart(line)
         self._begin, self.first_line = offset, line
         self._cooling.forget()
@@ -345,7 +357,7 @@ class Runner:
 
     def _go_to(self, offset: int, line: int) -> None:
         """Continues to read the file at the byte of a line; modes and plan stay."""
-        self._printer.job.restart(line)
+        self._control.rig.job.restart(line)
         self._begin = offset
         assert self._reader is not None
         self._reader.seek(offset)
@@ -353,7 +365,7 @@ class Runner:
     # -- the print --------------------------------------------------------------------------------
 
     async def _print(self) -> None:
-        printer = self._printer
+        control = self._control
         try:
             await self._look_through()
             await self._cooling.warm_up()
@@ -361,19 +373,19 @@ class Runner:
                 if self.state is JobState.PAUSED:
                     await self._pause_print()
                 await self._room()
-                await printer.motion_lock.acquire()
+                await control.motion_lock.acquire()
                 try:
                     ended = await self._stretch()
                     # Other tasks never run within a line.
-                    while not (ended or printer.job.at_boundary):
+                    while not (ended or control.rig.job.at_boundary):
                         ended = await self._stretch(rest_of_line=True)
                 finally:
-                    printer.motion_lock.release()
+                    control.motion_lock.release()
                 if ended:
                     break
         except (Stopped, PassoError) as error:
             self._fail(str(error), error.problems if isinstance(error, PassoError) else ())
-        stops = self.active and bool(self._failed) and not printer.halted
+        stops = self.active and bool(self._failed) and not control.state.halted
         self._end()
         if stops:
             self._cooling.until_resumed()
@@ -384,11 +396,11 @@ class Runner:
         reader, at = self._reader, self._reader.tell() if self._reader else 0
         if reader is None:
             return
-        begins, job = self.offset == 0, self._printer.job
+        begins, job = self.offset == 0, self._control.rig.job
         if not begins and self._surveyed == (reader, job):
             return  # the print continues after a failed line
         try:
-            found = await survey_in_pieces(self._printer.machine, reader, lambda: self.active)
+            found = await survey_in_pieces(self._control.machine, reader, lambda: self.active)
         except CardError as error:
             raise CardError(self._placed(error, 1)) from None
         finally:
@@ -401,7 +413,7 @@ class Runner:
         if begins and wrong:
             first, *others = (replace(problem, hint=_advice(problem)) for problem in wrong)
             for problem in others:
-                self._printer.state.announce(_log, logging.WARNING, str(problem), problem)
+                self._control.state.announce(_log, logging.WARNING, str(problem), problem)
             raise InputError([first])
 
     def _over(self, task: asyncio.Task[None]) -> None:
@@ -410,7 +422,7 @@ class Runner:
         fault = None if task.cancelled() else task.exception()
         if fault is not None:
             self._failed = f"{type(fault).__name__}: {fault}"
-            self._printer.halt(in_words(fault), f"a fault of the program, {self._failed}")
+            self._control.stops.halt(in_words(fault), f"a fault of the program, {self._failed}")
             self._end()
         if self._again:
             self.start(skips=self._skips)
@@ -418,7 +430,7 @@ class Runner:
     def _stopped(self, reason: str) -> None:
         """Called when the machine is stopped during the print. The plan is lost, so the file can
         only be printed from its beginning."""
-        revived = self.active and bool(self._printer.halted)  # a pause cannot resume
+        revived = self.active and bool(self._control.state.halted)  # a pause cannot resume
         if self.state.prints or revived:
             self._fail(reason)
             self._suspended = False
@@ -436,26 +448,26 @@ class Runner:
         self._failed, self.problems = reason, tuple(problems)
 
     def _end(self) -> None:
-        printer = self._printer
+        control = self._control
         if not self.active:
             return  # cancelled
-        printer.laser.off()
+        self._outputs.laser.off()
         self.ended = "failed" if self._failed else "done"
         if self._skips.clamp:
-            for warning in printer.commands.clamped(self.name):
-                printer.state.announce(_log, logging.WARNING, warning)
+            for warning in control.rig.commands.clamped(self.name):
+                control.state.announce(_log, logging.WARNING, warning)
         self._enter(JobState.FAILED if self._failed else JobState.READY)
         if self._failed:
             text = f"Print of {self.name} stopped: {self._failed}"
             problem = self.problems[0] if self.problems else None
-            printer.state.announce(_log, logging.WARNING, text, problem)
+            control.state.announce(_log, logging.WARNING, text, problem)
         else:
-            printer.tell("Done printing file")
+            control.state.tell("Done printing file")
 
     async def _pause_print(self) -> None:
         """Parks the nozzle, and waits until the pause has ended."""
-        printer = self._printer
-        await printer.motion_lock.acquire()
+        control = self._control
+        await control.motion_lock.acquire()
         try:
             if self.state is JobState.PAUSED:
                 self._suspend()
@@ -463,17 +475,17 @@ class Runner:
                     self._parked = True
                     await self.park.leave(self._park_words, by_macro=self._macro_parks)
         finally:
-            printer.motion_lock.release()
+            control.motion_lock.release()
         await self._resumed.wait()
 
     async def _room(self) -> None:
         """Waits until there is space in the plan."""
-        printer, queue = self._printer, self._printer.queue
+        control, queue = self._control, self._control.rig.queue
         await queue.until(
             lambda: (
-                not (queue.full or printer.state.host_paused or queue.interrupted)
+                not (queue.full or control.state.host_paused or queue.interrupted)
                 or not self.state.prints
-                or bool(printer.halted)
+                or bool(control.state.halted)
             ),
             idly=True,
         )
@@ -481,17 +493,17 @@ class Runner:
     async def _stretch(self, *, rest_of_line: bool = False) -> bool:
         """Plans as far ahead as useful. Returns True at the end of the file. Call it with the
         motion lock held."""
-        printer = self._printer
-        job, queue = printer.job, printer.queue
-        printer.state.raise_if_halted()
+        control = self._control
+        job, queue = control.rig.job, control.rig.queue
+        control.state.raise_if_halted()
         if self.state is JobState.PAUSED:
             self._suspend()
         if not self.state.prints:
             return False
         if self.state is JobState.RETURNING and not await self._come_back():
             return False
-        printer.dispatch.select(console=False)
-        printer.state.program = self._reply
+        control.dispatch.select(console=False)
+        control.state.program = self._reply
         if self._waits_for is not None:
             return await self._wait()
         queue.before_moves()
@@ -507,14 +519,14 @@ class Runner:
     async def _come_back(self) -> bool:
         """Ends a pause. Returns False if the print pauses again. If the nozzle cannot return, the
         print stays paused until the user has removed the cause."""
-        printer = self._printer
+        control = self._control
         try:
             self._require_places()
             await self.park.come_back()
         except CommandError as error:
             if self.active:
                 text = f"Print of {self.name} stays paused: {error}"
-                printer.state.announce(_log, logging.WARNING, text, error.problems[0])
+                control.state.announce(_log, logging.WARNING, text, error.problems[0])
                 self._resumed.clear()
                 self._enter(JobState.PAUSED)
             return False
@@ -523,12 +535,12 @@ class Runner:
             return False
         self._suspended = False
         self._enter(JobState.PRINTING)
-        printer.resume_job()
+        self._suspension.resume()
         return True
 
     async def _answer(self, found: _core.JobStatus) -> bool:
         """Handles the reason why the interpreter stopped."""
-        printer, job = self._printer, self._printer.job
+        control, job = self._control, self._control.rig.job
         status = _core.JobStatus
         if found == status.NEED_INPUT:
             assert self._reader is not None
@@ -545,7 +557,7 @@ class Runner:
         elif found == status.MACRO:
             command = Command(*job.event)
             try:
-                printer.dispatch.expand(command, self._reply)
+                control.dispatch.expand(command, self._reply)
             except CommandError as error:
                 raise InputError(self._placed(error, command.line)) from None
             await asyncio.sleep(0)  # a macro may run for long without moves
@@ -555,12 +567,12 @@ class Runner:
                 if self.loops.take(command, self._begin + job.offset, job.macro_depth):
                     await asyncio.sleep(0)  # the loop may have no move
                     return False
-                self._waits_for = printer.dispatch.run_command(command, self._reply)
+                self._waits_for = control.dispatch.run_command(command, self._reply)
             except (InputError, CommandError) as error:
                 raise InputError(self._placed(error, command.line)) from None
             return await self._wait()
         elif found == status.ERROR:
-            problem = problem_of(job, self.name, printer.machine.geometry)
+            problem = problem_of(job, self.name, control.machine.geometry)
             job.abandon()
             raise CommandError([problem])
         elif found == status.END:
@@ -570,30 +582,30 @@ class Runner:
     async def _wait(self) -> bool:
         """Waits for the condition of the last command. If a pause suspends the moves before it, the
         wait is repeated later. Returns True at the end of the program."""
-        printer = self._printer
+        control = self._control
         wait = self._waits_for
         if wait is not None:
             try:
-                if not await printer.waits.wait(
+                if not await control.waits.wait(
                     wait, self._reply, suspended=lambda: self._suspended
                 ):
                     return False
             except CommandError as error:
                 heaters = wait.heaters if isinstance(wait, WaitForTemperatures) else ()
                 heaters = (
-                    tuple(printer.machine.heaters) if isinstance(wait, WaitForUser) else heaters
+                    tuple(control.machine.heaters) if isinstance(wait, WaitForUser) else heaters
                 )
                 if not self._pauses_for(heaters):
                     raise
                 text = f"Print of {self.name} is paused: {error}"
-                printer.state.announce(_log, logging.WARNING, text, error.problems[0])
+                control.state.announce(_log, logging.WARNING, text, error.problems[0])
                 self.pause()
                 return False  # the wait is repeated after the pause
             self._waits_for = None
             await self._finish_macro()
         self._command = None
-        if printer.commands.ended:
-            printer.commands.ended = False
+        if control.rig.commands.ended:
+            control.rig.commands.ended = False
             return await self._finish()
         return False
 
@@ -604,17 +616,17 @@ class Runner:
         if not left:
             return
         try:
-            await self._printer.dispatch.finish_macro(self._reply)
+            await self._control.dispatch.finish_macro(self._reply)
         except PassoError as error:
             text = f"{self.name} is paused, but its macro is not carried out to its end: {error}"
-            self._printer.state.announce(_log, logging.WARNING, text, error.problems[0])
+            self._control.state.announce(_log, logging.WARNING, text, error.problems[0])
 
     def _pauses_for(self, heaters: Sequence[str]) -> bool:
         """Whether one of these heaters has failed and its policy is to pause the print."""
-        printer = self._printer
+        control = self._control
         return any(
-            printer.connection.heaters[name].fault is not None
-            and printer.machine.heaters[name].on_fault == "job"
+            control.rig.connection.heaters[name].fault is not None
+            and control.machine.heaters[name].on_fault == "job"
             for name in heaters
         )
 
@@ -625,17 +637,17 @@ class Runner:
     async def _finish(self) -> bool:
         """Waits until the last moves are done, and then switches the laser off. A pause during
         these moves still takes effect."""
-        queue = self._printer.queue
-        self._printer.laser.off()
+        queue = self._control.rig.queue
+        self._outputs.laser.off()
         queue.flush()
         await queue.until(
             lambda: (
                 queue.standing
                 or self.state is not JobState.PRINTING  # the pause may have ended in the meantime
-                or bool(self._printer.halted)
+                or bool(self._control.state.halted)
             )
         )
-        self._printer.state.raise_if_halted()
+        self._control.state.raise_if_halted()
         return self.state is JobState.PRINTING
 
 

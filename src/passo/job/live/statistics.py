@@ -17,7 +17,11 @@ from passo.job.live.history import History, PrintRow
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.lifetime import Lifetime
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
+    from passo.printer.suspension import Suspension
+    from passo.printer.watch.late_commands import LateCommandWatch
 
 _log = logging.getLogger(__name__)
 
@@ -48,12 +52,21 @@ class Print:
 class Statistics:
     """Keeps the history of one printer in `directory`; None keeps nothing."""
 
-    def __init__(self, printer: Printer, directory: Path | None) -> None:
-        self._printer = printer
+    def __init__(
+        self,
+        rig: LiveRig,
+        state: State,
+        lifetime: Lifetime,
+        suspension: Suspension,
+        lateness: LateCommandWatch,
+        directory: Path | None,
+    ) -> None:
+        self._rig, self._state, self._suspension = rig, state, suspension
+        self._lateness = lateness
         self._history: History | None = None
         self._missing = CommandError.of("settings.nowhere")
         self._on_s = self._stored_s = 0.0
-        self._seen_s = self._noted_s = printer.queue.now_s
+        self._seen_s = self._noted_s = rig.queue.now_s
         self._job: Print | None = None  # the current print
         if directory is None:
             return
@@ -62,9 +75,9 @@ class Statistics:
         except (sqlite3.Error, OSError) as error:
             self._missing = _unusable(directory, error)
             text = f"No history of prints: {error}"
-            printer.state.announce(_log, logging.WARNING, text)
+            self._state.announce(_log, logging.WARNING, text)
             return
-        printer.watchers.append(self._time_passed)
+        lifetime.as_time_passes(self._time_passed)
 
     def begun(
         self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None
@@ -72,10 +85,10 @@ class Statistics:
         """Records that a print has begun. If a host has announced the print earlier, `instead` is
         that record, which is continued. If the program is killed, the history shows the print as
         interrupted."""
-        self._printer.lateness.begin()
+        self._lateness.begin()
         row = instead.row if instead is not None else None
         _log.info("Print of %s started", name, extra={"file": name})
-        self._job = Print(name, size, self._printer.filament_mm(), seconds, row)
+        self._job = Print(name, size, self._suspension.filament_mm(), seconds, row)
         self._note(self._job, "interrupted")
         return self._job
 
@@ -89,7 +102,7 @@ class Statistics:
     def ended(self, job: Print, how: str, reason: str = "") -> None:
         """Records the end of a print: done, cancelled or failed, and the reason of a failure."""
         self._job = None
-        filament_mm = self._printer.filament_mm() - job.filament_mm
+        filament_mm = self._suspension.filament_mm() - job.filament_mm
         _log.info(
             "Print of %s %s after %s, %.0f mm of filament",
             *(job.name, how, spoken(job.seconds()), filament_mm),
@@ -98,20 +111,19 @@ class Statistics:
         self._note(job, how, reason)
 
     def _note(self, job: Print, how: str, reason: str = "") -> None:
-        self._noted_s = self._printer.queue.now_s
+        self._noted_s = self._rig.queue.now_s
         if self._history is None:
             return
-        printer = self._printer
-        used = printer.filament_mm() - job.filament_mm
-        note = ". ".join(filter(None, (reason, printer.lateness.worst)))
+        used = self._suspension.filament_mm() - job.filament_mm
+        note = ". ".join(filter(None, (reason, self._lateness.worst)))
         try:
             job.row = self._history.add(job.name, job.size, how, job.seconds(), used, note, job.row)
         except sqlite3.Error as error:
             text = f"This print is not in the history: {error}"
-            printer.state.announce(_log, logging.WARNING, text)
+            self._state.announce(_log, logging.WARNING, text)
 
     def _time_passed(self) -> None:
-        before, self._seen_s = self._seen_s, self._printer.queue.now_s
+        before, self._seen_s = self._seen_s, self._rig.queue.now_s
         self._on_s += max(self._seen_s - before, 0.0)  # the board's clock may restart
         if self._job is not None and abs(self._seen_s - self._noted_s) > _PRINT_EVERY_S:
             self._note(self._job, "interrupted")
@@ -121,7 +133,7 @@ class Statistics:
             self._store()
         except sqlite3.Error as error:
             text = f"How long the printer was on is not stored: {error}"
-            self._printer.state.announce(_log, logging.WARNING, text)
+            self._state.announce(_log, logging.WARNING, text)
 
     def _store(self) -> None:
         assert self._history is not None

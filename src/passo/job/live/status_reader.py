@@ -33,78 +33,93 @@ if TYPE_CHECKING:
     from passo.job.live.objects import PrintObjects
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
-    from passo.printer.printer import Printer
+    from passo.printer.control import Control
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.setup.heat import Heat
+    from passo.printer.setup.levelling import Levelling
+    from passo.printer.setup.motion import Motion
+    from passo.printer.setup.outputs import Outputs
 
 _SPEED_OVER_S = 0.02  # the current speed is the mean over this time
 
 
 class StatusReader:
-    """Reads the status of one printer, without asking a board and without letting time pass."""
+    """Reads the status of one printer, without asking a board and without letting time pass.
+    `interrupted`, `unsaved` and `queue` give the fields of these names."""
 
     def __init__(
         self,
-        printer: Printer,
+        control: Control,
+        outputs: Outputs,
+        motion: Motion,
+        heat: Heat,
+        levelling: Levelling,
         runner: Runner,
         progress: Progress,
         objects: PrintObjects,
         library: Library,
+        *,
+        interrupted: Callable[[], InterruptedPrint | None],
+        unsaved: Callable[[], dict[str, dict[str, str]]],
+        queue: Callable[[], Queue],
     ) -> None:
-        self._printer, self._runner, self._progress = printer, runner, progress
+        self._control, self._rig, self._state = control, control.rig, control.state
+        self._outputs, self._heat, self._levelling = outputs, heat, levelling
+        self._offsets = motion.offsets
+        self._runner, self._progress = runner, progress
         self._objects, self._library = objects, library
-        self._letters = axis_order(printer.machine.axes)
+        self._letters = axis_order(self._rig.machine.axes)
         self._ended: EndedJob | None = None
         self._moves_since_s: float | None = None
-        self.unsaved: Callable[[], dict[str, dict[str, str]]] = dict  # gives `Status.unsaved`
-        self.interrupted: Callable[[], InterruptedPrint | None] = lambda: None  # gives its field
-        self.queue: Callable[[], Queue] = Queue  # gives its field
+        self._interrupted, self._unsaved, self._queue = interrupted, unsaved, queue
         runner.watchers.append(self._job_changed)
 
     def read(self) -> Status:
         """The current status."""
-        printer, job = self._printer, self._printer.job
-        shown = {k.lower(): mm for k, mm in printer.positions.shown().items()}
-        homed, state = _homed_axes(printer), self._state()
+        rig, job = self._rig, self._rig.job
+        shown = {k.lower(): mm for k, mm in rig.positions.shown().items()}
+        homed, state = _homed_axes(rig), self._printer_state()
         return Status(
             state=state,
-            halted=printer.halted,
-            time_s=max(printer.queue.now_s, 0.0),
+            halted=self._state.halted,
+            time_s=max(rig.queue.now_s, 0.0),
             position_mm=shown,
             homed=homed,
             tool=job.tool,
-            heaters={name: _heater_status(printer, name) for name in printer.machine.heaters},
-            fans={n: printer.commands.outputs.fans.get(n, 0.0) for n in printer.machine.fans},
+            heaters={name: self._heater(name) for name in rig.machine.heaters},
+            fans={n: rig.commands.outputs.fans.get(n, 0.0) for n in rig.machine.fans},
             speed_factor=job.speed_factor,
             motion=self._motion(),
             axes=self._axes(shown, homed),
             boards=self._boards(),
             flow_factors=list(job.flows),
-            faults=_faults(printer.state.cause.problems) if printer.state.cause else (),
-            link=printer.supervisor.link.name.lower(),
-            message=printer.prompts.message,
-            question=printer.prompts.question,
-            power_supply=printer.power_supply.on,
+            faults=_faults(self._state.cause.problems) if self._state.cause else (),
+            link=self._control.supervisor.link.name.lower(),
+            message=self._control.prompts.message,
+            question=self._control.prompts.question,
+            power_supply=self._outputs.power.on,
             files=FilesStatus(
                 self._library.mounted, self._runner.path, str(self._library.folder or "")
             ),
             progress=self._progress.share_done(),
             job=self._job(),
             ended=self._ended if self._runner.ended else None,
-            interrupted=self.interrupted(),
-            queue=self.queue(),
-            started=printer.state.start_failure is None,
-            macros=json.loads(json.dumps(printer.rig.macros.variables)),  # with texts as keys
-            min_extrude_c=printer.heat.cold.min_c(job.tool),
-            unsaved=self.unsaved(),
-            saved_variables=printer.rig.macros.saved,
-            moving_s=self._moving_s(state, max(printer.queue.now_s, 0.0)),
-            bed=printer.levelling.status() if printer.machine.probe else None,
-            skew_profile=printer.skew.profile_status if printer.skew else None,
-            gantry_level=printer.gantry.level if printer.gantry else None,
-            screws=printer.screws.measured if printer.screws else (),
-            screws_limit_mm=printer.screws.exceeded_mm if printer.screws else None,
-            shapers=printer.commands.filters.shaper_status(),
-            advances=printer.commands.filters.advance_status(),
-            cooled_c=dict(printer.targets.cooled_c),
+            interrupted=self._interrupted(),
+            queue=self._queue(),
+            started=self._state.start_failure is None,
+            macros=json.loads(json.dumps(rig.macros.variables)),  # with texts as keys
+            min_extrude_c=self._heat.settings.cold.min_c(job.tool),
+            unsaved=self._unsaved(),
+            saved_variables=rig.macros.saved,
+            moving_s=self._moving_s(state, max(rig.queue.now_s, 0.0)),
+            bed=self._levelling.bed.status() if rig.machine.probe else None,
+            skew_profile=self._levelling.skew.profile_status if self._levelling.skew else None,
+            gantry_level=self._levelling.gantry.level if self._levelling.gantry else None,
+            screws=self._levelling.screws.measured if self._levelling.screws else (),
+            screws_limit_mm=self._levelling.screws.exceeded_mm if self._levelling.screws else None,
+            shapers=rig.commands.filters.shaper_status(),
+            advances=rig.commands.filters.advance_status(),
+            cooled_c=dict(self._outputs.targets.cooled_c),
         )
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:
@@ -126,35 +141,35 @@ class StatusReader:
                 _faults(self._runner.problems),
             )
 
-    def _state(self) -> PrinterState:
-        printer = self._printer
-        if printer.halted:
+    def _printer_state(self) -> PrinterState:
+        rig = self._rig
+        if self._state.halted:
             return PrinterState.HALTED
         if self._runner.state is JobState.PAUSED:
             return PrinterState.PAUSED
         if self._runner.active:
             return PrinterState.PRINTING
-        busy = printer.motion_lock.locked or not printer.queue.idle
+        busy = self._control.motion_lock.locked or not rig.queue.idle
         return PrinterState.BUSY if busy else PrinterState.IDLE
 
     def _motion(self) -> MotionStatus:
-        printer = self._printer
+        rig = self._rig
         nozzle, filament = self._speeds()
         return MotionStatus.of(
-            printer.job,
+            rig.job,
             speed_mm_s=nozzle,
             filament_mm_s=filament,
-            queued_s=max(printer.queue.ahead_s, 0.0),
-            motors_on=bool(printer.motors.on),
+            queued_s=max(rig.queue.ahead_s, 0.0),
+            motors_on=bool(self._outputs.motors.on),
         )
 
     def _speeds(self) -> tuple[float, float]:
         """Speeds of the nozzle and of the filament, mm/s; a retraction is negative."""
-        printer, job = self._printer, self._printer.job
-        now = printer.queue.passed
-        if printer.halted or printer.queue.idle:
+        rig, job = self._rig, self._rig.job
+        now = rig.queue.passed
+        if self._state.halted or rig.queue.idle:
             return 0.0, 0.0
-        then = now - int(_SPEED_OVER_S * printer.queue.hz)
+        then = now - int(_SPEED_OVER_S * rig.queue.hz)
         to, start = job.position_at(now), job.position_at(then)
         if to is None or start is None:
             return 0.0, 0.0
@@ -162,12 +177,12 @@ class StatusReader:
         return hypot(*moved[:3]), moved[E]
 
     def _axes(self, shown: dict[str, float], homed: frozenset[str]) -> dict[str, AxisStatus]:
-        printer, job = self._printer, self._printer.job
-        program, machine = printer.positions.program, job.machine_position
-        steps = printer.offsets.babysteps_mm
+        rig, job = self._rig, self._rig.job
+        program, machine = rig.positions.program, job.machine_position
+        steps = self._offsets.babysteps_mm
         found: dict[str, AxisStatus] = {}
         for i, name in enumerate(self._letters):
-            axis = printer.machine.axes[name]
+            axis = rig.machine.axes[name]
             shift = machine[slot_of_axis(i)] - program[i]
             found[name] = AxisStatus(
                 position_mm=shown[name],
@@ -179,8 +194,26 @@ class StatusReader:
             )
         return found
 
+    def _heater(self, name: str) -> HeaterStatus:
+        rig = self._rig
+        """The status of a heater of this name."""
+        heater = rig.connection.heaters[name]
+        reading = rig.connection.reading(name, rig.queue.board_now)
+        return HeaterStatus(
+            reading.celsius,
+            heater.target,
+            # The board's last report of a heater is older than the halt.
+            0.0 if self._state.halted or heater.fault else heater.power,
+            heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
+            self._heat.settings.cold.min_c_of(name),
+            reading.age_s,
+        )
+
     def _boards(self) -> dict[str, BoardStatus]:
-        live, connections = self._printer.connection.live, self._printer.connection.connections
+        live, connections = (
+            self._rig.connection.live,
+            self._rig.connection.connections,
+        )
         return {
             connection.name or "main": _board_status(connection, simulated=not live)
             for connection in connections
@@ -191,7 +224,7 @@ class StatusReader:
 
     def _job_status(self) -> JobStatus:
         runner, progress = self._runner, self._progress
-        job, now = self._printer.job, self._printer.queue.passed
+        job, now = self._rig.job, self._rig.queue.passed
         line = job.line_at(now)  # drops past lines
         return JobStatus(
             file=runner.name,
@@ -241,22 +274,7 @@ def _board_status(connection: Connection, *, simulated: bool) -> BoardStatus:
     )
 
 
-def _heater_status(printer: Printer, name: str) -> HeaterStatus:
-    """The status of a heater of this name."""
-    heater = printer.connection.heaters[name]
-    reading = printer.connection.reading(name, printer.queue.board_now)
-    return HeaterStatus(
-        reading.celsius,
-        heater.target,
-        # The board's last report of a heater is older than the halt.
-        0.0 if printer.halted or heater.fault else heater.power,
-        heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
-        printer.heat.cold.min_c_of(name),
-        reading.age_s,
-    )
-
-
-def _homed_axes(printer: Printer) -> frozenset[str]:
+def _homed_axes(rig: LiveRig) -> frozenset[str]:
     """The axes that may move: the homed ones, or all on a machine that does not require homing."""
-    axes, locked = axis_order(printer.machine.axes), printer.job.locked_axes
+    axes, locked = axis_order(rig.machine.axes), rig.job.locked_axes
     return frozenset(name for i, name in enumerate(axes) if i not in locked)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from math import floor
 from typing import TYPE_CHECKING
@@ -170,6 +170,11 @@ class DriverCommands:
         if not found:
             reply.say(f"echo:{letter} has no driver that can be set up")
         return found
+
+    @property
+    def states(self) -> Mapping[str, DriverState]:
+        """The drivers that can be set up, by motor."""
+        return self._watch.states
 
     def setting_lines(self) -> Iterator[str]:
         """M906 and M569 for each driver, by its letter and, if the letter has several motors, its

@@ -90,7 +90,7 @@ class TuneCommands:
         if not fits:
             kind = self._machine.heaters[name].control.kind
             return f'Not in use: the control of {name} is "{kind}", which this result is not for'
-        stores = self._state.store_settings is not None
+        stores = bool(self._state.stores)
         return f"In use until a restart{'. M500 stores it' if stores else ''}"
 
     def _run(self, name: str, tune: RelayTune | StepTune, use: str, reply: Reply) -> bool:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
 from passo.motion.rig import Rig
 from passo.printer.commands.motors import Motors
 from passo.printer.laser import Laser
+from passo.printer.power import Power
 from passo.printer.targets import Targets
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves, WaitForProcedure
 
@@ -23,10 +23,12 @@ class PowerSupply:
     """M80 and M81 of one printer. Without a pin the power supply is always on. A board that shuts
     down switches it off."""
 
-    def __init__(self, rig: Rig, laser: Laser, motors: Motors, targets: Targets) -> None:
-        self._rig, self._laser, self._motors, self._targets = rig, laser, motors, targets
+    def __init__(
+        self, rig: Rig, power: Power, laser: Laser, motors: Motors, targets: Targets
+    ) -> None:
+        self._rig, self._power = rig, power
+        self._laser, self._motors, self._targets = laser, motors, targets
         self._pin = rig.machine.mains
-        self.on = True
 
     def begin(self, boards: Boards) -> None:
         """Call this after the boards have restarted, or after their adoption, when another host may
@@ -36,15 +38,10 @@ class PowerSupply:
 
     def renew(self) -> None:
         """Sends the state again, because the board may not have received the last one."""
-        self._switch(self._rig.connection, self.on)
-
-    def require(self) -> None:
-        """Raises CommandError while the power supply is off."""
-        if not self.on:
-            raise CommandError.of("command.no-mains")
+        self._switch(self._rig.connection, self._power.on)
 
     def _switch(self, boards: Boards, on: bool) -> None:
-        self.on = on
+        self._power.on = on
         if self._pin is not None:
             boards.switch("mains", on)
 
@@ -59,9 +56,9 @@ class PowerSupply:
     )
     def _switch_on(self, command: Command, reply: Reply) -> Wait | None:
         if "S" in command.letters():
-            reply.say(f"PS:{int(self.on)}")
+            reply.say(f"PS:{int(self._power.on)}")
             return None
-        return None if self.on else WaitForProcedure(self._rise)
+        return None if self._power.on else WaitForProcedure(self._rise)
 
     async def _rise(self) -> None:
         self._switch(self._rig.connection, True)

@@ -1,8 +1,7 @@
-"""Commands that report the state of the printer: temperatures, position, firmware."""
+"""Commands that report the state of the printer: position, firmware, drivers."""
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
@@ -15,10 +14,12 @@ from passo.probes.base import SensingProbe
 from passo.version import __version__
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.printer.commands.drivers import DriverCommands
+    from passo.printer.control import Control
+    from passo.printer.setup.motion import Motion
+    from passo.printer.watch.late_commands import LateCommandWatch
 
 _SWITCHES = "XYZIJKPD", "homing"  # values of M123 and M124
-_LETTERS = {"hotend": "T", "bed": "B", "chamber": "C"}
 CAPABILITIES = {
     "EEPROM": False,
     "AUTOREPORT_TEMP": True,
@@ -37,79 +38,34 @@ CAPABILITIES = {
 class Reports:
     """The reporting commands of one printer."""
 
-    def __init__(self, printer: Printer, *, card: bool = False, settings: bool = False) -> None:
-        self._printer, self._card, self._settings = printer, card, settings
-        self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
-
-    def temperatures(self) -> str:
-        """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured (-273.15 while the board reports nothing),
-        target, power of 127."""
-        printer = self._printer
-        parts: list[str] = []
-        powers: list[str] = []
-        hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
-        at_work = hotends[-1] if hotends else ""  # if the tool has no hotend
-        with suppress(CommandError):
-            at_work = printer.commands.set_points.heater("hotend")
-        for name, config in printer.machine.heaters.items():
-            heater = printer.connection.heaters[name]
-            # The board's last report of a heater is older than the halt.
-            power = 0 if printer.halted else round(heater.power * 127)
-            letter = _LETTERS[config.kind]
-            seen = printer.connection.reading(name, printer.queue.board_now)
-            reading = f":{seen.number_c:.2f} /{heater.target:.2f}"
-            if config.kind == "hotend":
-                number = printer.controls.number_of(name)
-                if name == at_work:
-                    parts.insert(0, f"T{reading}")
-                    powers.insert(0, f"@:{power}")
-                if len(hotends) > 1 and number is not None:
-                    parts.append(f"T{number}{reading}")
-                    powers.append(f"@{number}:{power}")
-            else:
-                parts.append(f"{letter}{reading}")
-                powers.append(f"{letter}@:{power}")
-        return " ".join(parts + powers)
+    def __init__(
+        self,
+        control: Control,
+        motion: Motion,
+        drivers: DriverCommands,
+        lateness: LateCommandWatch,
+        *,
+        card: bool = False,
+        settings: bool = False,
+    ) -> None:
+        self._control, self._rig, self._motion = control, control.rig, motion
+        self._drivers, self._lateness = drivers, lateness
+        self._card, self._settings = card, settings
+        self._letters = [name.upper() for name in axis_order(control.machine.axes)]
 
     def position(self) -> str:
         """`X:0.00 Y:0.00 Z:0.00 E:0.00 Count X:0 Y:0 Z:0`: the program's target, motor steps."""
-        printer = self._printer
-        *axes, e = printer.positions.program
+        *axes, e = self._rig.positions.program
         rounded = [round(at, 3) + 0.0 for at in axes]  # never -0
         text = " ".join(
             f"{letter}:{at:.3f}" for letter, at in zip(self._letters, rounded, strict=True)
         )
         counts = " ".join(
             f"{row['name'].upper()}:{row['count']}"
-            for row in printer.job.steppers()
+            for row in self._rig.job.steppers()
             if not row["name"].startswith("e")
         )
         return f"{text} E:{e:.4f} Count {counts}"
-
-    def _fractions(self) -> str:
-        """`T0A:0.5120 BA:0.6100`: the readings of the sensors as fractions of full scale."""
-        printer = self._printer
-        words: list[str] = []
-        for name, config in printer.machine.heaters.items():
-            number = printer.controls.number_of(name) if config.kind == "hotend" else None
-            letter = f"T{number or 0}" if config.kind == "hotend" else _LETTERS[config.kind]
-            words.append(f"{letter}A:{printer.connection.heaters[name].fraction:.4f}")
-        return " ".join(words)
-
-    @command(
-        "M105",
-        Subject.HEATERS,
-        When.IMMEDIATE,
-        "X",
-        "Reports the temperatures. With X also the raw readings of the sensors, as fractions of the"
-        " ADC's full scale: T0A, BA, CA.",
-        kind=Kind.QUIET,
-        bare="RX",
-    )
-    def _temperatures(self, command: Command, reply: Reply) -> Wait | None:
-        raw = any(word.startswith("X") for word in command.text.upper().split())
-        reply.with_ok(self.temperatures() + (f" {self._fractions()}" if raw else ""))
-        return None
 
     @command(
         "M114",
@@ -132,13 +88,13 @@ class Reports:
 
     def _require_board(self) -> None:
         """Raises CommandError while the boards are stopped, because they do not answer then."""
-        if self._printer.halted:
-            raise CommandError.of("command.halted", value=self._printer.halted)
+        if self._control.state.halted:
+            raise CommandError.of("command.halted", value=self._control.state.halted)
 
     def _real(self) -> str:
         """Like `position`, but for the real position by the step counts. Raises CommandError."""
         self._require_board()
-        places, counts = self._printer.positions.now()
+        places, counts = self._rig.positions.now()
         e = places.pop("E", None)
         words = [f"{letter}:{round(at, 3) + 0.0:.3f}" for letter, at in places.items()]
         words += [] if e is None else [f"E:{round(e, 4) + 0.0:.4f}"]
@@ -156,12 +112,12 @@ class Reports:
     def _switches(self, _: Command, reply: Reply) -> Wait | None:
         self._require_board()
         reply.say("Reporting endstop status")
-        machine = self._printer.machine
+        machine = self._control.machine
         homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
-        for name, pressed in self._printer.homer.states().items():
+        for name, pressed in self._motion.homer.states().items():
             reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
         if isinstance(machine.probe, SensingProbe):
-            triggered = self._printer.prober.triggered()
+            triggered = self._motion.prober.triggered()
             reply.say(f"z_probe: {'TRIGGERED' if triggered else 'open'}")
         return None
 
@@ -177,14 +133,14 @@ class Reports:
     def _limits(self, command: Command, reply: Reply) -> Wait | None:
         if command.words().get("S", 1) == 0:
             raise CommandError([Problem("command.fixed", values={"value": "axes"})])
-        axes = self._printer.machine.axes
+        axes = self._control.machine.axes
         names = [n for n in axis_order(axes) if not axes[n].extruder]
         low = " ".join(f"{n.upper()}:{axes[n].min_mm:.2f}" for n in names)
         high = " ".join(f"{n.upper()}:{axes[n].max_mm:.2f}" for n in names)
         reply.say(f"Soft endstops: ON  Min: {low}  Max: {high}")
-        for line in self._printer.driver_commands.status_lines():
+        for line in self._drivers.status_lines():
             reply.say(line)
-        for line in self._printer.lateness.summaries():
+        for line in self._lateness.summaries():
             reply.say(line)
         return None
 
@@ -208,7 +164,7 @@ class Reports:
     )
     def _switch_logic(self, _: Command, reply: Reply) -> Wait | None:
         reply.say("Reporting endstop logic and pullup")
-        for switch in switches(self._printer.machine):
+        for switch in switches(self._control.machine):
             logic, pullup = "!" in switch.pin, "^" in switch.pin
             reply.say(
                 f"{switch.name} Logic:{'true' if logic else 'false'}"
@@ -226,7 +182,7 @@ class Reports:
         bare=None,
     )
     def _firmware(self, _: Command, reply: Reply) -> Wait | None:
-        machine = self._printer.machine
+        machine = self._control.machine
         reply.say(
             f"FIRMWARE_NAME:Passo {__version__} PROTOCOL_VERSION:1.0"
             f" MACHINE_TYPE:{machine.name} EXTRUDER_COUNT:{max(1, len(machine.tools))}"
@@ -238,6 +194,6 @@ class Reports:
 
     def capabilities(self) -> dict[str, bool]:
         """The capabilities in the reply to M115."""
-        chamber = any(h.kind == "chamber" for h in self._printer.machine.heaters.values())
+        chamber = any(h.kind == "chamber" for h in self._control.machine.heaters.values())
         files = dict.fromkeys(("AUTOREPORT_SD_STATUS", "EXTENDED_M20", "LFN_WRITE"), self._card)
         return CAPABILITIES | files | {"CHAMBER_TEMP": chamber, "EEPROM": self._settings}

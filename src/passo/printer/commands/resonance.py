@@ -161,7 +161,7 @@ class ResonanceCommands:
                 # At once, so that the first axis is done even if the second cannot be measured.
                 shaper = await self._fit(one, found, least_mm_s2, most, name, reply)
                 self._rig.commands.filters.use_shapers({one.name.upper(): shaper})
-            if store and self._state.store_settings is not None:
+            if store and self._state.stores:
                 self._state.store_settings()
                 reply.say("// The shapers are in use and stored")
             else:

@@ -62,9 +62,11 @@ class HeatCommands:
         """Sets in the interpreter which filament may move now."""
         self.cold.guard(self._rig.job, self._rig.connection.heaters)
 
-    def warm(self) -> bool:
-        """Whether the active tool's hotend is warm enough to move filament."""
-        return self.cold.warm(self._rig.connection.heaters, self._rig.job.tool)
+    def can_extrude(self) -> bool:
+        """Whether the machine has filament, and the active tool's hotend is warm enough to move
+        it."""
+        rig = self._rig
+        return bool(rig.machine.extruders) and self.cold.warm(rig.connection.heaters, rig.job.tool)
 
     @command(
         "TEMPERATURE_WAIT",

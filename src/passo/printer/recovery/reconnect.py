@@ -18,8 +18,7 @@ from passo.motion.motion_queue import TICK_S
 
 if TYPE_CHECKING:
     from passo.motion.rig import Rig
-    from passo.printer.commands.motors import Motors
-    from passo.printer.commands.power_supply import PowerSupply
+    from passo.printer.setup.outputs import Outputs
     from passo.printer.state import State
     from passo.printer.watch.driver_status import DriverWatch
     from passo.printer.watch.endstops import EndstopWatch
@@ -38,14 +37,12 @@ class Reconnection:
         self,
         rig: Rig,
         state: State,
-        *,
-        motors: Motors,
-        power_supply: PowerSupply,
+        outputs: Outputs,
         drivers: DriverWatch,
         endstops: EndstopWatch,
     ) -> None:
         self.rig, self.state = rig, state
-        self.motors, self.power_supply = motors, power_supply
+        self.motors, self.power_supply = outputs.motors, outputs.power_supply
         self.drivers, self.endstops = drivers, endstops
 
     async def reconnect(self, lost: LinkLostError) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from passo.board.faults import BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
-from passo.errors import MachineError, PassoError, in_words
+from passo.errors import MachineError, in_words
 from passo.motion.motion_queue import TICK_S, either
 from passo.printer.recovery.link_state import TRANSITIONS, LinkState
 from passo.printer.recovery.stop_boards import stop_boards
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from passo.printer.motion_lock import MotionLock
     from passo.printer.recovery.reconnect import Reconnection
     from passo.printer.state import State
+    from passo.printer.stops import Stops
     from passo.printer.watch.late_commands import LateCommandWatch
 
 
@@ -41,14 +42,16 @@ class Supervisor:
         motion_lock: MotionLock,
         lateness: LateCommandWatch,
         reconnection: Reconnection,
+        stops: Stops,
         *,
-        halt: Callable[[PassoError], None],
         restart: Callable[[], None],
     ) -> None:
         self._rig, self._state, self._motion_lock = rig, state, motion_lock
         self._lateness, self.reconnection = lateness, reconnection
-        self._halt_printer, self._restart = halt, restart
+        self._halt_printer, self._restart = stops.halt, restart
+        stops.halt_listeners.append(self._stop)
         self._restart_asked = asyncio.Event()  # M999 was sent, and no M112 since
+        stops.restart_listeners.append(self._restart_asked.set)
         self._asking: list[asyncio.Future[None]] = []  # consoles that wait for the result of M999
         self._link = LinkState.CONNECTED
         # called with the old and the new state
@@ -68,17 +71,13 @@ class Supervisor:
         for watcher in self.watchers:
             watcher(was, link)
 
-    def request_restart(self) -> None:
-        """M999: requests a restart of the halted machine, which the user has made safe."""
-        self._restart_asked.set()
-
     def answered(self) -> asyncio.Future[None]:
         """A future that is done when the printer is ready again, or M999 has failed."""
         asking: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._asking.append(asking)
         return asking
 
-    def stop(self) -> None:
+    def _stop(self) -> None:
         """M112: halts the printer, even while a restart is pending."""
         if self._link is LinkState.PLACE_LOST:
             self._enter(LinkState.HALTED)

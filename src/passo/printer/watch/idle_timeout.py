@@ -6,13 +6,11 @@ import logging
 from collections.abc import Callable
 
 from passo.errors import MachineError
-from passo.printer.commands.motors import Motors
 from passo.printer.commands.user_prompts import UserPrompts
-from passo.printer.laser import Laser
 from passo.printer.live_rig import LiveRig
 from passo.printer.motion_lock import MotionLock
+from passo.printer.setup.outputs import Outputs
 from passo.printer.state import State
-from passo.printer.targets import Targets
 from passo.printer.wait_runner import WaitRunner
 
 _log = logging.getLogger(__name__)
@@ -28,16 +26,14 @@ class IdleWatch:
         rig: LiveRig,
         state: State,
         motion_lock: MotionLock,
-        *,
-        motors: Motors,
-        laser: Laser,
-        targets: Targets,
+        outputs: Outputs,
         prompts: UserPrompts,
         waits: WaitRunner,
         halt: Callable[[MachineError, str], None],
     ) -> None:
         self._rig, self._state, self._motion_lock = rig, state, motion_lock
-        self._motors, self._laser, self._targets = motors, laser, targets
+        self._motors, self._laser = outputs.motors, outputs.laser
+        self._targets = outputs.targets
         self._prompts, self._waits, self._halt = prompts, waits, halt
 
     def time_passed(self) -> None:

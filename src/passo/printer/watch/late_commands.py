@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo.board.lateness import is_late, problem_of, summary
@@ -21,12 +20,11 @@ _AGAIN_S = 10.0  # between two lines on the consoles
 
 
 class LateCommandWatch:
-    """Monitors the slack of one printer's links. `program` gives the name of the printed file;
-    `worst` is the worst report of the current or the last print."""
+    """Monitors the slack of one printer's links. `worst` is the worst report of the current or the
+    last print."""
 
     def __init__(self, rig: Rig, state: State) -> None:
         self._rig, self._state = rig, state
-        self.program: Callable[[], str] = str
         self.worst = ""
         self._least_s = 0.0  # the slack of `worst`
         self._next_word = 0
@@ -78,7 +76,7 @@ class LateCommandWatch:
             self._pending = None
 
     def _problem(self, connection: Connection, slack: _core.Slack) -> Problem:
-        rig, file = self._rig, self.program()
+        rig, file = self._rig, self._state.printed_file
         clock = connection.main_clock(slack.clock) - rig.queue.base
         line = rig.job.line_near(clock) if file else 0
         again = sum(c.link.retransmitted_bytes for c in rig.connection.connections)
