@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
 
 LOOPS = frozenset({"SDCARD_LOOP_BEGIN", "SDCARD_LOOP_END"})
 _MAX_DEPTH = 100
@@ -20,30 +20,32 @@ class _Loop(NamedTuple):
     line: int
 
 
-class Loops:
-    """The open loops of one file. `go_to` lets the reader continue at a byte and its line."""
+class Place(NamedTuple):
+    """Where the reader of a file continues: a byte and its line."""
 
-    def __init__(
-        self, go_to: Callable[[int, int], None], once: Callable[[Command], None] | None = None
-    ) -> None:
-        """With `once`, which is called with its command, a loop without an end is read once."""
-        self._go_to, self._once = go_to, once
+    offset: int
+    line: int
+
+
+class Loops:
+    """The open loops of one file."""
+
+    def __init__(self, omitted: SkippedCommands | None = None) -> None:
+        """With `omitted`, which counts it, a loop without an end is read once."""
+        self._omitted = omitted
         self._open: list[_Loop] = []
         self.used = False  # the file has repeated lines, so that a line may come twice
 
-    def take(self, command: Command, offset: int, depth: int) -> bool:
-        """Carries out a command of a loop; returns False for any other one. `offset` is that of the
-        next line of the file, `depth` the number of macros around the command. Raises
-        CommandError."""
-        if command.code not in LOOPS:
-            return False
+    def take(self, command: Command, offset: int, depth: int) -> Place | None:
+        """Carries out a command of LOOPS. Returns the place to go back to, if there is one.
+        `offset` is that of the next line of the file, `depth` the number of macros around the
+        command. Raises CommandError."""
         if depth > 0:
             raise CommandError.of("command.loop-in-macro", axis=command.code)
         if command.code == "SDCARD_LOOP_BEGIN":
             self._begin(command, offset)
-        else:
-            self._end()
-        return True
+            return None
+        return self._end()
 
     def _begin(self, command: Command, offset: int) -> None:
         given = command.pairs().get("COUNT", "")
@@ -55,19 +57,17 @@ class Loops:
             limit = f"at most {_MAX_DEPTH} loops within each other"
             raise CommandError.of("command.value", axis="COUNT", value=given, limit=limit)
         self.used, left = True, int(given)
-        if left == 0 and self._once is not None:
-            self._once(command)
+        if left == 0 and self._omitted is not None:
+            self._omitted.count(SkippedCommand.ENDLESS, command.code, command.line)
             left = 1
         self._open.append(_Loop(left, offset, command.line + 1))
 
-    def _end(self) -> None:
-        if not self._open:
-            return
-        loop = self._open.pop()
-        if loop.left == 1:
-            return
+    def _end(self) -> Place | None:
+        loop = self._open.pop() if self._open else None
+        if loop is None or loop.left == 1:
+            return None
         self._open.append(loop._replace(left=max(loop.left - 1, 0)))
-        self._go_to(loop.offset, loop.line)
+        return Place(loop.offset, loop.line)
 
     def desist(self) -> None:
         """SDCARD_LOOP_DESIST: the lines of all open loops are read once more at most."""

@@ -14,7 +14,7 @@ from passo import _core
 from passo.errors import CommandError, InputError, MachineError, Problem, WordError
 from passo.gcode.command import Command
 from passo.job.batch.source import chunks, lines, open_source
-from passo.job.loops import Loops
+from passo.job.loops import LOOPS, Loops
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.macros import EmergencyStop
@@ -47,11 +47,11 @@ class _Text:
     """The pieces of an open file, for a job that reads them. Its loops go back in it."""
 
     def __init__(self, job: _core.Job, commands: Commands, source: BinaryIO, name: str) -> None:
-        self._job, self._commands = job, commands
+        self._job = job
         self._source, self._name = source, name
         self._pieces = chunks(source, name)
         self._begin = 0  # of the text that the job reads
-        self._loops = Loops(self._go_to, self._once)
+        self._loops = Loops(commands.omitted)
 
     def __iter__(self) -> Iterator[bytes]:
         return self
@@ -65,17 +65,17 @@ class _Text:
         return self._begin + self._job.offset
 
     def repeats(self, command: Command) -> bool:
-        """See `Loops.take`."""
-        return self._loops.take(command, self.offset, self._job.macro_depth)
-
-    def _go_to(self, offset: int, line: int) -> None:
-        self._job.restart(line)
-        self._begin = offset
-        self._source.seek(offset)
-        self._pieces = chunks(self._source, self._name)
-
-    def _once(self, command: Command) -> None:
-        self._commands.omitted.count(SkippedCommand.ENDLESS, command.code, command.line)
+        """Carries out a command of a loop; returns False for any other one. Raises
+        CommandError."""
+        if command.code not in LOOPS:
+            return False
+        back = self._loops.take(command, self.offset, self._job.macro_depth)
+        if back is not None:
+            self._job.restart(back.line)
+            self._begin = back.offset
+            self._source.seek(back.offset)
+            self._pieces = chunks(self._source, self._name)
+        return True
 
 
 def _repeats_nothing(command: Command) -> bool:

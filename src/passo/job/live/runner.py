@@ -19,7 +19,7 @@ from passo.job.live.job_state import TRANSITIONS, JobState
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
 from passo.job.live.reader import Reader
-from passo.job.loops import Loops
+from passo.job.loops import LOOPS, Loops, Place
 from passo.job.preflight import prepare, survey_in_pieces
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
@@ -67,7 +67,7 @@ class Runner:
         self._suspension, self._reply = suspension, reply
         self.park = Park(control, suspension, heat)
         self._cooling = Cooling(control)
-        self.loops = Loops(self._go_to)
+        self.loops = Loops()
         self._park_words: Mapping[str, float] = {}
         self._macro_parks = False  # the macro that has paused the print parks the nozzle
         self._reader: Reader | None = None
@@ -355,12 +355,12 @@ class Runner:
         if self._reader:
             self._reader.seek(offset)
 
-    def _go_to(self, offset: int, line: int) -> None:
-        """Continues to read the file at the byte of a line; modes and plan stay."""
-        self._control.rig.job.restart(line)
-        self._begin = offset
+    def _go_back(self, place: Place) -> None:
+        """Continues to read the file there; modes and plan stay."""
+        self._control.rig.job.restart(place.line)
+        self._begin = place.offset
         assert self._reader is not None
-        self._reader.seek(offset)
+        self._reader.seek(place.offset)
 
     # -- the print --------------------------------------------------------------------------------
 
@@ -564,7 +564,10 @@ class Runner:
         elif found == status.EVENT:
             command = self._command = Command(*job.event)
             try:
-                if self.loops.take(command, self._begin + job.offset, job.macro_depth):
+                if command.code in LOOPS:
+                    back = self.loops.take(command, self._begin + job.offset, job.macro_depth)
+                    if back is not None:
+                        self._go_back(back)
                     await asyncio.sleep(0)  # the loop may have no move
                     return False
                 self._waits_for = control.dispatch.run_command(command, self._reply)
