@@ -137,6 +137,10 @@ void bind_job_program(JobClass& job) {
           "macro_depth", [](const JobView& self) { return self.job.interpreter.macro_depth(); },
           "The nesting depth of the running macros of the selected source.")
       .def_prop_ro(
+          "subprogram_depth",
+          [](const JobView& self) { return self.job.interpreter.subprogram_depth(); },
+          "The nesting depth of the running sub-programs of the selected source.")
+      .def_prop_ro(
           "modal",
           [](const JobView& self) {
             const auto modal = self.job.interpreter.modal();

@@ -71,6 +71,8 @@ class Interpreter {
   void insert(std::string_view text, std::string_view code = {});
   // How many macros of the selected source run within each other.
   size_t macro_depth() const { return frames_of(FrameKind::macro); }
+  // The same of sub-programs.
+  size_t subprogram_depth() const { return frames_of(FrameKind::subprogram); }
   // Moves the unread rest of the program's macro to `mine`, as a macro of a console.
   void hand_over_macro(Interpreter& mine);
   // Drops the rest of a console's macros.

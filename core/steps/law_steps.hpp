@@ -18,7 +18,7 @@ class LawSteps {
  public:
   LawSteps(const Machine& machine, const StepperSpec& spec) : machine_(machine), spec_(spec) {}
 
-  // PartKind of this kind will follow. Only at rest.
+  // The parts that follow are of this kind. Only at rest.
   void expect(PartKind parts) {
     parts_ = parts;
     if (parts == PartKind::quadratics && !intervals_)

@@ -1874,6 +1874,10 @@ class Job:
         """The nesting depth of the running macros of the selected source."""
 
     @property
+    def subprogram_depth(self) -> int:
+        """The nesting depth of the running sub-programs of the selected source."""
+
+    @property
     def modal(self) -> tuple[bool, bool, float]:
         """
         (G90, M82, feedrate in mm/s): the modal state of the selected source. The feedrate is infinite until one is given.

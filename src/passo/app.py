@@ -139,16 +139,7 @@ def _furnish(
     if stem is not None:
         HaltReports(*live, printer.settings, runner, progress, stem)
     store = None if folder is None else Store(folder / "settings.json", printer.machine.uuid)
-    settings = SettingsCommands(
-        *(
-            printer.state,
-            printer.dispatch,
-            printer.motion,
-            printer.settings,
-            store,
-            options,
-        )
-    )
+    settings = SettingsCommands(printer.control, printer.motion, printer.settings, store, options)
     printer.dispatch.add(settings)
     if store is not None:
         printer.state.stores.append(settings.store)

@@ -127,7 +127,7 @@ def heat(s):
 
 @pytest.mark.parametrize("bad", ["G1 X990", "T7", "M104 SX", "RAISES", "M23 none.g"])
 def test_failed_print_cools_until_it_continues(tmp_path, bad):
-    """As a cancelled print. The second heater was set anew in the meantime, and stays as it is."""
+    """Like a cancelled print. The user sets the second heater in the meantime; it stays so."""
     machine = with_macros(macro("RAISES", "{ action_raise_error('no') }"))
     lines = ["G28", "M104 S60", "M140 S40", "M109 S60", "M106 S255", "G1 Z5 F3000", bad, "G1 X9"]
     (tmp_path / "a.g").write_text("\n".join(lines) + "\n")

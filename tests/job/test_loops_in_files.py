@@ -104,6 +104,7 @@ def test_print_with_loops_is_not_resumed_after_a_power_cut(tmp_path):
         ("SDCARD_LOOP_BEGIN COUNT=-1\n", 2, "COUNT is -1: expected"),
         ("SDCARD_LOOP_BEGIN COUNT=9\n" * 101, 102, "expected at most 100 loops within each other"),
         ("LOOPS\nG1 X5 F600\n", 2, "SDCARD_LOOP_BEGIN is in a macro"),
+        ("M98 P20\nM30\nO20\nSDCARD_LOOP_BEGIN COUNT=2\nM99\n", 5, "BEGIN is in a macro or a sub"),
         ("SDCARD_LOOP_DESIST\n", 2, "SDCARD_LOOP_DESIST controls prints from files"),
     ],
 )

@@ -69,8 +69,8 @@ COMMAND: Mapping[str, Entry] = {
     ),
     "command.loop-in-macro": bad_input(
         "command",
-        "{axis} is in a macro, and only the lines of a file repeat",
-        "Write it into the file, or repeat lines of the macro by for",
+        "{axis} is in a macro or a sub-program, where no lines repeat",
+        "Write it into the main program of the file, or use for in the macro, M98 L for the call",
     ),
     "command.only-in-file": bad_input(
         "command",

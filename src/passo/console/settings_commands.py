@@ -14,10 +14,9 @@ from passo.job.settings_store import Override, Setting, Store, commands_of, same
 from passo.printer.wait_requests import NullReply, Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
-    from passo.printer.dispatch import Dispatch
+    from passo.printer.control import Control
     from passo.printer.settings import Settings
     from passo.printer.setup.motion import Motion
-    from passo.printer.state import State
 
 _log = logging.getLogger(__name__)
 
@@ -51,14 +50,14 @@ class SettingsCommands:
 
     def __init__(
         self,
-        state: State,
-        dispatch: Dispatch,
+        control: Control,
         motion: Motion,
         settings: Settings,
         store: Store | None,
         options: OptionCommands,
     ) -> None:
-        self._state, self._dispatch, self._motion = state, dispatch, motion
+        self._state, self._dispatch = control.state, control.dispatch
+        self._motion = motion
         self._settings, self._store, self._options = settings, store, options
         self._defaults = list(settings.lines())
         self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}

@@ -33,14 +33,7 @@ async def _overrides(machine: MachineConfig, state: Path) -> list[str]:
         store = Store(state / "settings.json", machine.uuid)
         options = OptionCommands(printer.dispatch, printer.settings)
         commands = SettingsCommands(
-            *(
-                printer.state,
-                printer.dispatch,
-                printer.motion,
-                printer.settings,
-                store,
-                options,
-            )
+            printer.control, printer.motion, printer.settings, store, options
         )
         return commands.name_stored()
     finally:

@@ -38,8 +38,8 @@ class Loops:
 
     def take(self, command: Command, offset: int, depth: int) -> Place | None:
         """Carries out a command of LOOPS. Returns the place to go back to, if there is one.
-        `offset` is that of the next line of the file, `depth` the number of macros around the
-        command. Raises CommandError."""
+        `offset` is that of the next line of the file, `depth` the number of macros and
+        sub-programs around the command. Raises CommandError."""
         if depth > 0:
             raise CommandError.of("command.loop-in-macro", axis=command.code)
         if command.code == "SDCARD_LOOP_BEGIN":

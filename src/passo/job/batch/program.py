@@ -69,7 +69,8 @@ class _Text:
         CommandError."""
         if command.code not in LOOPS:
             return False
-        back = self._loops.take(command, self.offset, self._job.macro_depth)
+        depth = self._job.macro_depth + self._job.subprogram_depth
+        back = self._loops.take(command, self.offset, depth)
         if back is not None:
             self._job.restart(back.line)
             self._begin = back.offset

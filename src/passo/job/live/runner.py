@@ -565,7 +565,8 @@ class Runner:
             command = self._command = Command(*job.event)
             try:
                 if command.code in LOOPS:
-                    back = self.loops.take(command, self._begin + job.offset, job.macro_depth)
+                    depth = job.macro_depth + job.subprogram_depth
+                    back = self.loops.take(command, self._begin + job.offset, depth)
                     if back is not None:
                         self._go_back(back)
                     await asyncio.sleep(0)  # the loop may have no move

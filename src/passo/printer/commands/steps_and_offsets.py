@@ -18,7 +18,6 @@ from passo.printer.commands.extruder_words import extruder_of, with_extruders
 from passo.printer.commands.klipper_commands import offset_steps
 from passo.printer.commands.program_flow import babysteps, require_babystep
 from passo.printer.live_rig import LiveRig
-from passo.printer.state import State
 from passo.printer.wait_requests import Reply, Wait, WaitForMoves
 
 if TYPE_CHECKING:
@@ -38,8 +37,8 @@ class MotionCommands:
     console during a print are live: they also change the moves that the board does not have yet.
     M220 and M290 alone in a line are live from every console."""
 
-    def __init__(self, rig: LiveRig, state: State, offsets: Offsets, homer: Homer) -> None:
-        self._rig, self._state, self._homer = rig, state, homer
+    def __init__(self, rig: LiveRig, offsets: Offsets, homer: Homer) -> None:
+        self._rig, self._homer = rig, homer
         self.offsets = offsets
         self._axes = axis_order(rig.machine.axes)
 

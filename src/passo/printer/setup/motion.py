@@ -55,7 +55,7 @@ def build_motion(rig: LiveRig, state: State) -> Motion:
     seeks = triggered, correction
     homer = Homer(rig, state, offsets, rig.problem, *seeks, lone_motors, prober)
     predefined = PredefinedMoves(rig, state, triggered, rig.problem)
-    settings = MotionCommands(rig, state, offsets, homer)
+    settings = MotionCommands(rig, offsets, homer)
     predefined_commands = PredefinedMoveCommands(machine, predefined)
     handlers: list[object] = [settings, predefined_commands, MotorMoves(rig, state, *seeks, homer)]
     if machine.accelerometer is not None:

@@ -21,7 +21,7 @@ class CommentedText:
         return "\n".join(self._lines).strip("\n")
 
     def line(self, content: str, comment: str) -> None:
-        """Adds a line without its comment, and the comment behind it (empty: none)."""
+        """Adds a line without its comment, and the comment at its end (empty: none)."""
         self._lines += self._waiting
         self._waiting = []
         self._depth = _depth(content, self._depth)
