@@ -11,8 +11,8 @@ from passo.version import __version__
 
 if TYPE_CHECKING:
     from passo.errors import CommandError, ConfigError, InputError, MachineError, PassoError
-    from passo.live import Printer, run
-    from passo.machine import Machine
+    from passo.library.machine import Machine
+    from passo.library.printer import Printer, run
     from passo.printer.status import Status
     from passo.web.client import AsyncClient, Client, RequestError
 
@@ -36,11 +36,11 @@ _ERRORS = ("CommandError", "ConfigError", "InputError", "MachineError", "PassoEr
 _MODULES = dict.fromkeys(_ERRORS, "errors") | {
     "AsyncClient": "web.client",
     "Client": "web.client",
-    "Machine": "machine",
-    "Printer": "live",
+    "Machine": "library.machine",
+    "Printer": "library.printer",
     "RequestError": "web.client",
     "Status": "printer.status",
-    "run": "live",
+    "run": "library.printer",
 }
 
 
@@ -50,7 +50,7 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 # The modules that declare commands are in layers above the registry, so they are imported by name
 # here.
-registry.load_with(lambda: import_module("passo.command_modules"))
+registry.load_with(lambda: import_module("passo.library.command_modules"))
 
 
 def __getattr__(name: str) -> Any:

@@ -37,7 +37,7 @@ def test_json_lines_have_time_print_time_level_and_code(tmp_path):
     done = serve("--log", str(path), "--log-format", "json", lines="G28\nG1 X999\nM112\n")
     assert (done.returncode, done.stderr) == (0, "Serving i3 on standard input.\n")
     records = [json.loads(line) for line in path.read_text().splitlines()]
-    assert [r["message"] for r in records if r["logger"] == "passo.live"] == [
+    assert [r["message"] for r in records if r["logger"] == "passo.library.printer"] == [
         "Printer i3 started by Passo 0.1.0",
         "Printer i3 closed",
     ]

@@ -13,7 +13,7 @@ from passo.config.sensors import SensorTable, Thermistor
 from passo.config.thermistor import Ntc
 from passo.errors import ConfigError
 from passo.heat.control import limits_of
-from passo.machine import Machine
+from passo.library.machine import Machine
 
 HEAD = "max_c = 285.0\n"
 

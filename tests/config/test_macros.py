@@ -85,6 +85,7 @@ def test_the_examples_of_the_page_are_printed(tmp_path):
 
 
 def test_a_machine_without_macros_loads_no_templates():
-    code = "import sys, passo.app, passo.config as c; c.load('i3'); print('jinja2' in sys.modules)"
+    code = "import sys, passo.library.assembly, passo.config as c; c.load('i3')"
+    code += "; print('jinja2' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "False\n"

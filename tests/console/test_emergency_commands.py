@@ -11,12 +11,12 @@ import pytest
 from tests.support.scenario import Host, Scenario
 
 from passo import config
-from passo.app import assembled
 from passo.clock import VirtualLoop
 from passo.console.receive_queue import MAX_BYTES, MAX_LINES
 from passo.console.session import AT_ONCE, Session
 from passo.console.transports.serial import open_pty
 from passo.console.transports.streams import open_tcp
+from passo.library.assembly import assembled
 from passo.motion.motion_queue import MAX_QUEUED
 
 MANY = 20_000  # lines, of 0.3 MB

@@ -9,10 +9,10 @@ import pytest
 from tests.support.scenario import Host, Scenario
 
 from passo import config
-from passo.app import assembled
 from passo.clock import VirtualLoop
 from passo.console.session import Session
 from passo.console.transports.streams import open_tcp
+from passo.library.assembly import assembled
 
 
 def test_flood_is_read_in_pieces(monkeypatch):

@@ -6,12 +6,12 @@ import pytest
 from tests.support.scenario import Host, Scenario
 
 from passo import config
-from passo.app import assembled
 from passo.board.boards import Boards
 from passo.board.drivers import Drivers
 from passo.config.machine import MachineConfig
 from passo.console.printer_console import welcome
 from passo.errors import CardError, MachineError, PassoError
+from passo.library.assembly import assembled
 from passo.printer import printer as printer_module
 from passo.printer.setup import boards as setup_boards
 

@@ -18,13 +18,13 @@ from pathlib import Path
 import pytest
 
 from passo import config
-from passo.app import assembled
 from passo.cli.main import main
 from passo.console.session import Session
 from passo.console.transports import serial as lines
 from passo.console.transports import streams as wires
 from passo.console.transports.serial import open_pty, open_serial
 from passo.console.transports.streams import ConsoleError, open_tcp
+from passo.library.assembly import assembled
 
 TIMEOUT_S = 60
 

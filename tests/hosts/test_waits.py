@@ -12,10 +12,10 @@ import pytest
 from tests.support.scenario import Scenario
 from tests.support.waits import NEAR_C, WAITS, Waits, machine
 
-from passo.app import assembled
 from passo.clock import ScaledLoop
 from passo.config.machine import MachineConfig
 from passo.console.session import Session
+from passo.library.assembly import assembled
 
 SCALE = 40
 MAX_S = 900.0  # of print time, for the slowest wait

@@ -9,10 +9,10 @@ from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from passo import config
-from passo.app import assembled
 from passo.clock import VirtualLoop
 from passo.config.machine import MachineConfig
 from passo.console.session import Session
+from passo.library.assembly import assembled
 from passo.printer.unfit_commands import NOTHING, Skips
 from passo.simulator import SimulatedBoard
 

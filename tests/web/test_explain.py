@@ -4,7 +4,7 @@ import asyncio
 
 from tests.web.local_site import local_client
 
-from passo.live import Printer, run
+from passo.library.printer import Printer, run
 
 API = "/api/v1/explain"
 

@@ -9,7 +9,7 @@ from tests.web.local_site import client, local_client, site
 
 from passo import config
 from passo.config.own_machines import own_or_shipped
-from passo.live import Printer, run
+from passo.library.printer import Printer, run
 from passo.web.bridge import SettingValue
 
 API = "/api/v1/machine"

@@ -5,7 +5,7 @@ import asyncio
 from tests.web.fake_bridge import FakeBridge
 from tests.web.local_site import local_client
 
-from passo.live import Printer, run
+from passo.library.printer import Printer, run
 
 API = "/api/v1/simulation/parts"
 

@@ -23,7 +23,7 @@ from passo.errors import ExitStatus
 if TYPE_CHECKING:
     from passo.board.fault_injection import FaultOrder
     from passo.config.machine import MachineConfig
-    from passo.live import Printer
+    from passo.library.printer import Printer
 
 _log = logging.getLogger(__name__)
 _TCP = ("127.0.0.1", 2323)
@@ -236,7 +236,7 @@ def run(arguments: argparse.Namespace) -> int:
         return ExitStatus.USAGE
     from passo.board.fault_injection import FaultOrder
     from passo.errors import CommandError
-    from passo.live import run as run_live
+    from passo.library.printer import run as run_live
 
     if arguments.fault and machine.board.link != "simulated":
         raise CommandError.of("command.real-board")
@@ -279,7 +279,7 @@ def _state_of(arguments: argparse.Namespace) -> str | None:
 
 async def _list_faults(machine: MachineConfig) -> None:
     """Prints a line for each part that can have faults."""
-    from passo.live import Printer
+    from passo.library.printer import Printer
 
     async with Printer(machine) as printer:
         for part, values in printer.faults.items():
@@ -294,7 +294,7 @@ async def _serve(
     log: LogFile | None,
 ) -> bool:
     """Serves once. Returns True if the printer must restart with the current machine file."""
-    from passo.live import Printer
+    from passo.library.printer import Printer
 
     ours = asyncio.current_task()
     assert ours is not None

@@ -18,12 +18,11 @@ from passo.console.session import command_of
 from passo.errors import CommandError, ConfigError, PassoError
 from passo.gcode.line_protocol import uncommented
 from passo.gcode.registry import table
-from passo.planning import Planning
-from passo.planning_work import find_explanation, find_fitting, find_verdict
+from passo.library.planning import Planning
+from passo.library.planning_work import find_explanation, find_fitting, find_verdict
 from passo.web.bridge import BedState, PastPrint, SettingValue, SimulatedPart, Snapshot
 
 if TYPE_CHECKING:
-    from passo.app import Assembly
     from passo.card import Card, Writer
     from passo.config.machine import MachineConfig
     from passo.console.observer import Observer
@@ -31,7 +30,8 @@ if TYPE_CHECKING:
     from passo.gcode.registry import Declaration
     from passo.job.batch.verdict import Verdict
     from passo.learn.explanation import Explanation
-    from passo.planning import Work
+    from passo.library.assembly import Assembly
+    from passo.library.planning import Work
     from passo.printer.console_lines import ConsoleLine
     from passo.printer.status import PrinterState, Queue, QueuedPrint
     from passo.printer.unfit_commands import Skips

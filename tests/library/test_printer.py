@@ -10,8 +10,8 @@ import pytest
 
 import passo
 from passo import config
-from passo.app import assembled
 from passo.events import Fault, JobEnded, LayerChanged, Message, StateChanged, TemperatureChanged
+from passo.library.assembly import assembled
 from passo.printer.status import PrinterState
 
 PART = """G28

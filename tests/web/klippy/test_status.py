@@ -7,7 +7,7 @@ import pytest
 import passo
 from passo.config.exporting.settings import Sections
 from passo.errors import CommandError
-from passo.live_bridge import LiveBridge
+from passo.library.bridge import LiveBridge
 from passo.printer.klipper.objects import objects
 
 HEAT_AND_PRINT = "\n".join(

@@ -8,8 +8,8 @@ import pytest
 
 from passo import config
 from passo.errors import CardError, InputError
-from passo.planning import Planning
-from passo.planning_work import find_explanation, find_verdict
+from passo.library.planning import Planning
+from passo.library.planning_work import find_explanation, find_verdict
 from passo.printer.unfit_commands import NOTHING
 
 I3 = config.load("i3")

@@ -15,7 +15,6 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from passo import config
-from passo.app import Assembly, assembled
 from passo.board.fault_injection import FaultOrder
 from passo.board.faults import HeaterFault
 from passo.card.local import local_uri
@@ -25,7 +24,8 @@ from passo.console.observer import Observer
 from passo.console.printer_console import welcome
 from passo.console.session import Session, Wire
 from passo.errors import CommandError, MachineError
-from passo.machine import Machine
+from passo.library.assembly import Assembly, assembled
+from passo.library.machine import Machine
 from passo.printer.program_restart import ProgramRestart
 from passo.printer.unfit_commands import Skips
 from passo.version import __version__
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from passo.console.transports.streams import Console, NewSession
     from passo.events import Event
     from passo.job.live.job_state import JobState
-    from passo.live_bridge import LiveBridge
+    from passo.library.bridge import LiveBridge
     from passo.printer import printer as printers
     from passo.printer.status import Status
     from passo.web.accounts.accounts import Accounts
@@ -458,7 +458,7 @@ class Printer:
     @property
     def _bridge(self) -> LiveBridge:
         if self._bridged is None:
-            from passo.live_bridge import LiveBridge
+            from passo.library.bridge import LiveBridge
 
             self._bridged = LiveBridge(self._opened, self._observer, self._source, self._places)
         return self._bridged

@@ -9,7 +9,7 @@ import pytest
 
 import passo
 from passo.errors import CardError, CommandError, PassoError
-from passo.live_bridge import LiveBridge
+from passo.library.bridge import LiveBridge
 from passo.printer.status import PrinterState
 from passo.web.answers import status_of
 from passo.web.openapi import statuses

@@ -17,7 +17,7 @@ from passo.learn.explain import explain
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.learn.explanation import Explanation
-    from passo.planning import TakePath
+    from passo.library.planning import TakePath
     from passo.printer.unfit_commands import Skips
 
 _PIECE = 1 << 20  # bytes of a file copied at once

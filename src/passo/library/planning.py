@@ -56,7 +56,7 @@ class Planning(Generic[_T]):
         here, there = Pipe()
         with here:
             with there:
-                command = [sys.executable, "-m", "passo.planning", str(there.fileno())]
+                command = [sys.executable, "-m", "passo.library.planning", str(there.fileno())]
                 self.process = subprocess.Popen(
                     command, stdin=subprocess.DEVNULL, pass_fds=(there.fileno(),)
                 )
