@@ -58,6 +58,9 @@ def plain_name(name: str) -> str:
     return plain if plain[0].isalpha() else f"n{plain}"
 
 
+UNSAFE = "a value, without which the heater is not safe"
+UNKNOWN_SENSOR = "a sensor that Passo has; docs/reference/sensors.md lists them"
+NO_BUS = "three pins for the converter's bus: Passo does not use the chip's SPI unit"
 NO_SWITCH = "homing without a switch (sensorless) is not there yet"
 MOTORS_ALONE = "the fan runs with the motors alone, not with heaters"
 TWO_APPROACHES = "an axis approaches its endstop twice: it goes back by 3 mm between"  # the default

@@ -2,23 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import Other
+from passo.config.importing.table import Group, Row, Table, path_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from passo.config.importing.draft import Other
+    from passo.config.importing.table import Fate
+
+_TITLES = {
+    "built-in": ("{}s that Passo needs no key for", "in Passo"),
+    "dropped": ("{}s that are not taken over", "what that means"),
+}
 
 
-def table(title: str, columns: str, texts: Mapping[str, str]) -> str:
-    """A section with a table of two columns, in the order of the names."""
-    rows = "".join(f"| {name} | {texts[name]} |\n" for name in sorted(texts))
-    return f"\n## {title}\n\n| {columns} |\n|---|---|\n{rows}"
+def groups(table: Table, what: str) -> str:
+    """The options that become keys, with a table for each group."""
+    parts = [f"\n## {what.title()}s that become keys of the machine file\n"]
+    for group in table.groups.values():
+        if group.of:
+            note = f"\n{group.note[0].upper()}{group.note[1:]}.\n" if group.note else ""
+            head = f"\n### {_escaped(group.of)}\n{note}\n| option | unit | key | note |\n"
+            rows = "".join(_row(group, row) for row in group.rows)
+            parts.append(f"{head}|---|---|---|---|\n{rows}")
+    return "".join(parts)
+
+
+def notes(table: Table, group: str, what: str, fate: Fate) -> str:
+    """A table of the rows without a key that have this fate, in the order of their names."""
+    title, column = _TITLES[fate]
+    found = sorted((row.option, row.note) for row in table.groups[group].rows if row.fate == fate)
+    rows = "".join(f"| {_escaped(option)} | {note} |\n" for option, note in found)
+    head = f"| {what} | {column} |\n|---|---|\n"
+    return f"\n## {title.format(what.title())}\n\n{head}{rows}"
+
+
+def _row(group: Group, row: Row) -> str:
+    key = ".".join(path_of(group.to, row.key, _Capitals())) if row.key else row.fate or ""
+    usual = f"without it {row.default}" if row.default not in (None, "") else ""
+    note = "; ".join(part for part in (row.note, usual) if part)
+    option = ", ".join(_capitals(row.option).split(" "))
+    key = f"`{key}`" if row.key else f"*{key}*"
+    return f"| {_escaped(option)} | {row.unit} | {key} | {note} |\n"
+
+
+class _Capitals(dict[str, str]):
+    def __missing__(self, name: str) -> str:
+        return name.upper()
+
+
+def _capitals(text: str) -> str:
+    return re.sub(r"\{(\w+)\}", lambda found: found[1].upper(), text)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("*", r"\*")
 
 
 def tables_of_others(what: str, others: Mapping[str, Other]) -> str:
     """The tables of the parts without a key: those that Passo has, and those that it does not."""
-    kept, lost = (
-        {name: other.text for name, other in others.items() if other.lost == gone}
-        for gone in (False, True)
-    )
-    return table(
-        f"{what.title()}s that Passo needs no key for", f"{what} | in Passo", kept
-    ) + table(f"{what.title()}s that are not taken over", f"{what} | what that means", lost)
+    rows = [
+        Row(option=name, fate="dropped" if other.lost else "built-in", note=other.text)
+        for name, other in others.items()
+    ]
+    table = Table({"others": Group(rows=tuple(rows))})
+    return notes(table, "others", what, "built-in") + notes(table, "others", what, "dropped")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, get_args
 
 from passo.config.accelerometer import FASTEST_HZ, RATES_HZ, Direction
-from passo.config.importing.draft import bad
 from passo.config.importing.klipper.chips import LINUX
 from passo.config.importing.numbers import number_of
 from passo.config.pin_names import MAIN, bare, named_on, placed
@@ -21,7 +20,6 @@ _SPI_WIRES = {
     "miso_pin": "spi_software_miso_pin",
 }
 _I2C_WIRES = {"scl_pin": "i2c_software_scl_pin", "sda_pin": "i2c_software_sda_pin"}
-_I2C_KEYS = {"i2c_address": "i2c_address", "i2c_hz": "i2c_speed"}
 _LINUX_BUS = "spidev0.0"
 _NONE = "none"  # the chip select of a bus that has its own
 
@@ -100,9 +98,7 @@ def _put_i2c(job: Import, chip: Section) -> bool:
         return _lacks(job, chip, f"{place} when its board has link and port")
     else:
         return _lacks(job, chip, "its i2c_bus, or scl_pin and sda_pin")
-    for key, option in _I2C_KEYS.items():
-        if (value := chip.read(option)) is not None:
-            put((*path, key), value.whole(), value.place)
+    job.put("accelerometer_i2c", chip)
     return True
 
 
@@ -128,30 +124,27 @@ def _put_rate(job: Import, chip: Section) -> None:
 def _put_axes(job: Import, chip: Section) -> None:
     if "axes_map" not in chip.options:
         return
-    place = chip.at("axes_map")
     axes = [part.strip() for part in chip.text("axes_map").split(",")]
     if len(axes) != 3 or not set(axes) <= {*get_args(Direction)}:
-        limit = "three of x, y, z, -x, -y and -z"
-        raise bad(place, f"axes_map in [{chip.name}]", ", ".join(axes), limit)
-    job.draft.put(("accelerometer", "axes_map"), list(axes), place)
+        raise chip.wrong("axes_map", "three of x, y, z, -x, -y and -z", ", ".join(axes))
+    job.put_value(("accelerometer", "axes_map"), chip, "axes_map", list(axes))
 
 
 def _put_test(job: Import, tester: Section) -> None:
     """Sets the place of the measurement, and its strength."""
     for key in ("accel_chip", "accel_chip_x", "accel_chip_y", "accel_chip_z"):
         tester.option(key)  # one chip measures all axes, one after the other
-    put, path = job.draft.put, ("accelerometer",)
     points = tester.text("probe_points").strip().splitlines()
     if points:
-        place, what = tester.at("probe_points"), f"probe_points in [{tester.name}]"
         try:
             point = [number_of(part.strip()) for part in points[0].split(",")]
         except ValueError:
             point = []
         if len(point) != 3:
-            raise bad(place, what, points[0], "X, Y and Z in mm")
-        put((*path, "point_mm"), list(point), place)
+            raise tester.wrong("probe_points", "X, Y and Z in mm", points[0])
+        job.put_value(("accelerometer", "point_mm"), tester, "probe_points", list(point))
         if points[1:]:
-            job.draft.changed(place, what, "Passo measures at one place: the first")
-    for option, key in (("accel_per_hz", "accel_per_hz"), ("max_smoothing", "max_smoothing_mm")):
-        put((*path, key), tester.number(option), tester.at(option))
+            what = f"probe_points in [{tester.name}]"
+            text = "Passo measures at one place: the first"
+            job.draft.changed(tester.at("probe_points"), what, text)
+    job.put("resonance_tester", tester)

@@ -76,7 +76,7 @@ class Section:
         try:
             return number_of(found.text)
         except ValueError:
-            raise bad(found.place, f"{name} in [{self.name}]", found.text, NUMBER) from None
+            raise self.wrong(name, NUMBER) from None
 
     def whole(self, name: str) -> int | None:
         """The whole number of an option, from 0; None without it. Raises ConfigError for another
@@ -96,12 +96,34 @@ class Section:
             raise self.missing(name)
         return value
 
-    def missing(self, name: str) -> ConfigError:
-        """The error of an option that Klipper needs."""
-        key, limit = f"{name} in [{self.name}]", "the option that Klipper needs"
+    def missing(self, name: str, why: str = "the option that Klipper needs") -> ConfigError:
+        """The error of a missing option; `why` completes the sentence "expected"."""
+        key = f"{name} in [{self.name}]"
         return ConfigError.of(
-            "config.missing-key", self.place.file, self.place.line, key=key, limit=limit
+            "config.missing-key", self.place.file, self.place.line, key=key, limit=why
         )
+
+    def wrong(self, name: str, limit: str, value: str | None = None) -> ConfigError:
+        """The error of an option outside its limit."""
+        written = self.text(name) if value is None else value
+        return bad(self.at(name), f"{name} in [{self.name}]", written, limit)
+
+    def pair(self, name: str) -> tuple[float, float] | None:
+        """Two numbers separated by a comma, or one number for both; None without the option.
+        Raises ConfigError."""
+        numbers = self.numbers(name, "two numbers")
+        return None if numbers is None else (numbers[0], numbers[-1])
+
+    def numbers(self, name: str, limit: str) -> list[float] | None:
+        """The numbers of an option, separated by commas; None without it. Raises ConfigError with
+        this limit."""
+        found = self.option(name)
+        if found is None:
+            return None
+        try:
+            return [number_of(part.strip()) for part in found.text.split(",")]
+        except ValueError:
+            raise self.wrong(name, limit) from None
 
     def flag(self, name: str, default: bool) -> bool:
         """Whether an option is true."""

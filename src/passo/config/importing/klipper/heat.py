@@ -5,30 +5,22 @@ from __future__ import annotations
 from math import exp, log
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import MOTORS_ALONE, bad
+from passo.config.importing.draft import MOTORS_ALONE, NO_BUS, UNKNOWN_SENSOR, UNSAFE, bad
 from passo.config.importing.klipper.buses import wires_of_bus
 from passo.config.importing.klipper.cfg import Section
-from passo.config.importing.klipper.pins import JOINED
 from passo.config.part_names import part_name
 from passo.config.pin_names import named_on, placed
 from passo.config.sensor_names import values_of
 from passo.config.thermistor import ZERO_C, Ntc
-from passo.errors import ConfigError
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
     from passo.config.importing.klipper.conversion import Import
 
 _PT100_AMPLIFIER, _FULL_SCALE_V = "PT100 INA826", 5.0
-_PLATINUM = {"pt1000": "pt1000", "pt100": "pt100"}
-_AMPLIFIERS = {"AD595": "ad595", "AD8494": None, "AD8495": "ad8495", "AD8496": None, "AD8497": None}
-_CONVERTERS = {
-    "MAX6675": "max6675",
-    "MAX31855": "max31855",
-    "MAX31856": "max31856",
-    "MAX31865": "max31865",
-}
-_FAN_S, _HEATER_S = 0.01, 0.1  # Klipper's cycles
+_PLATINUM = ("pt1000", "pt100")
+_AMPLIFIERS = ("AD595", "AD8495")
+_CONVERTERS = ("MAX6675", "MAX31855", "MAX31856", "MAX31865")
 _SPI = {
     "spi_software_sclk_pin": "clock_pin",
     "spi_software_miso_pin": "miso_pin",
@@ -67,68 +59,25 @@ def put_heat(job: Import) -> None:
 
 def _put_heater(job: Import, section: Section) -> None:
     name = job.heaters[section.name]
-    path, put = ("heaters", name), job.draft.put
-    chamber = section.kind == "heater_generic"
+    path, chamber = ("heaters", name), section.kind == "heater_generic"
     kind = "chamber" if chamber else "bed" if name == "bed" else "hotend"
-    put((*path, "kind"), kind, section.place)
+    job.draft.put((*path, "kind"), kind, section.place)
     if chamber:
         job.draft.changed(section.place, f"[{section.name}]", "M141 and M191 set it, as a chamber")
-    for option, key in (("heater_pin", "pin"), ("sensor_pin", "sensor_pin")):
-        pin, found = job.pins.of(section, option), section.options.get(option)
-        if found is None:
-            raise _needed(section, option)
-        if pin is None:
-            limit = "a pin of a board"
-            if found.text.startswith(JOINED):
-                limit = "one pin of a board: Passo does not switch several outputs together"
-            raise bad(found.place, f"{option} in [{section.name}]", found.text, limit)
-        put((*path, key), pin, found.place)
+    job.put("heater", section, name=name)
     _put_sensor(job, section, path)
-    for option, key in (("min_temp", "min_c"), ("max_temp", "max_c")):
-        value = section.number(option)
-        if value is None:
-            raise _needed(section, option)
-        put((*path, key), value, section.at(option))
-    power = section.number("max_power")
-    put((*path, "max_power"), power, section.at("max_power"))
-    _put_frequency(job, section, path, "pwm_cycle_time", _HEATER_S)
-    _put_control(job, section, path)
-    _put_protection(job, section, path)
-
-
-def _put_control(job: Import, section: Section, path: KeyPath) -> None:
-    put, control = job.draft.put, section.text("control")
-    place = section.at("control")
-    if control == "watermark":
-        put((*path, "control", "kind"), "bang-bang", place)
-        put(
-            (*path, "control", "hysteresis_c"),
-            section.number("max_delta", 2.0),
-            section.at("max_delta"),
-        )
-        return
-    put((*path, "control", "kind"), "pid", place)
-    if control == "pid":
-        for gain in ("kp", "ki", "kd"):
-            put((*path, "control", gain), section.number(f"pid_{gain}"), section.at(f"pid_{gain}"))
-        return
-    text = "run an autotune of the heater (M303), and store it with M500"
-    job.draft.decide(place, f"[{section.name}] control {control}", text)
-
-
-def _put_protection(job: Import, heater: Section, path: KeyPath) -> None:
-    section = job.config.get(f"verify_heater {heater.name}")
-    if section is None:
-        return
-    job.used.add(section.name)
-    put, keys = job.draft.put, (*path, "protection")
-    put((*keys, "watch_s"), section.number("check_gain_time"), section.at("check_gain_time"))
-    put((*keys, "watch_rise_c"), section.number("heating_gain"), section.at("heating_gain"))
-    put((*keys, "runaway_c"), section.number("hysteresis"), section.at("hysteresis"))
-    if "max_error" in section.options:
-        text = "Passo has a time in its place: a heater below its target for 40 s is a fault"
-        job.draft.changed(section.at("max_error"), f"[{section.name}] max_error", text)
-        section.used.add("max_error")
+    control = section.text("control")
+    kind = "bang-bang" if control == "watermark" else "pid"
+    job.put_value((*path, "control", "kind"), section, "control", kind)
+    if control in ("pid", "watermark"):
+        job.put(control, section, name=name)
+    else:
+        text = "run an autotune of the heater (M303), and store it with M500"
+        job.draft.decide(section.at("control"), f"[{section.name}] control {control}", text)
+    protection = job.config.get(f"verify_heater {section.name}")
+    if protection is not None:
+        job.used.add(protection.name)
+        job.put("verify_heater", protection, name=name)
 
 
 def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
@@ -142,11 +91,11 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
         keys = {"kind": "thermistor", "r25_ohm": ntc.r25_ohm, "beta_k": ntc.beta_k}
         keys |= {"c_per_k": ntc.c_per_k, "pullup_ohm": pullup}
     elif written.lower() in _PLATINUM:
-        keys = {"kind": _PLATINUM[written.lower()], "pullup_ohm": pullup}
-    elif _AMPLIFIERS.get(written):
-        keys = {"kind": _AMPLIFIERS[written], **_full_scale(section)}
+        keys = {"kind": written.lower(), "pullup_ohm": pullup}
+    elif written in _AMPLIFIERS:
+        keys = {"kind": written.lower(), **_full_scale(section)}
     elif written in _CONVERTERS:
-        keys = {"kind": _CONVERTERS[written], **_converter_wires(job, section)}
+        keys = {"kind": written.lower(), **_converter_wires(job, section)}
         for option, (key, usual) in _RTD.items() if written == "MAX31865" else ():
             keys[key] = type(usual)(section.number(option) or usual)
     elif written == _PT100_AMPLIFIER:
@@ -154,9 +103,7 @@ def _put_sensor(job: Import, section: Section, path: KeyPath) -> None:
     elif values_of(written) is not None:
         keys = {"kind": written} | ({"pullup_ohm": pullup} if pullup != 4700.0 else {})
     else:
-        key = f"sensor_type in [{section.name}]"
-        limit = "a sensor that Passo has; docs/reference/sensors.md lists them"
-        raise bad(place, key, written, limit)
+        raise section.wrong("sensor_type", UNKNOWN_SENSOR)
     if keys.keys() == {"kind"} and values_of(written) is not None:
         job.draft.put((*path, "sensor"), written, place)
         return
@@ -176,11 +123,8 @@ def _converter_wires(job: Import, section: Section) -> dict[str, str]:
     bus = section.text("spi_bus")
     wires = wires_of_bus(bus)
     if wires is None:
-        place = section.at("spi_bus")
         missing = next(option for option, key in _SPI.items() if key not in given)
-        limit = "three pins for the converter's bus: Passo does not use the chip's SPI unit"
-        key = f"{missing} in [{section.name}]"
-        raise ConfigError.of("config.missing-key", place.file, place.line, key=key, limit=limit)
+        raise section.missing(missing, NO_BUS)
     board = placed(job.pins.of(section, "sensor_pin") or "")[0]
     keys = ("miso_pin", "mosi_pin", "clock_pin")
     found = {key: named_on(board, pin) for key, pin in zip(keys, wires, strict=True)}
@@ -201,17 +145,16 @@ def _own_thermistor(section: Section) -> Ntc:
     if beta is not None:
         celsius, ohm = section.number("temperature1", 25.0), section.number("resistance1")
         if celsius is None or ohm is None:
-            raise _needed(section, "resistance1")
+            raise section.missing("resistance1", UNSAFE)
         try:
             return _with_beta(celsius, ohm, beta)
         except (ZeroDivisionError, OverflowError):
-            key = f"beta in [{section.name}]"
-            raise bad(section.at("beta"), key, f"{beta:g}", "a value in kelvin") from None
+            raise section.wrong("beta", "a value in kelvin", f"{beta:g}") from None
     points: list[tuple[float, float]] = []
     for index in "123":
         celsius, ohm = (section.number(f"{what}{index}") for what in ("temperature", "resistance"))
         if celsius is None or ohm is None or ohm <= 0:
-            raise _needed(section, f"resistance{index}")
+            raise section.missing(f"resistance{index}", UNSAFE)
         points.append((celsius, ohm))
     try:
         ntc = Ntc.through(points[0], points[1], points[2])
@@ -250,33 +193,29 @@ def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
     put, kind, pin = job.draft.put, section.kind, job.pins.of(section, "pin")
     if pin is None:
         job.draft.dropped(section.place, f"[{section.name}]", "it has no pin that Passo drives")
-        job.left_out.add(section.name)
-        section.used.update(section.options)
+        job.leave_out(section)
         return
-    put((*path, "pin"), pin, section.at("pin"))
+    name = path[1]
+    job.put("fan", section, name=name)
     power, option = section.number("max_power", 1.0) or 1.0, "max_power"
     if kind in ("heater_fan", "controller_fan") and "fan_speed" in section.options:
         power, option = power * (section.number("fan_speed") or 1.0), "fan_speed"
-    put((*path, "max_power"), power if power < 1.0 else None, section.at(option))
-    off = section.number("off_below", 0.0)
-    put((*path, "off_below"), off or None, section.at("off_below"))
-    kick = section.number("kick_start_time", 0.1)
-    if kind not in ("heater_fan", "controller_fan"):  # these fans always start with full power
-        put((*path, "kick_start_s"), kick, section.at("kick_start_time"))
-    _put_frequency(job, section, path, "cycle_time", _FAN_S)
+    job.put_value((*path, "max_power"), section, option, power if power < 1.0 else None)
+    if kind in ("heater_fan", "controller_fan"):  # these fans always start with full power
+        job.put(kind, section, name=name)
+    else:
+        job.put("fan_kick", section, name=name)
     if kind == "heater_fan":
         heaters = [h.strip() for h in section.text("heater", "extruder").split(",")]
-        put((*path, "follows"), job.heater(section, "heater", heaters[0]), section.at("heater"))
-        put((*path, "above_c"), section.number("heater_temp", 50.0), section.at("heater_temp"))
+        follows = job.heater(section, "heater", heaters[0])
+        job.put_value((*path, "follows"), section, "heater", follows)
         if heaters[1:]:
             text = f"a fan follows one heater: it follows {heaters[0]} alone"
             job.draft.changed(section.at("heater"), f"[{section.name}] heater", text)
     elif kind == "controller_fan":
         given = [s.strip() for s in section.text("stepper").split(",") if s.strip()]
         motors = [job.motor(section, one) for one in given] or job.motors
-        put((*path, "follows_motors"), [*motors], section.at("stepper"))
-        stays = section.number("idle_timeout", 30.0)
-        put((*path, "stays_on_s"), stays, section.at("idle_timeout"))
+        job.put_value((*path, "follows_motors"), section, "stepper", [*motors])
         section.used.add("heater")
         job.draft.changed(section.at("heater"), f"[{section.name}] heater", MOTORS_ALONE)
     elif kind in ("fan_generic", "temperature_fan"):
@@ -291,15 +230,6 @@ def _put_fan(job: Import, section: Section, path: KeyPath) -> None:
             section.used.update(section.options)
 
 
-def _put_frequency(
-    job: Import, section: Section, path: KeyPath, option: str, usual_s: float
-) -> None:
-    """Converts the cycle of an output, from the option or Klipper's value without it, to pulses per
-    second."""
-    hz = 1 / (section.number(option) or usual_s)
-    job.draft.put((*path, "pwm_hz"), float(f"{hz:.6g}"), section.at(option))
-
-
 def _put_tools(job: Import) -> None:
     """Makes a tool for each extruder, if there are several."""
     extruders = [name for name in job.motors if name.startswith("e")]
@@ -312,9 +242,3 @@ def _put_tools(job: Import) -> None:
             {"extruder": name} | ({"heater": heater} if heater in job.heaters.values() else {})
         )
     job.draft.put(("tools",), tools, None)
-
-
-def _needed(section: Section, name: str) -> ConfigError:
-    place, key = section.place, f"{name} in [{section.name}]"
-    limit = "a value, without which the heater is not safe"
-    return ConfigError.of("config.missing-key", place.file, place.line, key=key, limit=limit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, TWO_APPROACHES, bad
+from passo.config.importing.draft import NO_SWITCH, PROBE_SPEEDS, TWO_APPROACHES
 from passo.config.importing.klipper.safe_home import put_safe_home_of_probe
 from passo.geometry.delta import rise_mm
 
@@ -103,22 +103,15 @@ def _remark_on_speed(job: Import, section: Section) -> None:
 def _put_homing_speeds(job: Import, section: Section, path: KeyPath, letter: str) -> None:
     """Imports the homing speeds; all towers have the speeds of the first one."""
     first = job.required("stepper_a") if letter in "abc" else section
-    options = {
-        "homing_speed": "fast",
-        "homing_retract_dist": "retract",
-        "second_homing_speed": "slow",
-    }
-    values = {"homing_speed": 5.0, "homing_retract_dist": 5.0}
-    for option, key in options.items():
-        source = section if option in section.options else first
-        section.used.add(option)
-        value = source.number(option, values.get(option))
-        # Klipper's default for the second approach is half the speed of the first
-        if value is None:
-            value = values["homing_speed"] / 2
-        values[option] = value
-        job.draft.put((*path, key), value or None, source.at(option))
-    if values["homing_retract_dist"] == 0:
+    job.put("homing", section, first, name=path[1])
+    option, source = "second_homing_speed", section
+    if option not in section.options:
+        source = first
+    # Klipper's default for the second approach is half the speed of the first
+    slow = source.number(option, job.draft.number((*path, "fast")) / 2)
+    section.used.add(option)
+    job.put_value((*path, "slow"), source, option, slow or None)
+    if (*path, "retract") not in job.draft.keys:
         what = f"[{section.name}] homing_retract_dist 0"
         job.draft.changed(section.at("homing_retract_dist"), what, TWO_APPROACHES)
 
@@ -141,5 +134,5 @@ def _carriage_mm(job: Import, section: Section, height: float) -> float:
     radius = job.required("printer").needed("delta_radius")
     assert rod is not None
     if rod <= radius:
-        raise bad(section.at("arm_length"), "arm_length", f"{rod:g}", f"more than {radius:g}")
+        raise section.wrong("arm_length", f"more than {radius:g}", f"{rod:g}")
     return round(height + rise_mm(rod, radius), 6)

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import Draft, lost
+from passo.config.importing.draft import Draft
 from passo.config.importing.klipper.accelerometer import put_accelerometer
 from passo.config.importing.klipper.bed import put_mesh, put_probe
 from passo.config.importing.klipper.cfg import Config
-from passo.config.importing.klipper.conversion import Import
-from passo.config.importing.klipper.filters import put_shapers
+from passo.config.importing.klipper.conversion import TABLE, Import
 from passo.config.importing.klipper.heat import put_heat
 from passo.config.importing.klipper.kept import put_kept
 from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.macros import put_macros
 from passo.config.importing.klipper.mcus import finish_boards, put_boards
 from passo.config.importing.klipper.motion import put_motion
-from passo.config.importing.klipper.others import OPTIONS, OTHERS
 from passo.config.importing.klipper.pins import MAIN, Pins
 from passo.config.importing.klipper.settings import put_settings
+from passo.config.importing.table import Row, report
 from passo.config.klipper_options.left_out import sentences
+from passo.config.part_names import part_name
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from passo.config.importing.klipper.cfg import Section
 
 # Options with values that Passo determines itself, or that have no meaning in Passo.
-_SILENT = {
-    MAIN: {"restart_method", "max_stepper_error"},
-}
+_SILENT = {MAIN: ("restart_method", "max_stepper_error")}
+_NO_PART = Row(option="", fate="dropped", note="Passo does not have this part")
+_NO_OPTION = Row(option="", fate="dropped", note="Passo has no such setting")
 
 
 def imported(path: Path, *, board: str | None = None, skip_missing: bool = False) -> Draft:
@@ -43,7 +48,8 @@ def imported(path: Path, *, board: str | None = None, skip_missing: bool = False
         draft.keys[key] = draft.keys.pop(key)
     put_mesh(job)
     put_levelling(job)
-    put_shapers(job)
+    job.parts("input_shaper", convert=_put_shapers)
+    _put_alone(job)
     put_boards(job, board)
     put_accelerometer(job)
     finish_boards(job)
@@ -54,25 +60,41 @@ def imported(path: Path, *, board: str | None = None, skip_missing: bool = False
     return draft
 
 
+def _put_shapers(job: Import, section: Section) -> None:
+    """Converts the shaper of each axis that has a frequency."""
+    for axis in "xyz":
+        if section.number(f"shaper_freq_{axis}"):
+            job.put("input_shaper", section, axis=axis)
+        else:
+            section.used |= {f"shaper_type_{axis}", f"damping_ratio_{axis}", "shaper_type"}
+
+
+def _put_alone(job: Import) -> None:
+    """Converts the sections that need no code."""
+    for name, group in TABLE.groups.items():
+        for section in [s for kind in group.of.split(", ") for s in job.config.of(kind)]:
+            if group.alone:
+                part = part_name(section.rest or section.kind)
+                job.part(section, lambda job, one, n=name, part=part: job.put(n, one, name=part))
+
+
 def _remark_on_the_rest(job: Import) -> None:
     """Reports the sections and the options that no module has read, and missing files."""
+    options, others = TABLE.notes("options"), TABLE.notes("sections")
     for include in job.config.missing:
         text = "the file is missing, and everything in it"
         job.draft.dropped(include.place, f"[include {include.file}]", text)
     for name, section in job.config.sections.items():
-        if name in job.used or section.kind == "board_pins":
-            for option, found in section.options.items():
-                known = _SILENT.get(section.kind, set[str]())
-                if (
-                    option not in section.used
-                    and option not in known
-                    and section.kind != "board_pins"
-                ):
-                    text = OPTIONS.get(option, "Passo has no such setting")
-                    job.draft.dropped(found.place, f"[{name}] {option}", text)
+        if section.kind == "board_pins":
             continue
-        other = OTHERS.get(section.kind, lost("Passo does not have this part"))
-        if name in job.kept:
-            [says] = sentences([name])
-            other = other._replace(text=f"{other.text}; {says}")
-        job.draft.other(section.place, f"[{name}]", other)
+        if name not in job.used:
+            row = others.get(section.kind, _NO_PART)
+            if name in job.kept:
+                [says] = sentences([name])
+                row = row.model_copy(update={"note": f"{row.note}; {says}"})
+            report(job.draft, row, section.place, f"[{name}]")
+            continue
+        for option, found in section.options.items():
+            if option not in section.used and option not in _SILENT.get(section.kind, ()):
+                row = options.get(option, _NO_OPTION)
+                report(job.draft, row, found.place, f"[{name}] {option}")

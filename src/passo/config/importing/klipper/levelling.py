@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from passo.config.importing.draft import bad
-from passo.config.importing.klipper.bed import pair, reached
+from passo.config.importing.klipper.bed import reached
 from passo.config.importing.numbers import number_of
 
 if TYPE_CHECKING:
@@ -36,8 +35,7 @@ def put_levelling(job: Import) -> None:
 
 def _put_delta(job: Import, section: Section) -> None:
     """Converts [delta_calibrate]. Without a probe, the delta is calibrated by the paper test."""
-    path, radius = ("levelling", "delta", "radius_mm"), section.number("radius")
-    job.draft.put(path, radius, section.at("radius"))
+    job.put("delta_calibrate", section)
     if job.probe_pin is None:
         job.draft.put(("probe", "kind"), "manual", section.place)
     section.used.update(section.options)
@@ -53,7 +51,7 @@ def _put_screws(job: Import, section: Section) -> None:
     places: list[Any] = []
     names = set[str]()
     for number in range(1, _MOST_SCREWS + 1):
-        place = pair(section, f"screw{number}")
+        place = section.pair(f"screw{number}")
         if place is None:
             break
         name = section.text(f"screw{number}_name") or f"screw {number}"
@@ -68,9 +66,8 @@ def _put_screws(job: Import, section: Section) -> None:
         written = section.text("screw_thread", "CW-M3")
         way, _, size = written.upper().partition("-")
         if way not in ("CW", "CCW") or size not in _THREADS:
-            key = f"screw_thread in [{section.name}]"
-            raise bad(section.at("screw_thread"), key, written, "CW or CCW, and M3 to M6")
-        job.draft.put((*path, "thread"), f"{size} {way.lower()}", section.at("screw_thread"))
+            raise section.wrong("screw_thread", "CW or CCW, and M3 to M6", written)
+        job.put_value((*path, "thread"), section, "screw_thread", f"{size} {way.lower()}")
     job.draft.put((*path, "places"), places, section.place)
 
 
@@ -82,14 +79,13 @@ def _put_motors(job: Import, section: Section) -> None:
     else:
         corners = _places(section, "gantry_corners")
         if len(corners) != 2:
-            key = f"gantry_corners in [{section.name}]"
-            raise bad(section.at("gantry_corners"), key, section.text("gantry_corners"), "2 places")
+            raise section.wrong("gantry_corners", "2 places")
         (x0, y0), (x1, y1) = corners
         pivots = [(x0, y0), (x0, y1), (x1, y1), (x1, y0)]
     if len(pivots) != len(motors):
         what = "z_positions" if tilt else "gantry_corners"
         limit = f"a place for each motor of Z, of which there are {len(motors)}"
-        raise bad(section.at(what), f"{what} in [{section.name}]", section.text(what), limit)
+        raise section.wrong(what, limit)
     path: KeyPath = ("levelling", "motors")
     points: list[Any] = []
     for x, y in _places(section, "points"):
@@ -102,10 +98,8 @@ def _put_motors(job: Import, section: Section) -> None:
         put((*path, "pivots", motor), [x, y], place)
     put((*path, "points"), points, section.at("points"))
     if not tilt:
-        put((*path, "max_adjust_mm"), section.number("max_adjust", 4.0), section.at("max_adjust"))
-    tolerance = section.number("retry_tolerance")
-    put((*path, "tolerance_mm"), tolerance or None, section.at("retry_tolerance"))
-    put((*path, "retries"), section.whole("retries"), section.at("retries"))
+        job.put("quad_gantry_level", section)
+    job.put("motors", section)
 
 
 def _in_reach(job: Import, section: Section, at: list[float], table: str) -> bool:
@@ -113,8 +107,7 @@ def _in_reach(job: Import, section: Section, at: list[float], table: str) -> boo
     if reached(job, at) == at:
         return True
     job.draft.decide(section.place, f"[{section.name}]", _FAR.format(*at, table))
-    section.used.update(section.options)
-    job.left_out.add(section.name)
+    job.leave_out(section)
     return False
 
 
@@ -137,7 +130,6 @@ def _places(section: Section, name: str) -> list[tuple[float, float]]:
         try:
             x, y = (number_of(part) for part in line.split(","))
         except ValueError:
-            key = f"{name} in [{section.name}]"
-            raise bad(section.at(name), key, line[:40], "two numbers with a comma") from None
+            raise section.wrong(name, "two numbers with a comma", line[:40]) from None
         found.append((x, y))
     return found

@@ -1,4 +1,4 @@
-"""[gcode_macro] and [delayed_gcode]: Passo uses the same language for templates."""
+"""[gcode_macro]: Passo uses the same language for templates."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, cast
 from passo.config.importing.klipper.safe_home import put_homing_macro
 from passo.config.macro_checks import KEPT, LETTERED, is_built_in
 from passo.config.macros import literal
-from passo.config.part_names import part_name
 from passo.config.types import COMMAND, VARIABLE
 
 if TYPE_CHECKING:
@@ -24,12 +23,6 @@ def put_macros(job: Import) -> None:
     for section in job.config.of("gcode_macro"):
         _put_macro(job, section)
     put_homing_macro(job)
-    for section in job.config.of("delayed_gcode"):
-        job.used.add(section.name)
-        path, put = ("delayed_gcode", part_name(section.rest)), job.draft.put
-        put((*path, "gcode"), section.commented("gcode"), section.at("gcode"))
-        after = section.number("initial_duration", 0.0)
-        put((*path, "initial_duration_s"), after, section.at("initial_duration"))
 
 
 def _put_macro(job: Import, section: Section) -> None:
@@ -42,9 +35,9 @@ def _put_macro(job: Import, section: Section) -> None:
         section.used.update(section.options)
         return
     path = ("macros", written)
-    put((*path, "gcode"), section.commented("gcode"), section.at("gcode"))
-    put((*path, "description"), section.text("description") or None, section.at("description"))
-    put((*path, "rename_existing"), _renamed(job, section, name), section.at("rename_existing"))
+    job.put("macro", section, name=written)
+    renamed = _renamed(job, section, name)
+    job.put_value((*path, "rename_existing"), section, "rename_existing", renamed)
     for option, found in section.options.items():
         if not option.startswith("variable_"):
             continue

@@ -6,9 +6,7 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import bad
 from passo.config.importing.klipper.cfg import Section
-from passo.config.importing.klipper.filters import put_advance
 from passo.config.importing.klipper.homing import put_homing
 from passo.config.importing.klipper.rotary_delta import ARMS, put_rotary_delta
 from passo.config.importing.numbers import NUMBER, in_range, number_of
@@ -28,7 +26,6 @@ _ACTUATORS = {  # Klipper's letter of a stepper: Passo's motor
 }
 # Kalico's names of kinematics with limits for each axis.
 _LIMITED = {f"limited_{kind}": kind for kind in ("cartesian", "corexy", "corexz")}
-_SPI = {"sclk": "clock", "mosi": "mosi", "miso": "miso"}
 _CHIPS = ("tmc2208", "tmc2209", "tmc2130", "tmc5160")
 _MICROSTEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)  # of Passo; other drivers have others
 _ROTARY = "rotary_delta"
@@ -90,10 +87,7 @@ def _put_axes(job: Import, printer: Section, kind: str, speed: float, accel: flo
             _put_delta_axis(job, printer, axis)
         else:
             stepper = job.required(f"stepper_{axis}")
-            low = stepper.number("position_min", 0.0)
-            job.draft.put((*path, "min_mm"), low, stepper.at("position_min"))
-            high = stepper.needed("position_max")
-            job.draft.put((*path, "max_mm"), high, stepper.at("position_max"))
+            job.put("axis", stepper, axis=axis)
         for key, name, common in (
             ("speed_mm_s", "velocity", speed),
             ("accel_mm_s2", "accel", accel),
@@ -212,24 +206,13 @@ def _put_whole(job: Import, section: Section, name: str, first: Section) -> int:
 def _put_pins(job: Import, section: Section, name: str, first: Section) -> None:
     """Imports the pins and the driver of a motor."""
     path: KeyPath = ("steppers", name)
-    put = job.draft.put
+    job.put("stepper", section, name=name)
+    job.put("enable", section, first, name=name)
     direction = job.pins.of(section, "dir_pin")
-    step = job.pins.of(section, "step_pin")
-    if step is None or direction is None:
-        raise section.missing("step_pin" if step is None else "dir_pin")
-    put((*path, "step_pin"), step, section.at("step_pin"))
-    put((*path, "direction_pin"), direction.replace("!", ""), section.at("dir_pin"))
-    put((*path, "invert"), "!" in direction or None, section.at("dir_pin"))
-    enable = job.pins.of(section, "enable_pin")
-    if enable is None:
-        enable = job.pins.of(first, "enable_pin") if "enable_pin" in first.options else None
-    put((*path, "enable_pin"), enable, section.at("enable_pin"))
-    pulse = section.number("step_pulse_duration")
-    put(
-        (*path, "pulse_us"),
-        None if pulse is None else pulse * 1e6,
-        section.at("step_pulse_duration"),
-    )
+    if direction is None:
+        raise section.missing("dir_pin")
+    job.put_value((*path, "direction_pin"), section, "dir_pin", direction.replace("!", ""))
+    job.put_value((*path, "invert"), section, "dir_pin", "!" in direction or None)
     _put_driver(job, section, path)
 
 
@@ -237,43 +220,24 @@ def _put_driver(job: Import, motor: Section, path: KeyPath) -> None:
     found = [s for s in job.config.sections.values() if s.rest == motor.name and "tmc" in s.kind]
     for section in found:
         job.used.add(section.name)
-        put, chip = job.draft.put, section.kind
-        if chip not in _CHIPS:
+        if section.kind not in _CHIPS:
             text = "Passo does not set this driver's registers: it runs as its pins are wired"
             job.draft.dropped(section.place, f"[{section.name}]", text)
-            section.used.update(section.options)
-            job.left_out.add(section.name)
+            job.leave_out(section)
             continue
-        run, hold = section.number("run_current"), section.number("hold_current")
-        silent = section.number("stealthchop_threshold", 0.0)
-        pins = {"uart_pin": "uart_pin", "tx_pin": "tx_pin", "cs_pin": "cs_pin"}
-        pins |= {f"spi_software_{a}_pin": f"{b}_pin" for a, b in _SPI.items()}
-        if chip in _CHIPS[2:] and "spi_software_sclk_pin" not in section.options:
+        if section.kind in _CHIPS[2:] and "spi_software_sclk_pin" not in section.options:
+            run = section.number("run_current")
             text = "Passo sets this driver only over the pins of its SPI bus"
             text += f": give driver and tmc of steppers.{path[-1]}"
             if run is not None:
                 text += f", with run_current_a = {run:g}"
             job.draft.decide(section.at("spi_bus"), f"[{section.name}]", text)
-            section.used.update(section.options)
-            job.left_out.add(section.name)
+            job.leave_out(section)
             continue
-        put((*path, "driver"), chip.upper(), section.place)
-        tmc = (*path, "tmc")
-        put((*tmc, "run_current_a"), run, section.at("run_current"))
-        put((*tmc, "hold_current_a"), hold, section.at("hold_current"))
-        put(
-            (*tmc, "sense_resistor_ohm"),
-            section.number("sense_resistor"),
-            section.at("sense_resistor"),
-        )
-        put((*tmc, "stealthchop_below_mm_s"), silent or None, section.at("stealthchop_threshold"))
-        if not section.flag("interpolate", True):
-            put((*tmc, "interpolate"), False, section.at("interpolate"))
-        if chip == "tmc2209":
-            address = section.whole("uart_address")
-            put((*tmc, "address"), address, section.at("uart_address"))
-        for option, key in pins.items():
-            put((*tmc, key), job.pins.of(section, option), section.at(option))
+        job.draft.put((*path, "driver"), section.kind.upper(), section.place)
+        job.put("driver", section, name=path[-1])
+        if section.kind == "tmc2209":
+            job.put("tmc2209", section, name=path[-1])
 
 
 def _put_extruder(job: Import, section: Section, speed: float, accel: float) -> None:
@@ -296,9 +260,7 @@ def _put_extruder(job: Import, section: Section, speed: float, accel: float) -> 
     for key, option, limit in values:
         value = section.number(option, float(f"{limit * ratio:.6g}"))
         put((*path, key), value, section.at(option))
-    corner = section.number("instantaneous_corner_velocity", 1.0)
-    put((*path, "jerk_mm_s"), corner, section.at("instantaneous_corner_velocity"))
-    put_advance(job, section, path)
+    job.put("extruder", section, name=name)
 
 
 def _numbered(job: Import, stem: str) -> list[Section]:
@@ -321,15 +283,14 @@ def _gear_ratio(section: Section) -> float:
             driven, driving = (number_of(part) for part in teeth.split(":"))
             ratio *= driven / driving
         except (ValueError, ZeroDivisionError):
-            key = f"gear_ratio in [{section.name}]"
-            raise bad(section.at("gear_ratio"), key, written, "pairs of teeth as 80:20") from None
+            raise section.wrong("gear_ratio", "pairs of teeth as 80:20") from None
     if not in_range(ratio):
-        raise bad(section.at("gear_ratio"), f"gear_ratio in [{section.name}]", written, NUMBER)
+        raise section.wrong("gear_ratio", NUMBER)
     return ratio
 
 
 def _positive(section: Section, name: str) -> float:
     value = section.needed(name)
     if value <= 0:
-        raise bad(section.at(name), f"{name} in [{section.name}]", f"{value:g}", "more than 0")
+        raise section.wrong(name, "more than 0", f"{value:g}")
     return value

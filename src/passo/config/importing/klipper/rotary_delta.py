@@ -6,7 +6,6 @@ from __future__ import annotations
 from math import degrees, sqrt
 from typing import TYPE_CHECKING
 
-from passo.config.importing.draft import bad
 from passo.geometry.base import Unreachable
 from passo.geometry.rotary_delta import RotaryDelta
 
@@ -68,8 +67,7 @@ def _length(job: Import, option: str) -> float:
         section = job.required(f"stepper_{letter}")
         if section.number(option, length) != length:
             limit = f"{length:g}, as of stepper_a: Passo's arms have one length"
-            key = f"{option} in [{section.name}]"
-            raise bad(section.at(option), key, section.text(option), limit)
+            raise section.wrong(option, limit)
     return length
 
 
@@ -79,15 +77,14 @@ def _home(job: Import, geometry: RotaryDelta, letter: str, arm_mm: float) -> flo
     angle, motor = ARMS[letter]
     if section.number("angle", angle) != angle:
         limit = f"{angle:g}: Passo's arms are 120 degrees apart"
-        raise bad(section.at("angle"), f"angle in [{section.name}]", section.text("angle"), limit)
+        raise section.wrong("angle", limit)
     end = section.number("position_endstop", first.needed("position_endstop"))
     assert end is not None
     try:
         position = geometry.inverse((0.0, 0.0, end))["abc".index(motor)]
     except Unreachable as error:
-        place = section.at("position_endstop")
-        key = f"position_endstop in [{section.name}]"
-        raise bad(place, key, f"{end:g}", f"a height in reach: {error}") from None
+        limit = f"a height in reach: {error}"
+        raise section.wrong("position_endstop", limit, f"{end:g}") from None
     put, path = job.draft.put, ("homing", motor)
     put((*path, "direction"), "min", None)
     put((*path, "position"), round(position, 4), section.at("position_endstop"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.config.importing.klipper.bed import DESCENT_S, HIGHEST_MM, LOW_MM, START_MM, pair
+from passo.config.importing.klipper.bed import DESCENT_S, HIGHEST_MM, LOW_MM, START_MM
 
 if TYPE_CHECKING:
     from passo.config.importing.draft import KeyPath
@@ -20,7 +20,7 @@ def put_safe_home_of_probe(job: Import, path: KeyPath) -> None:
     """Imports [safe_z_home] of a machine that homes Z with a probe: Passo rises to the start of a
     descent before X and Y move, and descends at `probe_at_mm`."""
     section = job.config.get("safe_z_home")
-    place = pair(section, "home_xy_position") if section else None
+    place = section.pair("home_xy_position") if section else None
     if section is None or place is None:
         return
     job.used.add(section.name)
@@ -93,7 +93,7 @@ def _override(section: Section) -> str:
 
 def _safe_home(job: Import, section: Section) -> str:
     """The moves of [safe_z_home] in machine coordinates, without those that no axis needs."""
-    found = pair(section, "home_xy_position")
+    found = section.pair("home_xy_position")
     if found is None:
         raise section.missing("home_xy_position")
     hop, speed = section.number("z_hop", 0.0) or 0.0, section.number("speed", 50.0) or 50.0

@@ -1,5 +1,5 @@
-"""Sections whose values are stored settings of Passo, or timeouts: [firmware_retraction],
-[idle_timeout], and the fade and the stored heights of [bed_mesh]."""
+"""Sections whose values are stored settings of Passo: [firmware_retraction], and the fade and the
+stored heights of [bed_mesh]."""
 
 from __future__ import annotations
 
@@ -21,18 +21,11 @@ _RETRACTION = {
         ("F", "unretract_speed", 10.0, _PER_MIN),
     ),
 }
-_IDLE_S = 600.0  # Klipper's timeout
 
 
 def put_settings(job: Import) -> None:
     """Imports all of them."""
-    for name, convert in (
-        ("firmware_retraction", _put_retraction),
-        ("idle_timeout", _put_idle),
-    ):
-        section = job.config.get(name)
-        if section is not None:
-            job.part(section, convert)
+    job.parts("firmware_retraction", convert=_put_retraction)
     for section in job.config.of("bed_mesh"):
         if section.rest:
             _remark_on_heights(job, section)
@@ -56,17 +49,6 @@ def _put_retraction(job: Import, section: Section) -> None:
     ]
     text = f"G10 and G11 have stored settings: {' and '.join(commands)} set them, M500 stores them"
     job.draft.decide(section.place, f"[{section.name}]", text)
-
-
-def _put_idle(job: Import, section: Section) -> None:
-    """Imports the timeout for motors and heaters, as Klipper's own G-code switches off both."""
-    timeout = section.number("timeout", _IDLE_S) or _IDLE_S
-    for key in ("motors_off_s", "heaters_off_s"):
-        job.draft.put(("idle", key), timeout, section.at("timeout"))
-    if "gcode" in section.options:
-        section.used.add("gcode")
-        text = "Passo runs no G-code then: it switches off motors and heaters"
-        job.draft.dropped(section.at("gcode"), f"[{section.name}] gcode", text)
 
 
 def _remark_on_heights(job: Import, section: Section) -> None:

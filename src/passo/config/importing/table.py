@@ -1,0 +1,173 @@
+"""The table of an importer: one row for each option of another firmware, with its unit, its key in
+the machine file, and a note for the owner. Code is left for what is not one option and one key.
+
+To import another option, add one line to the rows of its group in `FIRMWARE/table.toml`, for
+example `{ option = "lift_speed", unit = "mm/s", default = 5.0, key = "lift_mm_s" }`. To import
+another kind of section, add a group with `of`, `to`, `alone = true` and its rows, and take its line
+out of the group `sections`. Both are in the report, and on the reference page after
+`make reference`."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, Protocol
+
+from pydantic import BaseModel, ConfigDict
+
+from passo.config.importing.draft import Value
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from passo.config.importing.draft import Draft, KeyPath, Place
+    from passo.errors import ConfigError
+
+# Units whose numbers get a factor. A number of any other unit is the same in the machine file.
+FACTORS = {
+    "mm/min": 1 / 60,
+    "mA": 1e-3,
+    "ms": 1e-3,
+    "of 255": 1 / 255,
+    "s, as µs": 1e6,
+    "min": 60.0,
+}
+INVERSE = "s, as Hz"
+# Units of values that are not numbers, or not only one; an importer may have more.
+OTHER_UNITS = ("text", "flag", "count", "pin")
+Fate = Literal["changed", "decide", "dropped", "built-in"]
+
+
+class Row(BaseModel):
+    """One option. `option` may have several names: the first one in the file counts. Without the
+    option, the key gets `default`, or the value of the option `same_as`; `needed` says why there
+    must be one. A value that is `omit` gives no key. `by_code`: the module of the part reads the
+    option, and the row is for the reference page."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    option: str
+    key: str = ""
+    unit: str = ""
+    default: bool | int | float | str | None = None
+    same_as: str = ""
+    needed: str = ""
+    omit: bool | int | float | str | None = None
+    by_code: bool = False
+    fate: Fate | None = None
+    note: str = ""
+
+
+class Group(BaseModel):
+    """The rows of one kind of part. `of` are its names in the other firmware, `to` is the table of
+    the keys; a key that begins with a dot is a whole path. `{name}` in options and keys is filled
+    in by the importer. A group with `alone` needs no code: each part of its kind gets its rows."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    of: str = ""
+    to: str = ""
+    note: str = ""
+    alone: bool = False
+    rows: tuple[Row, ...] = ()
+
+
+class Source(Protocol):
+    """The part of a configuration from which rows are read."""
+
+    def value(self, option: str, unit: str) -> tuple[Value, Place] | None:
+        """The value of an option and its place, which marks it as read; None without the option.
+        Raises ConfigError."""
+        ...
+
+    def at(self, option: str) -> Place | None:
+        """The place of an option, or of its default."""
+        ...
+
+    def what(self, option: str) -> str:
+        """The name of an option in a report."""
+        ...
+
+    def lacks(self, option: str, why: str) -> ConfigError:
+        """The error of a missing option."""
+        ...
+
+
+class Table:
+    """All groups of an importer by their names, from a TOML file."""
+
+    def __init__(self, groups: Mapping[str, Group]) -> None:
+        self.groups = groups
+
+    def put(
+        self, draft: Draft, group: str, source: Source, names: Mapping[str, str] | None = None
+    ) -> None:
+        """Sets the keys of a group, and reports what its rows say. Raises ConfigError."""
+        found = self.groups[group]
+        for row in found.rows:
+            if not row.by_code:
+                _put(draft, row, found.to, source, names or {})
+
+    def notes(self, group: str) -> dict[str, Row]:
+        """The rows of a group by option."""
+        return {row.option: row for row in self.groups[group].rows}
+
+
+def path_of(to: str, key: str, names: Mapping[str, str]) -> KeyPath:
+    """The path of a key within the table `to`."""
+    text = key[1:] if key.startswith(".") else f"{to}.{key}" if to else key
+    return tuple(part.format_map(names) for part in text.split("."))
+
+
+def _put(draft: Draft, row: Row, to: str, source: Source, names: Mapping[str, str]) -> None:
+    options = row.option.format_map(names).split()
+    option, found = options[0], None
+    for name in options:
+        found = source.value(name, row.unit if row.key else "text")
+        if found is not None:
+            option = name
+            break
+    if row.fate is not None and found is not None:
+        report(draft, row, found[1], source.what(option))
+    if not row.key:
+        return
+    place = found[1] if found else source.at(option)
+    value = found[0] if found else row.default
+    if found is None and row.same_as:
+        same = source.value(row.same_as, row.unit)
+        value = same[0] if same else value
+    if value is None:
+        if row.needed:
+            raise source.lacks(option, row.needed)
+        return
+    value = converted(value, row.unit)
+    if value != row.omit or isinstance(value, bool) != isinstance(row.omit, bool):
+        draft.put(path_of(to, row.key, names), value, place)
+
+
+def converted(value: Value, unit: str) -> Value:
+    """A value with its unit in the unit of the machine file."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        if unit in FACTORS:
+            return float(f"{value * FACTORS[unit]:.10g}")
+        if unit == INVERSE:
+            return float(f"{1 / value:.6g}") if value else None or 0.0
+    return value
+
+
+def report(draft: Draft, row: Row, place: Place, what: str) -> None:
+    """Reports an option with the note of its row."""
+    reports = {
+        "decide": draft.decide,
+        "dropped": draft.dropped,
+        "changed": draft.changed,
+        "built-in": draft.changed,
+    }
+    if row.fate is not None:
+        reports[row.fate](place, what, row.note)
+
+
+@cache
+def table_of(file: Path) -> Table:
+    """The table in a TOML file."""
+    data = tomllib.loads(file.read_text(encoding="utf-8"))
+    return Table({name: Group.model_validate(group) for name, group in data.items()})
