@@ -13,10 +13,12 @@ from passo.clock import VirtualLoop
 from passo.config.machine import MachineConfig
 from passo.console.session import Session
 from passo.library.assembly import assembled
+from passo.motion.motion_queue import either
 from passo.printer.unfit_commands import NOTHING, Skips
 from passo.simulator import SimulatedBoard
 
 _T = TypeVar("_T")
+LOOK_S = 0.01
 
 
 class Host:
@@ -27,6 +29,7 @@ class Host:
         self.heard: list[str] = []
         self._read = 0
         self._rest = b""
+        self._news = asyncio.Event()
         self.held = False
         self.session = scenario.run(self._open())
 
@@ -36,6 +39,7 @@ class Host:
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         *lines, self._rest = (self._rest + text).split(b"\n")
         self.heard += [line.decode() for line in lines]
+        self._news.set()
 
     def hold(self, held: bool) -> None:
         self.held = held
@@ -64,7 +68,7 @@ class Host:
             return False
 
         before = self._read
-        if not self._scenario.until(found, within):
+        if not self._scenario.until(found, within, self._news):
             heard = [line for line in self.heard[before:] if line != "wait"]
             raise AssertionError(f"no {pattern!r} within {within} s in {heard}")
         return self.heard[self._read - 1]
@@ -144,23 +148,37 @@ class Scenario:
 
     def passes(self, seconds: float) -> None:
         """So much virtual time passes."""
-        self.until(lambda: False, seconds)
+        self._raise_failure()
+        self.run(asyncio.sleep(seconds))
 
-    def until(self, condition: Callable[[], bool], within: float) -> bool:
-        """Lets virtual time pass until the condition holds; False if it never did."""
+    def until(
+        self, condition: Callable[[], bool], within: float, news: asyncio.Event | None = None
+    ) -> bool:
+        """Lets virtual time pass until the condition holds; False if it never did. Looks every
+        10 ms, and with `news` only after it was set."""
 
         async def wait() -> bool:
-            end = self.loop.time() + within
+            start = self.loop.time()
+            end = start + within
             while not condition():
                 left = end - self.loop.time()
                 if left < 1e-9:  # rounding must not make it another look later
                     return False
-                await asyncio.sleep(min(0.01, left))
+                if news is None:
+                    await asyncio.sleep(min(LOOK_S, left))
+                else:
+                    news.clear()
+                    await either(news, left)
+                    rest = LOOK_S - (self.loop.time() - start) % LOOK_S
+                    await asyncio.sleep(max(0.0, min(rest, end - self.loop.time())))
             return True
 
+        self._raise_failure()
+        return self.run(wait())
+
+    def _raise_failure(self) -> None:
         if self._task.done():
             self._task.result()
-        return self.run(wait())
 
     def positions(self) -> dict[str, float]:
         """Where the mechanics are: actuator positions, mm or degrees."""
