@@ -127,10 +127,10 @@ def test_wait_for_the_user_in_a_file_ends_like_a_pause(tmp_path, answer):
         s.host.ok("M24")
         s.passes(10)
         s.host.silent(5, "Done")
-        assert s.assembly.status.read().question == "Look"
+        assert s.printer.status.read().question == "Look"
         assert s.host.ok(answer) == ["ok"]
         s.host.expect("^Done printing file$", 10)
-        assert s.assembly.status.read().question == ""
+        assert s.printer.status.read().question == ""
         assert actions(s.host) == ["prompt_begin Look", *ASKED, "prompt_end"]
 
 

@@ -259,17 +259,17 @@ def test_a_halted_print_can_be_resumed_in_the_same_session(places):
     with Scenario("i3", **arguments) as s:
         s.host.ok("M32 wall.gcode")
         assert s.until(lambda: s.positions()["e"] > 4, 200)
-        assert s.assembly.status.read().interrupted is None
+        assert s.printer.status.read().interrupted is None
         s.host.send("M112")
         s.host.expect("halted", 5)
         s.host.send("M999")
         s.host.expect("ready again", 5)
-        found = s.assembly.status.read().interrupted
+        found = s.printer.status.read().interrupted
         assert found == InterruptedPrint("/wall.gcode", found.line, "")
         assert found.line > 20
         s.host.ok("M302 P1")
         assert f"from line {found.line}" in s.host.ok("M1000", 600)[-2]
-        assert s.assembly.status.read().interrupted is None
+        assert s.printer.status.read().interrupted is None
         s.host.expect("Done printing", 300)
         assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
 

@@ -104,7 +104,7 @@ def test_a_pause_by_a_console_returns_into_a_macro(places):
         s.host.ok("M25.1", 60)
         pauses(s)
         assert at(s) == (100, 150)
-        assert s.assembly.status.read().job.line == 2
+        assert s.printer.status.read().job.line == 2
         s.host.ok("M24.1", 60)
         s.host.expect("^Done printing file$", 100)
         assert at(s) == (80, 5)

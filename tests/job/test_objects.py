@@ -136,7 +136,7 @@ def test_the_status_names_the_objects(places):
     with Scenario("i3", **places) as s:
         started(s)
         s.host.ok("M486 P2")
-        job = s.assembly.status.read().job
+        job = s.printer.status.read().job
         assert job is not None and job.current_object == 0
         assert [(o.number, o.name, o.cancelled) for o in job.objects] == [
             (0, "Würfel 1", False),

@@ -72,7 +72,7 @@ def test_g35_reports_turns_as_marlin_does(s):
 def test_bed_that_is_too_uneven_is_an_error_after_the_report(s):
     said = answers(s, "SCREWS_TILT_CALCULATE MAX_DEVIATION=0.1")
     assert len(said) == 6
-    shown = objects(s.machine, Sections(s.machine), s.assembly.status.read(), {})[
+    shown = objects(s.machine, Sections(s.machine), s.printer.status.read(), {})[
         "screws_tilt_adjust"
     ]()
     assert (shown["error"], shown["max_deviation"]) == (True, 0.1)

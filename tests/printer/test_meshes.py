@@ -171,7 +171,7 @@ def test_klippers_objects_show_the_bed():
     with homed() as s:
         answers(s, "BED_MESH_CALIBRATE PROFILE=pei")
         answers(s, "QUERY_PROBE")
-        status = s.assembly.status.read()
+        status = s.printer.status.read()
         found = objects(s.machine, Sections(s.machine), status, {})
         mesh = found["bed_mesh"]()
         heights = s.printer.motion.correction.correction.mesh.heights

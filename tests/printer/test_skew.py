@@ -181,13 +181,13 @@ def test_profiles_of_skew_are_saved_loaded_and_removed(tmp_path):
     with homed(state=str(tmp_path)) as s:
         shown = {"current_profile_name": "pla"}
         assert (
-            objects(s.machine, Sections(s.machine), s.assembly.status.read(), {})[
+            objects(s.machine, Sections(s.machine), s.printer.status.read(), {})[
                 "skew_correction"
             ]()
             == shown
         )
         answers(s, "SET_SKEW CLEAR=1")
-        assert s.assembly.status.read().skew_profile == ""
+        assert s.printer.status.read().skew_profile == ""
         assert answers(s, "SKEW_PROFILE") == ["// pla: XY=-0.016951 XZ=0.000000 YZ=0.000000"]
         answers(s, "SKEW_PROFILE LOAD=pla")
         assert s.printer.rig.machine.geometry.skew == [XY, 0.0, 0.0]

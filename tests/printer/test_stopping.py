@@ -171,7 +171,7 @@ def test_a_stopped_board_goes_on_measuring(machine, stop):
         s.host.expect("Printer halted")
         for _ in range(3):
             s.passes(60)
-            heater = s.assembly.status.read().heaters["hotend"]
+            heater = s.printer.status.read().heaters["hotend"]
             assert heater.celsius == pytest.approx(s.board.temperature("hotend"), abs=0.5)
             assert (heater.age_s, heater.target_c, heater.power) == (0.0, 0.0, 0.0)
             assert measured_c(s)[0] == pytest.approx(heater.celsius, abs=0.5)
@@ -186,7 +186,7 @@ def test_a_halted_printer_shows_that_a_heater_is_stuck():
         s.host.ok("M112")
         s.board.force_heater("hotend", 0.5)
         s.passes(60)
-        heater = s.assembly.status.read().heaters["hotend"]
+        heater = s.printer.status.read().heaters["hotend"]
         assert heater.celsius == pytest.approx(s.board.temperature("hotend"), abs=3)
         assert heater.celsius > 80
         assert heater.fault == "stuck-on"
@@ -195,14 +195,14 @@ def test_a_halted_printer_shows_that_a_heater_is_stuck():
 @pytest.mark.parametrize("stopped", [False, True])
 def test_the_last_reading_of_a_silent_board_has_its_age(hot, stopped):
     s = hot
-    before = s.assembly.status.read().heaters["hotend"]
+    before = s.printer.status.read().heaters["hotend"]
     unplug(s)
     s.passes(2)
     if stopped:
         s.host.ok("M112")
     for age_s in (30, 60):
         s.passes(30 - 2 * (age_s == 30))
-        heater = s.assembly.status.read().heaters["hotend"]
+        heater = s.printer.status.read().heaters["hotend"]
         assert (before.age_s, heater.celsius) == (0.0, pytest.approx(before.celsius, abs=0.5))
         assert heater.age_s == pytest.approx(age_s, abs=2)
         assert heater.current_c is None

@@ -114,9 +114,9 @@ def test_klippers_object_shows_the_gantry_level_until_motors_go_off():
     with homed((NOISE, "")) as s:
 
         def applied():
-            return objects(s.machine, Sections(s.machine), s.assembly.status.read(), {})[
-                "z_tilt"
-            ]()["applied"]
+            return objects(s.machine, Sections(s.machine), s.printer.status.read(), {})["z_tilt"]()[
+                "applied"
+            ]
 
         assert not applied()
         answers(s, "G34")

@@ -80,7 +80,7 @@ def _stored(machine: MachineConfig, state: str | None) -> tuple[list[str], Comma
     why they must not be used."""
     if state is None:
         return [], None
-    from passo.console.state_check import stored_overrides
+    from passo.library.state_check import stored_overrides
 
     try:
         return stored_overrides(machine, Path(state)) or [f"Nothing in {state} overrides it"], None

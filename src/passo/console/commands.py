@@ -13,6 +13,7 @@ from passo.printer.commands.ranges import beyond
 from passo.printer.commands.reports import Reports
 from passo.printer.commands.temperature_report import TemperatureReport
 from passo.printer.live_rig import LiveRig
+from passo.printer.program_restart import ProgramRestart
 from passo.printer.state import State
 from passo.printer.stops import Stops
 from passo.printer.wait_requests import Reply, Wait
@@ -31,9 +32,11 @@ class ConsoleCommands:
         stops: Stops,
         reports: Reports,
         temperatures: TemperatureReport,
+        restart: ProgramRestart | None,
     ) -> None:
+        """`restart` restarts the program; None if it cannot restart."""
         self._rig, self._state, self._stops = rig, state, stops
-        self._reports, self._temperatures = reports, temperatures
+        self._reports, self._temperatures, self._program = reports, temperatures, restart
 
     @command(
         "M108",
@@ -253,13 +256,13 @@ class ConsoleCommands:
         in_turn=True,
     )
     def _restart_program(self, command: Command, reply: Reply) -> Wait | None:
-        if (restart := self._state.program_restart) is None:
+        if self._program is None:
             return self._halt_and_restart(command, reply)
         try:
-            restart.check()
+            self._program.check()
         except ConfigError as error:
             raise CommandError(error.problems) from None
-        restart.begin()
+        self._program.begin()
         return None
 
     @command(

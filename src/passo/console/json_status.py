@@ -9,8 +9,8 @@ from passo.board.reading import ABSOLUTE_ZERO_C
 from passo.console.aprinter_options import OptionCommands
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
-from passo.job.live.status_reader import StatusReader
 from passo.printer.status import HeaterStatus, Status
+from passo.printer.status_reader import StatusReader
 from passo.printer.wait_requests import Reply, Wait
 
 if TYPE_CHECKING:

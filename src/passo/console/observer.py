@@ -25,11 +25,11 @@ from passo.job.live.job_state import JobState
 if TYPE_CHECKING:
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
-    from passo.job.live.status_reader import StatusReader
     from passo.printer.lifetime import Lifetime
     from passo.printer.live_rig import LiveRig
     from passo.printer.state import State
     from passo.printer.status import Status
+    from passo.printer.status_reader import StatusReader
 
 LOOK_S = 0.25  # host time, and print time, between two checks
 _CHANGE_C = 1.0
@@ -72,7 +72,7 @@ class Observer:
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
         lifetime.as_time_passes(self._time_passed)
         state.listeners.append(self._on_message)
-        rig.macros.call_remote = self._on_remote_call
+        rig.macros.remote_listeners.append(self._on_remote_call)
         runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from passo.console.aprinter_options import OptionCommands
@@ -63,6 +64,9 @@ class SettingsCommands:
         self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}
         self._compared: list[str] | None = None  # the settings for which `_unsaved` was computed
         self._unsaved: dict[str, dict[str, str]] = {}
+        if store is not None:
+            self._state.stores.append(self.store)
+            self._state.status_parts.append(lambda status: replace(status, unsaved=self.unsaved()))
 
     def provenance(self) -> Iterator[tuple[str, Setting, str | None, str | None, str]]:
         """All active values by heading: the setting, the value of the machine file, the stored

@@ -15,13 +15,12 @@ _MAX_BYTES = 1 << 20
 
 
 class MeshFolder(MeshStore):
-    """The meshes in a folder, one file for each. `refused` are files that do not contain a mesh;
-    they stay unchanged."""
+    """The meshes in a folder, one file for each. Files that do not contain a mesh stay
+    unchanged."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__()
         self._folder = folder
-        self.refused: list[CommandError] = []
         for path in sorted(folder.glob(f"*{_SUFFIX}")):
             try:
                 if path.stat().st_size > _MAX_BYTES:

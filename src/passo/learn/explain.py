@@ -142,9 +142,12 @@ def _printed(
             raise _EnoughError
 
     job.watch(look)
-    job.macros.watch = lambda command, text: (
-        seen.called(command, text) if command.line == line else None
-    )
+
+    def called(command: Command, text: str) -> None:
+        if command.line == line:
+            seen.called(command, text)
+
+    job.macros.watchers.append(called)
     job.trace_until(1e9)
     with suppress(_EnoughError):
         job.run(path, end)

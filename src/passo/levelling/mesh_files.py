@@ -43,10 +43,12 @@ class StoredMesh:
 
 
 class MeshStore:
-    """The stored meshes of one printer, by their names. This class keeps them in memory."""
+    """The stored meshes of one printer, by their names. This class keeps them in memory. `refused`
+    are the errors of files that do not contain a mesh."""
 
     def __init__(self) -> None:
         self.all: dict[str, StoredMesh] = {}
+        self.refused: list[CommandError] = []
 
     def named(self, name: str) -> StoredMesh:
         """A stored mesh. Raises CommandError."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,23 +18,25 @@ from passo.console.object_commands import ObjectCommands
 from passo.console.printer_console import AllConsoles
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
-from passo.errors import CommandError, InputError
+from passo.errors import InputError
 from passo.job.durable_files import directory_held
 from passo.job.live.halt_reports import HaltReports
+from passo.job.live.job_status import JobStatusReader
 from passo.job.live.journal_keeper import JournalKeeper
 from passo.job.live.library import AUTOSTART, Library
-from passo.job.live.objects import PrintObjects, covered
+from passo.job.live.objects import PrintObjects
 from passo.job.live.print_queue import PrintQueue
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import Statistics
-from passo.job.live.status_reader import StatusReader
 from passo.job.mesh_folder import MeshFolder
-from passo.job.saved_variables import SavedVariables
 from passo.job.settings_store import Store
+from passo.job.variable_file import VariableFile
+from passo.levelling.mesh_files import MeshStore
 from passo.printer.commands.reports import Reports
 from passo.printer.delayed_gcode import DelayedGcode
 from passo.printer.printer import Printer
+from passo.printer.program_restart import ProgramRestart
 from passo.printer.unfit_commands import NOTHING, Skips
 
 if TYPE_CHECKING:
@@ -44,17 +47,19 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A printer with every command of a console, and its parts for use by programs."""
+    """A printer with every command of a console, and its parts for use by programs. `restart`
+    restarts the program; None if it cannot restart."""
 
     printer: Printer
     runner: Runner
     progress: Progress
     library: Library
-    status: StatusReader
     objects: PrintObjects
     statistics: Statistics
     settings: SettingsCommands
     queue: PrintQueue
+    keeper: JournalKeeper | None
+    restart: ProgramRestart | None
 
 
 def assembled(
@@ -65,17 +70,31 @@ def assembled(
     state: str | None = None,
     reports: str | None = None,
     skips: Skips = NOTHING,
+    source: str = "",
+    restart: Callable[[], None] | None = None,
 ) -> Assembly:
     """Assembles a printer with all parts of `passo serve` except the consoles. `reports` is the
     prefix of the paths of halt reports; without it they are written to `state`. `skips` are
-    commands that its prints may skip. Call it within a running event loop. Raises MachineError,
-    CardError if `card` cannot be used, and InputError if another process uses `state`; after an
-    error the board is released."""
-    printer = Printer(machine, free=free, skips=skips)
+    commands that its prints may skip. `restart` ends the program, which then starts again with the
+    machine file `source`. Call it within a running event loop. Raises MachineError, CardError if
+    `card` cannot be used, and InputError if another process uses `state`; after an error the board
+    is released."""
+    folder = None if state is None else Path(state)
+    variables = VariableFile(None if folder is None else folder / "variables.json")
+    meshes = MeshStore() if folder is None else MeshFolder(folder / "meshes")
+    printer = Printer(machine, free=free, skips=skips, variables=variables, meshes=meshes)
     listen = printer.state.unheard.append
     printer.state.listeners.append(listen)
     try:
-        assembly = _furnish(printer, card, state, reports)
+        if folder is not None:
+            _hold(printer, folder)
+        restarts = None if restart is None else (source, restart)
+        assembly = _furnish(printer, card, folder, reports, restarts)
+        for error in variables.refused + meshes.refused:
+            printer.state.announce(_log, logging.WARNING, str(error), error.problems[0])
+        if card is not None:
+            assembly.library.mount()
+            _start_by_itself(printer, assembly.library, assembly.keeper)
         printer.report_start()
     except BaseException:
         printer.close()
@@ -96,11 +115,12 @@ def _hold(printer: Printer, state: Path) -> None:
 
 
 def _furnish(
-    printer: Printer, card: str | None, state: str | None, reports: str | None
+    printer: Printer,
+    card: str | None,
+    folder: Path | None,
+    reports: str | None,
+    restarts: tuple[str, Callable[[], None]] | None,
 ) -> Assembly:
-    folder = None if state is None else Path(state)
-    if folder is not None:
-        _hold(printer, folder)
     live = printer.rig, printer.state, printer.lifetime
     answers = Reports(
         *(printer.control, printer.motion, printer.driver_commands, printer.lateness),
@@ -117,9 +137,15 @@ def _furnish(
     progress = Progress(*live, printer.suspension, runner, statistics, library.reader)
     jobs = JobCommands(printer.control, printer.suspension, printer.heat, runner, progress)
     objects = PrintObjects(printer.rig, printer.dispatch, runner)
+    restart = None
+    if restarts is not None:
+        source, end = restarts
+        restart = ProgramRestart(source, lambda: runner.name if runner.engaged else "", end)
     printer.dispatch.add(
         *(answers, options, statistics, jobs, ObjectCommands(objects)),
-        ConsoleCommands(*(printer.rig, printer.state, printer.stops), answers, printer.heat.report),
+        ConsoleCommands(
+            *(printer.rig, printer.state, printer.stops), answers, printer.heat.report, restart
+        ),
         CardCommands(printer.rig, printer.state, runner, library),
         DelayedGcode(printer.control, printer.lifetime),
     )
@@ -134,61 +160,20 @@ def _furnish(
             folder,
         )
         printer.dispatch.add(RecoveryCommands(printer.machine.uuid, printer.skips, runner, keeper))
-        printer.state.greetings.append(keeper.offer)
     stem = folder / "halt" if folder is not None else Path(reports) if reports else None
     if stem is not None:
         HaltReports(*live, printer.settings, runner, progress, stem)
     store = None if folder is None else Store(folder / "settings.json", printer.machine.uuid)
     settings = SettingsCommands(printer.control, printer.motion, printer.settings, store, options)
     printer.dispatch.add(settings)
-    if store is not None:
-        printer.state.stores.append(settings.store)
     settings.load_at_start()
-    _keep_variables(printer, folder)
-    _keep_meshes(printer, folder, objects)
     queue = PrintQueue(printer.state, runner, library, folder)
-    status = StatusReader(
-        *(
-            printer.control,
-            printer.outputs,
-            printer.motion,
-            printer.heat,
-            printer.levelling,
-        ),
-        *(runner, progress, objects, library),
-        interrupted=(lambda: None) if keeper is None else keeper.status,
-        unsaved=settings.unsaved,
-        queue=queue.status,
-    )
-    printer.rig.macros.status = status.read
-    printer.dispatch.add(JsonStatus(printer.rig, printer.outputs.power, status, options))
-    if card is not None:
-        library.mount()
-        _start_by_itself(printer, library, keeper)
+    JobStatusReader(printer.rig, printer.state, runner, progress, objects, library)
+    printer.dispatch.add(JsonStatus(printer.rig, printer.outputs.power, printer.status, options))
     return Assembly(
-        printer, runner, progress, library, status, objects, statistics, settings, queue
+        *(printer, runner, progress, library, objects, statistics, settings, queue, keeper),
+        restart,
     )
-
-
-def _keep_variables(printer: Printer, folder: Path | None) -> None:
-    """Gives macros the variables of SAVE_VARIABLE that are stored in the folder."""
-    macros = printer.rig.macros
-    file = SavedVariables(None if folder is None else folder / "variables.json")
-    macros.keep = file.save
-    try:
-        macros.saved = file.load()
-    except CommandError as error:
-        printer.state.announce(_log, logging.WARNING, str(error), error.problems[0])
-
-
-def _keep_meshes(printer: Printer, folder: Path | None, objects: PrintObjects) -> None:
-    """Gives the printer the stored meshes, and the area of the bed that the print covers."""
-    printer.levelling.bed.job_area = lambda: covered(objects.all)
-    if folder is None:
-        return
-    printer.levelling.correction.meshes = meshes = MeshFolder(folder / "meshes")
-    for error in meshes.refused:
-        printer.state.announce(_log, logging.WARNING, str(error), error.problems[0])
 
 
 def _start_by_itself(printer: Printer, library: Library, keeper: JournalKeeper | None) -> None:

@@ -92,7 +92,7 @@ class LiveBridge:
     # -- the printer's loop -----------------------------------------------------------------------
 
     def _snapshot(self, version: int) -> Snapshot:
-        return Snapshot(version, time.monotonic(), self._assembly.status.read())
+        return Snapshot(version, time.monotonic(), self._printer.status.read())
 
     def _refresh(self) -> None:
         snapshot = self._snapshot(self._latest.version + 1)
@@ -285,7 +285,7 @@ class LiveBridge:
 
     async def restart_program(self) -> None:
         """Like `Bridge.restart_program`."""
-        restart = self._printer.state.program_restart
+        restart = self._assembly.restart
         if restart is None:
             raise ConfigError.of("machine.no-restart")
         await asyncio.to_thread(restart.check)

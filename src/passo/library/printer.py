@@ -26,7 +26,6 @@ from passo.console.session import Session, Wire
 from passo.errors import CommandError, MachineError
 from passo.library.assembly import Assembly, assembled
 from passo.library.machine import Machine
-from passo.printer.program_restart import ProgramRestart
 from passo.printer.unfit_commands import Skips
 from passo.version import __version__
 
@@ -129,12 +128,9 @@ class Printer:
             state=self._state,
             reports=self._halt_reports,
             skips=self._skips,
+            source=self._source,
+            restart=self._restart if self._restarts else None,
         )
-        if self._restarts:
-            runner = self._assembly.runner
-            self._printer.state.program_restart = ProgramRestart(
-                self._source, lambda: runner.name if runner.engaged else "", self._restart
-            )
         _log.info("Printer %s started by Passo %s", self.config.name, __version__)
         self._serving = asyncio.create_task(self._printer.run())
         self._serving.add_done_callback(self._ended)
@@ -265,7 +261,7 @@ class Printer:
     @property
     def status(self) -> Status:
         """The status of the printer now."""
-        return self._opened.status.read()
+        return self._printer.status.read()
 
     @property
     def time_s(self) -> float:
@@ -451,7 +447,7 @@ class Printer:
             printer = opened.printer
             self._observed = Observer(
                 *(printer.rig, printer.state, printer.lifetime),
-                *(opened.runner, opened.progress, opened.status),
+                *(opened.runner, opened.progress, printer.status),
             )
         return self._observed
 

@@ -15,6 +15,8 @@ from passo.printer.wait_requests import Reply
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+    from passo.printer.saved_variables import SavedVariables
+    from passo.printer.status import Status
 
 
 class LiveRig(Rig):
@@ -22,23 +24,26 @@ class LiveRig(Rig):
 
     commands: Commands
 
-    def __init__(self, machine: MachineConfig, *, free: bool) -> None:
+    def __init__(self, machine: MachineConfig, saved: SavedVariables, *, free: bool) -> None:
         super().__init__(machine, free=free)
-        self.macros = Macros(machine)  # their variables survive a restart
+        self.macros = Macros(machine, saved)  # their variables survive a restart
 
     def plan_commands(
         self,
         heat: Heat,
         on_mark: Callable[[int, int], None],
         during_print: Callable[[Reply], bool],
+        status: Callable[[], Status],
     ) -> None:
         """Like `plan`, with commands. They set temperatures in `heat`. Commands for which
-        `during_print` is True also change planned moves."""
+        `during_print` is True also change planned moves. Macros see `status`."""
         self.plan(on_mark)
         boards = self.connection
         full = [boards.full_scale(output.name) for output in boards.board.outputs]
         plan = LivePlan(self.queue, during_print)
-        self.commands = Commands(self.machine, self.job, heat, full, plan, self.macros)
+        self.commands = Commands(
+            self.machine, self.job, heat, full, plan, macros=self.macros, status=status
+        )
 
     def problem(self) -> Problem:
         """The problem at which the job stopped."""

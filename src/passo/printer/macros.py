@@ -16,6 +16,7 @@ from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.gcode.registry import Subject, When, command
 from passo.printer.klipper.objects import Object, Objects, objects
+from passo.printer.saved_variables import SavedVariables
 from passo.printer.stand_ins import StandIns
 
 if TYPE_CHECKING:
@@ -67,28 +68,29 @@ class PrinterTree(Mapping[str, Object]):
 
 
 class Macros:
-    """The macros of one printer or of one program, with the values of their variables. `status`
-    gives the status of a printer; None for a program that is only planned."""
+    """The macros of one printer or of one program, with the values of their variables. `saved` are
+    those of SAVE_VARIABLE. `watchers` are called with each macro call and its resulting text,
+    `remote_listeners` with each call of a method of a remote client: its name and its arguments.
+    """
 
-    def __init__(self, machine: MachineConfig) -> None:
+    def __init__(self, machine: MachineConfig, saved: SavedVariables | None = None) -> None:
         self._machine, self._sections = machine, Sections(machine)
         self._names = machine.macro_names
         self.stand_ins = StandIns(self._sections)
-        self.status: Callable[[], Status] | None = None
+        self._saved = saved or SavedVariables()
         self.variables: dict[str, dict[str, Any]] = {
             name: macro.values() for name, macro in machine.macros.items()
         }
-        self.saved: dict[str, Any] = {}  # variables of SAVE_VARIABLE
-        # Stores `saved` durably, or raises CommandError. A program that is only planned stores
-        # nothing.
-        self.keep: Callable[[Mapping[str, Any]], None] = lambda _: None
-        # Calls a method of a remote client, by name and arguments.
-        self.call_remote: Callable[[str, Mapping[str, Any]], None] = lambda _, __: None
         self._templates: dict[str, Template] = {}
         self._rendered = 0
         self._budgets: dict[bool, Budget] = {}
-        # Called with each macro call and its resulting text.
-        self.watch: Callable[[Command, str], None] | None = None
+        self.watchers: list[Callable[[Command, str], None]] = []
+        self.remote_listeners: list[Callable[[str, Mapping[str, Any]], None]] = []
+
+    @property
+    def saved(self) -> dict[str, Any]:
+        """The variables of SAVE_VARIABLE by name."""
+        return self._saved.values
 
     def expand(
         self,
@@ -119,8 +121,8 @@ class Macros:
         }
         gcode = self._machine.macros[name].gcode
         text = self._render(name, gcode, values, status, budget, respond)
-        if self.watch is not None:
-            self.watch(command, text)
+        for watcher in self.watchers:
+            watcher(command, text)
         job.insert(text.encode("utf-8", "surrogateescape"), code)
 
     def delayed(self, name: str, status: Status, respond: Respond) -> str:
@@ -174,8 +176,7 @@ class Macros:
         if len(saved) > _MAX_SAVED:
             limit = f"one of the {_MAX_SAVED:,} that are stored already"
             raise CommandError.of("command.value", axis="VARIABLE", value=name, limit=limit)
-        self.keep(saved)
-        self.saved = saved
+        self._saved.save(saved)
 
     def calls(self, code: str) -> bool:
         """Whether a command with this code calls a macro."""
@@ -225,7 +226,8 @@ class Macros:
     def _call_remote_method(self, method: object = "", **arguments: object) -> str:
         if not all(_plain(value) for value in arguments.values()):
             raise _Raised(f"{method}: arguments are texts, numbers, lists and tables")
-        self.call_remote(str(method), arguments)
+        for listener in self.remote_listeners:
+            listener(str(method), arguments)
         return ""
 
     def _tree(self, status: Status) -> PrinterTree:

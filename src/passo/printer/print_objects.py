@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from passo.printer.status import PrintObject
@@ -17,6 +18,16 @@ def objects_of(job: _core.Job) -> tuple[PrintObject, ...]:
         PrintObject(i, name, cancelled, _point(centre), _outline(outline))
         for i, (name, cancelled, centre, outline) in enumerate(job.objects)
     )
+
+
+def covered(objects: Sequence[PrintObject]) -> tuple[float, float, float, float] | None:
+    """The rectangle around the outlines of all objects that are not cancelled: X and Y of its first
+    corner, then of the opposite one, mm. None if none has an outline."""
+    places = [at for o in objects if not o.cancelled for at in o.outline_mm]
+    if not places:
+        return None
+    xs, ys = [x for x, _ in places], [y for _, y in places]
+    return min(xs), min(ys), max(xs), max(ys)
 
 
 def _point(text: str) -> tuple[float, float] | None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo.errors import MachineError
+from passo.levelling.mesh_files import MeshStore
 from passo.motion.endstops import homed_axes
 from passo.printer.commands.drivers import DriverCommands
 from passo.printer.commands.simulated_faults import SimulatedFaultCommands
@@ -15,8 +17,10 @@ from passo.printer.dispatch import Dispatch
 from passo.printer.lifetime import Lifetime
 from passo.printer.live_rig import LiveRig
 from passo.printer.motion_lock import MotionLock
+from passo.printer.print_objects import covered, objects_of
 from passo.printer.recovery.reconnect import Reconnection
 from passo.printer.recovery.supervisor import Supervisor
+from passo.printer.saved_variables import SavedVariables
 from passo.printer.settings import Settings
 from passo.printer.setup.boards import connect, reconnected
 from passo.printer.setup.heat import build_heat
@@ -24,6 +28,7 @@ from passo.printer.setup.levelling import build_levelling
 from passo.printer.setup.motion import build_motion
 from passo.printer.setup.outputs import build_outputs
 from passo.printer.state import State
+from passo.printer.status_reader import StatusReader
 from passo.printer.stops import Stops
 from passo.printer.suspension import Suspension
 from passo.printer.unfit_commands import NOTHING, Skips
@@ -39,6 +44,7 @@ if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.board.faults import HeaterFault
     from passo.config.machine import MachineConfig
+    from passo.levelling.areas import Area
 
 _log = logging.getLogger(__name__)
 
@@ -49,17 +55,28 @@ _FIRST_REPORTS_S, _NEXT_SENSOR_S = 0.6, 0.1
 class Printer:
     """A printer that takes commands from several sources. Use it within one event loop. `rig` has
     the parts that M999 replaces. `state` has the state (running, halted, paused) and its listeners.
-    `dispatch` passes commands to handlers. Each other part has one subject. `skips` are the
-    commands that prints may skip. With `free`, print time passes as fast as possible.
+    `dispatch` passes commands to handlers, `status` reads the status. Each other part has one
+    subject.
     """
 
     def __init__(
-        self, machine: MachineConfig, *, free: bool = False, skips: Skips = NOTHING
+        self,
+        machine: MachineConfig,
+        *,
+        free: bool = False,
+        skips: Skips = NOTHING,
+        variables: SavedVariables | None = None,
+        meshes: MeshStore | None = None,
+        printed_area: Callable[[], Area | None] | None = None,
     ) -> None:
+        """`skips` are the commands that prints may skip. With `free`, print time passes as fast as
+        possible. `variables` are those of SAVE_VARIABLE, `meshes` the stored meshes; by default
+        both are empty and kept in memory. `printed_area` gives the area of the bed that the print
+        covers, mm; by default that of the objects of the file."""
         self.machine = machine
         self.skips = skips = skips.on(machine)
         connection, self.board = connect(machine)
-        self.rig = rig = LiveRig(machine, free=free)
+        self.rig = rig = LiveRig(machine, variables or SavedVariables(), free=free)
         self.state = state = State()
         self.motion_lock = MotionLock()
         self._first_faults: list[HeaterFault] = []
@@ -70,7 +87,8 @@ class Printer:
         self._begin(connection, first=True)
         self.motion = motion = build_motion(rig, state)
         self.heat = heat = build_heat(rig, state, outputs.targets)
-        self.levelling = build_levelling(rig, motion)
+        area = printed_area or (lambda: covered(objects_of(rig.job)))
+        self.levelling = build_levelling(rig, motion, meshes or MeshStore(), area)
         self.suspension = Suspension(rig, motion.offsets, outputs.laser)
         self.endstops = EndstopWatch(rig, state, motion.triggered, stops.stop_by_endstop)
         motion.triggered.starts.append(self.endstops.pause)
@@ -113,6 +131,7 @@ class Printer:
             *(machine, rig, state, outputs.targets, self.motion_lock, self.prompts, self.waits),
             *(self.dispatch, stops, supervisor, skips),
         )
+        self.status = StatusReader(self.control, outputs, motion, heat, self.levelling)
 
     # -- start and restart ------------------------------------------------------------------------
 
@@ -150,7 +169,10 @@ class Printer:
                 raise
             failure = failure or error
         self.state.start_failure = failure
-        rig.plan_commands(self.outputs.targets, self._mark_reached, self.state.is_other_source)
+        rig.plan_commands(
+            *(self.outputs.targets, self._mark_reached, self.state.is_other_source),
+            lambda: self.status.read(),  # it is built after the first start
+        )
         rig.queue.on_motion = self._before_motion
         rig.queue.on_pass = self._time_passed
         if connection.adopted:

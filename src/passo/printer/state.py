@@ -5,13 +5,16 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from passo.board.faults import HeaterFault
 from passo.errors import MachineError, PassoError, Problem
 from passo.gcode.command import Command
 from passo.printer.console_lines import ConsoleLines
-from passo.printer.program_restart import ProgramRestart
 from passo.printer.wait_requests import Reply, Stopped
+
+if TYPE_CHECKING:
+    from passo.printer.status import Status
 
 _log = logging.getLogger(__name__)
 
@@ -50,7 +53,7 @@ class State:
         self.prints: list[Callable[[], str | None]] = []
         self.stores: list[Callable[[], object]] = []  # each stores the settings
         self.greetings: list[Callable[[], str]] = []  # each gives text for a console that opens
-        self.program_restart: ProgramRestart | None = None  # None: the program cannot restart
+        self.status_parts: list[Callable[[Status], Status]] = []  # each adds its fields
 
     def busy(self) -> bool:
         """Whether a print is running or paused."""

@@ -16,9 +16,11 @@ class Stopped(Exception):
 
 @dataclass(frozen=True, slots=True)
 class WaitForMoves:
-    """Waits until all moves so far are done; then calls `then`."""
+    """Waits until all moves so far are done; then calls `then`. With `executed`, the boards of a
+    print without consoles must have executed the moves, too."""
 
     then: Callable[[], object] | None = None
+    executed: bool = False
 
 
 @dataclass(frozen=True, slots=True)

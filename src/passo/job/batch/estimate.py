@@ -17,6 +17,8 @@ from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.source import open_source
 from passo.job.batch.toolpath import encoded_toolpath
 from passo.printer.commands.program import Commands
+from passo.printer.macros import Macros
+from passo.printer.saved_variables import SavedVariables
 from passo.printer.unfit_commands import NOTHING, Skips
 
 if TYPE_CHECKING:
@@ -126,16 +128,15 @@ def estimate_open(
         job.keep_toolpath()
     heating = Heating(machine, job)
     full = [1] * len(machine.timed_outputs)
+    macros = Macros(machine, SavedVariables(saved))
     if checked:
-        commands = RehearsedCommands(machine, job, heating, full, heating.heaters)
-        heating.on_target = commands.target_set
-        commands.catch_up = commands.read_heaters = heating.catch_up
+        commands = RehearsedCommands(
+            machine, job, heating, full, heating.heaters, heating.catch_up, macros=macros
+        )
         check = _FilamentCheck(commands, heating, job)
         check.guard()
     else:
-        commands, check = Commands(machine, job, heating, full), None
-    commands.skips = skips.on(machine)
-    commands.macros.saved = dict(saved or {})
+        commands, check = Commands(machine, job, heating, full, macros=macros), None
 
     def settle(wait: Wait) -> None:
         if check:
@@ -145,12 +146,10 @@ def estimate_open(
             check.guard()
 
     horizon = check.horizon if check else lambda: inf
-    try:
-        for _ in run_open_program(job, commands, source, size, name, settle, horizon=horizon):
-            if check:
-                check.look(name)
-    finally:
-        heating.part()
+    allowed = skips.on(machine)
+    for _ in run_open_program(job, commands, source, size, name, settle, allowed, horizon=horizon):
+        if check:
+            check.look(name)
     if take_path:
         heating.catch_up()
         take_path(encoded_toolpath(job, heating.targets))

@@ -3,13 +3,12 @@ file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.job.batch.program import heated
-from passo.printer.wait_requests import Wait
+from passo.printer.wait_requests import Wait, WaitForMoves
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -47,18 +46,11 @@ class Heating:
             for name, heater in machine.heaters.items()
         }
         self.heaters = {name: body.heater for name, body in self._bodies.items()}
-        self.part()
         self._now_s = 0.0  # time of the plan without waits for heaters
         self.seconds = 0.0
         self.unreached: dict[str, float] = {}
         self.targets: list[tuple[float, str, float]] = []
         """The targets so far: the time of the plan in s, the heater, the target in °C."""
-
-    def part(self) -> None:
-        """Removes the reference to the listener, which would keep the plan in memory until the
-        garbage collector runs."""
-        # Called with each target that waits for the moves before it.
-        self.on_target: Callable[[str, float], None] = lambda heater, celsius: None
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a target when the moves so far are done, or at once."""
@@ -66,11 +58,13 @@ class Heating:
             self._bodies[heater].heater.target = celsius
             self.targets.append((self._now_s, heater, celsius))
         else:
-            self.on_target(heater, celsius)
             self._job.mark(self._names.index(heater), round(celsius * 100))
 
     def settle(self, wait: Wait, commands: Commands) -> None:
         """Ends a wait of the plan, after the simulated time that its temperatures need."""
+        if isinstance(wait, WaitForMoves) and wait.executed:
+            self._job.flush()
+            self._pass()
         heated(self._job, lambda heaters: self._wait(heaters, commands))(wait)
 
     def catch_up(self) -> None:

@@ -125,6 +125,7 @@ def read_program(
     pieces: Iterable[bytes],
     name: str,
     settle: Settle,
+    skips: Skips = ALL,
     unsurveyed: Skips = ALL,
     horizon: Callable[[], float] = lambda: inf,
     repeats: Callable[[Command], bool] = _repeats_nothing,
@@ -133,12 +134,12 @@ def read_program(
     progress, when the plan has reached the clock of `horizon`, or when its message queue is full;
     then the caller must take the messages. At the last yield, the job is flushed. Refused commands
     become warnings if `commands` allows it. Raises InputError with `name` as the file for a refused
-    command otherwise, and for words without a number. `unsurveyed` are the commands that lines of
-    macros may skip, because the survey does not read these lines. `repeats` carries out the
+    command otherwise, and for words without a number. `skips` are the commands that lines may skip;
+    `unsurveyed` those of lines of macros, which the survey does not read. `repeats` carries out the
     commands of loops.
     """
     source = iter(pieces)
-    for found in _executed(job, commands, name, settle, unsurveyed, horizon, repeats):
+    for found in _executed(job, commands, name, settle, skips, unsurveyed, horizon, repeats):
         if found == _core.JobStatus.NEED_INPUT:
             data = next(source, b"")
             if data:
@@ -157,6 +158,7 @@ def _executed(
     commands: Commands,
     name: str,
     settle: Settle,
+    skips: Skips,
     unsurveyed: Skips,
     horizon: Callable[[], float] = lambda: inf,
     repeats: Callable[[Command], bool] = _repeats_nothing,
@@ -170,8 +172,7 @@ def _executed(
             _expand(job, commands, name, settle)
         elif found == status.EVENT:
             command = Command(*job.event)
-            skips = unsurveyed if job.macro_depth else commands.skips
-            if problem := unfit(command, skips):
+            if problem := unfit(command, unsurveyed if job.macro_depth else skips):
                 raise InputError([with_option(replace(problem, file=name))])
             try:
                 if repeats(command):
@@ -192,7 +193,7 @@ def _executed(
 
 
 def start_up(
-    job: _core.Job, commands: Commands, settle: Settle, unsurveyed: Skips = ALL
+    job: _core.Job, commands: Commands, settle: Settle, skips: Skips, unsurveyed: Skips
 ) -> Iterator[None]:
     """Executes the delayed G-code that a printer has carried out soon after its start, before a
     program: macros often keep their settings there. Yields as `read_program`. As on the printer,
@@ -207,7 +208,7 @@ def start_up(
         try:
             text = commands.macros.delayed(name, commands.status(), _log.info)
             job.insert(text.encode("utf-8", "surrogateescape"))
-            for found in _executed(job, commands, "", settle, unsurveyed):
+            for found in _executed(job, commands, "", settle, skips, unsurveyed):
                 if found == _core.JobStatus.NEED_INPUT:
                     break
                 yield
@@ -254,15 +255,16 @@ def run_program(
     commands: Commands,
     path: str | os.PathLike[str],
     settle: Settle | None = None,
+    skips: Skips = ALL,
     end: int | None = None,
 ) -> Iterator[float]:
     """Like `read_program`, for a file, or for its lines before number `end`; yields the fraction of
-    the file that is read. Without `settle` it waits for nothing. Raises InputError before the first
-    line for commands that must not be skipped (unless the file is a pipe), and at the end for a
-    text without any known command."""
+    the file that is read. `skips` are the commands that it may skip. Without `settle` it waits for
+    nothing. Raises InputError before the first line for commands that must not be skipped (unless
+    the file is a pipe), and at the end for a text without any known command."""
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
-        yield from run_open_program(job, commands, source, size, str(path), settle, end)
+        yield from run_open_program(job, commands, source, size, str(path), settle, skips, end)
 
 
 def run_open_program(
@@ -272,25 +274,26 @@ def run_open_program(
     size: int,
     name: str,
     settle: Settle | None = None,
+    skips: Skips = ALL,
     end: int | None = None,
     horizon: Callable[[], float] = lambda: inf,
 ) -> Iterator[float]:
     """Like `run_program`, for an open file of `size` bytes, which is at its beginning."""
-    unsurveyed = commands.skips
+    read = skips
     commands.file = PlannedFile(name, size)
     if source.seekable():
         found = survey(commands.machine, chunks(source, name))
         source.seek(0)
-        if wrong := prepare(job, found, name, commands.skips):
+        if wrong := prepare(job, found, name, skips):
             raise InputError([with_option(problem) for problem in wrong])
-        commands.skips = ALL
+        read = ALL
     text = _Text(job, commands, source, name)
     pieces = text if end is None else islice(lines(source), end - 1)
     repeats = text.repeats if end is None and source.seekable() else _repeats_nothing
     settle = settle or at_rest(job)
-    for _ in start_up(job, commands, settle, unsurveyed):
+    for _ in start_up(job, commands, settle, read, skips):
         yield 0.0
-    for _ in read_program(job, commands, pieces, name, settle, unsurveyed, horizon, repeats):
+    for _ in read_program(job, commands, pieces, name, settle, read, skips, horizon, repeats):
         yield min(text.offset / size, 1.0) if size else 0.0
     if end is not None:
         return

@@ -14,7 +14,7 @@ from passo.job.batch.program import with_option
 from passo.motion.endstops import axes_lost, homed_axes, named_axes, named_motors
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.kinematic_position import positions
-from passo.printer.commands.program import Commands
+from passo.printer.commands.program import Commands, Probing
 from passo.printer.commands.set_points import Heat
 from passo.printer.status import HeaterStatus
 from passo.printer.wait_requests import Reply, Wait, WaitForHoming, WaitForMoves
@@ -22,6 +22,7 @@ from passo.printer.wait_requests import Reply, Wait, WaitForHoming, WaitForMoves
 if TYPE_CHECKING:
     from passo import _core
     from passo.config.machine import MachineConfig
+    from passo.printer.macros import Macros
 
 
 @dataclass(slots=True)
@@ -31,6 +32,28 @@ class _Target:
 
     celsius: float = 0.0
     warm_until: float = -inf
+
+
+def _plan_end(job: _core.Job) -> float:
+    return job.clock + job.queued_ticks
+
+
+class _WatchedHeat:
+    """Notes each target that waits for the moves before it, and passes it on to `heat`."""
+
+    def __init__(
+        self, heat: Heat, job: _core.Job, targets: dict[str, _Target], cold_c: float
+    ) -> None:
+        self._heat, self._job, self._targets, self._cold_c = heat, job, targets, cold_c
+
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """As `Heat.set_target`."""
+        if not at_once:
+            target = self._targets[heater]
+            if target.celsius >= self._cold_c:
+                target.warm_until = _plan_end(self._job)
+            target.celsius = celsius
+        self._heat.set_target(heater, celsius, at_once=at_once)
 
 
 class RehearsedCommands(Commands):
@@ -50,16 +73,23 @@ class RehearsedCommands(Commands):
         heat: Heat,
         full_scale: list[int],
         heaters: Mapping[str, _core.Heater],
+        catch_up: Callable[[], None] = lambda: None,
+        *,
+        macros: Macros | None = None,
+        probing: Probing | None = None,
+        left_out: frozenset[str] = frozenset(),
     ) -> None:
-        super().__init__(machine, job, heat, full_scale)
-        self._heaters = heaters
+        """`catch_up` is called before macros see the heaters. The others are as for `Commands`."""
         self.cold = ColdExtrusion(machine)
         self._targets = {name: _Target() for name in machine.heaters}
+        watched = _WatchedHeat(heat, job, self._targets, self.cold.cold_c)
+        super().__init__(
+            machine, job, watched, full_scale, macros=macros, probing=probing, left_out=left_out
+        )
+        self._heaters, self._catch_up = heaters, catch_up
         self.unsure = False  # whether lines since the last check may move cold filament
         self._now = 0.0
         self.unsure_until = -1.0  # clock of the plan up to which this was so
-        self.catch_up: Callable[[], None] = lambda: None  # lets the board execute the plan so far
-        self.read_heaters: Callable[[], None] = lambda: None  # before the heaters are shown
         self._axes = axis_order(machine.axes)
         self._lock(homed_axes(machine))
 
@@ -77,7 +107,7 @@ class RehearsedCommands(Commands):
 
     def heaters(self) -> dict[str, HeaterStatus]:
         """The simulated heaters as they are now, while the plan is ahead."""
-        self.read_heaters()
+        self._catch_up()
         targets_c = self.set_points.targets_c
         return {
             name: HeaterStatus(
@@ -111,19 +141,12 @@ class RehearsedCommands(Commands):
             self._job.lock_axis(number, False)
         super().settled(wait)
 
-    def target_set(self, heater: str, celsius: float) -> None:
-        """Call this when the program has set a target that takes effect after all moves so far."""
-        target = self._targets[heater]
-        if target.celsius >= self.cold.cold_c:
-            target.warm_until = self._plan_end
-        target.celsius = celsius
-
     def guard(self, now: float) -> None:
         """Allows later lines to move filament only if its hotend is warm, or may become warm. `now`
         is the board's clock within the job."""
         self._now = now
         if self.unsure:
-            self.unsure_until = self._plan_end
+            self.unsure_until = _plan_end(self._job)
         heaters, cold = self._heaters, self.cold
         self.unsure = False
 
@@ -163,19 +186,10 @@ class RehearsedCommands(Commands):
                 found.append((stepper, not cold.melts(heater, heaters)))
         return found
 
-    @property
-    def _plan_end(self) -> float:
-        return self._job.clock + self._job.queued_ticks
-
     def _guard_set(self, command: Command) -> Wait:
         """Sets M302 when the earlier lines are done, because the old setting applies to them."""
         command.check()
-
-        def take() -> None:
-            self.catch_up()
-            self.cold.set(command.words())
-
-        return WaitForMoves(take)
+        return WaitForMoves(lambda: self.cold.set(command.words()), executed=True)
 
     def _position_set(self, command: Command) -> Wait:
         places, lost = positions(command, self._machine, self._job)

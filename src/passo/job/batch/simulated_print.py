@@ -14,12 +14,12 @@ from passo.board.drivers import Drivers
 from passo.board.faults import HeaterFault
 from passo.errors import InputError, MachineError, Problem
 from passo.gcode.registry import Kind, table
-from passo.job.batch.bed_probing import BedProbing
 from passo.job.batch.first_layer import FirstLayerWatch
 from passo.job.batch.policy import Policy
 from passo.job.batch.program import heated, refuse_stop, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_s
+from passo.printer.bed_probing import BedProbing
 from passo.printer.commands.motion_filters import MotionFilters
 from passo.printer.commands.program import FILTER_COMMANDS, Commands
 from passo.printer.macros import Macros
@@ -29,7 +29,6 @@ from passo.printer.wait_requests import Wait, WaitForHoming, WaitForMoves
 if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.config.machine import MachineConfig
-    from passo.gcode.command import Command
 
 _LEAD_S = 0.25  # delay of the plan after a wait
 _HORIZON_S = 0.2  # commands are sent to the board at most this long before they are due
@@ -83,21 +82,30 @@ class StepWatch(Protocol):
         ...
 
 
+class _StepWatches:
+    """The watches of one print. It has no reference to the print; see `_Targets`."""
+
+    def __init__(self) -> None:
+        self.all: list[StepWatch] = []
+
+    def placed(self, errors_mm: Mapping[str, float] | None) -> None:
+        """See `StepWatch.placed`."""
+        for watch in self.all:
+            watch.placed(errors_mm)
+
+
 class _Targets:
     """Sets the targets of a print's heaters. It has no reference to the print, so that both are
     freed without the garbage collector."""
 
     def __init__(self, job: _core.Job, connection: Boards, heaters: list[str]) -> None:
         self._job, self._connection, self._heaters = job, connection, heaters
-        # Called with each target that waits for the moves before it.
-        self.on_target: Callable[[str, float], None] = lambda heater, celsius: None
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a heater's target when the moves so far are done, or at once."""
         if at_once:
             self._connection.set_target(heater, celsius)
         else:
-            self.on_target(heater, celsius)
             self._job.mark(self._heaters.index(heater), round(celsius * 100))
 
 
@@ -128,20 +136,24 @@ class Print:
             machine.core_spec(), True, self._policy.clamp, self._policy.ignore_tools
         )
         full = [self.connection.full_scale(output.name) for output in outputs]
-        self._targets = _Targets(self.job, self.connection, self._heaters)
+        targets = _Targets(self.job, self.connection, self._heaters)
+        self.first_layer: FirstLayerWatch | None = None
+        self._step_watches = _StepWatches()
+        self._probing = probing = BedProbing(machine, self.job, self._step_watches.placed)
+        left_out = frozenset[str]()
+        if self._policy.motion_only:
+            probed = {code for code, row in table().items() if row.kind is Kind.PROBED}
+            left_out = FILTER_COMMANDS | probed
         self._checks: RehearsedCommands | None = None
         if self._policy.checked:
             self._checks = RehearsedCommands(
-                machine, self.job, self._targets, full, self.connection.heaters
+                *(machine, self.job, targets, full, self.connection.heaters),
+                probing=probing,
+                left_out=left_out,
             )
-        self._commands = self._checks or Commands(machine, self.job, self._targets, full)
-        self._commands.skips = self._policy.skips.on(machine)
-        if self._policy.motion_only:
-            probed = {code for code, row in table().items() if row.kind is Kind.PROBED}
-            self._commands.left_out = FILTER_COMMANDS | probed
-        self.first_layer: FirstLayerWatch | None = None
-        self._step_watches: list[StepWatch] = []
-        self._probing = BedProbing(machine, self.job, self._commands)
+        self._commands = self._checks or Commands(
+            machine, self.job, targets, full, probing=probing, left_out=left_out
+        )
         # steps of filament motors so far, while filament may be cold
         self._filament: dict[str, int] | None = None
         self.base = 0  # board clock at which the job starts
@@ -171,7 +183,7 @@ class Print:
 
     def watch_steps(self, watch: StepWatch) -> None:
         """Lets a part follow the steps of the print. Call it before `run`."""
-        self._step_watches.append(watch)
+        self._step_watches.all.append(watch)
 
     def trace_until(self, seconds: float) -> None:
         """Makes the simulated board record its steps up to this print time, in seconds. Call it
@@ -212,7 +224,7 @@ class Print:
         error, a given `result` has the warnings and the cost so far."""
         result = result or PrintResult(file=str(path), machine=self._machine.name)
         begin_s = thread_cpu_s()
-        self._join()
+        self.connection.set_on_fault(self._heater_failed)
         try:
             self._print(path, end)
             self._fill(result)
@@ -222,26 +234,12 @@ class Print:
             self._part()
         return result
 
-    def _join(self) -> None:
-        """Connects the parts of this print to its callbacks while it runs."""
-        self.connection.set_on_fault(self._heater_failed)
-        self._commands.probing = self._probe
-        self._commands.measured = self._probing.shown
-        if self._checks is not None:
-            self._targets.on_target = self._checks.target_set
-            self._checks.catch_up = lambda: self._run_to(self.job.clock)
-
     def _part(self) -> None:
         """Removes all references back to the print, which would keep it in memory until the garbage
         collector runs."""
         self.connection.set_on_fault(None)
-        self._commands.probing = lambda command: None
-        self._commands.measured = lambda status: status
         self._probing.close()
         self._progress, self._watch = None, lambda: None
-        self._targets.on_target = lambda heater, celsius: None
-        if self._checks is not None:
-            self._checks.catch_up = lambda: None
 
     def _print(self, path: str | os.PathLike[str], end: int | None) -> None:
         checks, self._path = self._checks, str(path)
@@ -251,6 +249,9 @@ class Print:
         def settle(wait: Wait) -> None:
             refuse_stop(wait, str(path))
             start = self.job.machine_position
+            if isinstance(wait, WaitForMoves) and wait.executed:
+                self.job.flush()
+                self._run_to(self.job.clock)
             warm(wait)
             if isinstance(wait, WaitForHoming):
                 self._homed(wait.letters, start)
@@ -258,7 +259,7 @@ class Print:
                 checks.guard(self.connection.now - self.base)
 
         self._watch_first_layer()
-        for watch in self._step_watches:
+        for watch in self._step_watches.all:
             watch.begin(self.base)
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
@@ -266,34 +267,27 @@ class Print:
         if checks is not None:
             self.job.line_at(0)  # record the lines of moves from here on
             checks.guard(0)
-        for share in run_program(self.job, self._commands, path, settle, end):
+        skips = self._policy.skips.on(self._machine)
+        for share in run_program(self.job, self._commands, path, settle, skips, end):
             self._watch()
             if self.job.line > self._to[0]:
                 self._from, self._to = self._to, (self.job.line, share, self.job.layer)
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
             self.job.passed(self.job.clock)  # moves are never replanned
-            for watch in self._step_watches:
+            for watch in self._step_watches.all:
                 watch.look()
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
         kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)
         self._run(self.connection.now + round((_LEAD_S + kick_s) * self._hz))
-        for watch in self._step_watches:
+        for watch in self._step_watches.all:
             watch.end()
-
-    def _probe(self, command: Command) -> Wait | None:
-        """The wait of a command that needs a probe; None if it is skipped."""
-        if not self._probing.takes(command):
-            return None
-        return WaitForMoves(lambda: self._placed(self._probing.run(command)))
 
     def _homed(self, letters: str, start: Sequence[float]) -> None:
         """Call this after the job has homed, starting at this machine position."""
-        self._placed(self._probing.home(letters, start) if self._probing.going else None)
-
-    def _placed(self, errors_mm: Mapping[str, float] | None) -> None:
-        for watch in self._step_watches:
-            watch.placed(errors_mm)
+        probing = self._probing
+        errors_mm = probing.home(letters, start, self._commands) if probing.going else None
+        self._step_watches.placed(errors_mm)
 
     def _watch_first_layer(self) -> None:
         """Not on a machine that prints nothing, and while the boards keep steps for others."""
@@ -301,7 +295,7 @@ class Print:
             return
         follows = nozzle_gap(self._machine, self.board)
         self.first_layer = FirstLayerWatch(self._machine, self.job, follows)
-        self._step_watches.append(self.first_layer)
+        self._step_watches.all.append(self.first_layer)
 
     def _run_to(self, job_clock: float) -> None:
         """Runs the board up to a clock of the job, and sets heaters at their marks."""

@@ -68,13 +68,15 @@ class JournalKeeper:
         self._instead = ""  # reported with the offer
         objects.watchers.append(self._object_cancelled)
         runner.watchers.append(self._job_changed)
+        control.state.greetings.append(self.offer)
+        control.state.status_parts.append(lambda status: replace(status, interrupted=self._shown()))
         lifetime.as_time_passes(self._time_passed)
         lifetime.at_end(self._journal.leave)
 
     def offer(self) -> str:
         """The message about an interrupted print for a console that opens; empty if there is
         none."""
-        found = self.status()
+        found = self._shown()
         if found is None:
             return ""
         where = f"line {found.line}" if found.line else "its beginning"
@@ -88,8 +90,7 @@ class JournalKeeper:
         """Reports with the offer that `skipped` was not started because of it."""
         self._instead = f". {skipped} was not started"
 
-    def status(self) -> InterruptedPrint | None:
-        """`Status.interrupted`."""
+    def _shown(self) -> InterruptedPrint | None:
         if self._interrupted is None:
             return None
         program, moment = self._interrupted

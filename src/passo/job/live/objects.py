@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
@@ -86,13 +86,3 @@ class PrintObjects:
     def _require_print(self) -> None:
         if not (self._runner.active and self.all):
             raise CommandError.of("job.no-objects")
-
-
-def covered(objects: Sequence[PrintObject]) -> tuple[float, float, float, float] | None:
-    """The rectangle around the outlines of all objects that are not cancelled: X and Y of its first
-    corner, then of the opposite one, mm. None if none has an outline."""
-    places = [at for o in objects if not o.cancelled for at in o.outline_mm]
-    if not places:
-        return None
-    xs, ys = [x for x, _ in places], [y for _, y in places]
-    return min(xs), min(ys), max(xs), max(ys)

@@ -16,10 +16,12 @@ from passo.job.live.overrides import override
 from passo.job.live.reader import Reader
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
+from passo.printer.commands.set_points import NoHeat
 from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Reply, Wait, WaitForHoming
 
 if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
     from passo.printer.control import Control
     from passo.printer.settings import Settings
     from passo.printer.setup.motion import Motion
@@ -41,14 +43,17 @@ def _filters(commands: Commands) -> Iterator[str]:
 
 
 class _Observed(Commands):
-    """The commands of a plan; each is passed to `observer` first."""
+    """The commands of a plan; each is passed to `observe` first."""
 
-    observer: Callable[[Command], None] | None = None
+    def __init__(
+        self, machine: MachineConfig, job: _core.Job, observe: Callable[[Command], None]
+    ) -> None:
+        super().__init__(machine, job, NoHeat(), [1] * len(machine.timed_outputs))
+        self._observe = observe
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
         """Like `Commands.run`."""
-        if self.observer is not None:
-            self.observer(command)
+        self._observe(command)
         return super().run(command, reply)
 
 
@@ -78,14 +83,15 @@ class PreambleScan:
         reader.seek(0)
         prepare(job, survey(machine, iter(partial(reader.read, _CHUNK), b"")), "", ALL)
         self._rest = at_rest(job)
-        self.commands = _Observed.of_plan(machine, job)
+        self.commands = _Observed(machine, job, self._observe)
         self.commands.set_points.take_tool_temperatures(control.rig.commands.set_points)
         self.settings: list[str] = []
         self.home_offset_mm = dict(self._motion.offsets.home_mm)
         self.homed_mm = dict(self.home_offset_mm)
         self._known = set[str]()  # axes that were homed, and whose motors have been on since
+        self._reads = False  # the settings of the printer are applied
         self._set_up(program)
-        self.commands.observer = self._observe
+        self._reads = True
 
         def settle(wait: Wait) -> None:
             if isinstance(wait, WaitForHoming):
@@ -166,6 +172,8 @@ class PreambleScan:
 
     def _observe(self, command: Command) -> None:
         """Records settings that only a printer has, not a plan. Raises CommandError."""
+        if not self._reads:
+            return
         words, motion, job = command.words(), self._motion.settings, self.job
         if command.code == "M206":
             self.home_offset_mm |= motion.home_offsets(words)

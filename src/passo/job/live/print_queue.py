@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,7 @@ class PrintQueue:
         self._automatic = False
         self._load()
         runner.watchers.append(self._job_changed)
+        state.status_parts.append(lambda status: replace(status, queue=self.status()))
 
     def status(self) -> Queue:
         """`Status.queue`."""

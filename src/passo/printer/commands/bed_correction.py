@@ -41,12 +41,12 @@ class BedCorrectionCommands:
     """The commands for the bed correction of one printer. `profile` is the name of the active
     stored mesh, or empty; `meshes` are the stored meshes."""
 
-    def __init__(self, rig: Rig, correction: BedCorrection) -> None:
+    def __init__(self, rig: Rig, correction: BedCorrection, meshes: MeshStore) -> None:
         self._rig, self._correction = rig, correction
         self._config = rig.machine.levelling
         self.profile = ""
         self._raised_mm = 0.0  # by `raise_to`
-        self.meshes = MeshStore()
+        self.meshes = meshes
 
     @property
     def fade(self) -> Fade | None:

@@ -42,7 +42,7 @@ _ShownPoints = tuple[tuple[BedPoint, ...], float | None, float | None]
 
 class LevellingCommands:
     """Bed levelling of one printer. `points` and `mesh_grid` come from the machine file, or from
-    commands. `job_area` gives the area that the print covers, mm, if it is known."""
+    commands. `printed_area` gives the area that the print covers, mm, if it is known."""
 
     def __init__(
         self,
@@ -53,17 +53,17 @@ class LevellingCommands:
         offsets: ProbeOffsetCommands,
         manual: ManualProbe,
         moves: PredefinedMoves,
+        printed_area: Callable[[], Area | None],
     ) -> None:
         self._rig, self._prober, self._correction = rig, prober, correction
         self._corrections, self._offsets, self._manual = corrections, offsets, manual
-        self._moves = moves
+        self._moves, self._printed_area = moves, printed_area
         self._config = config = rig.machine.levelling
         self.points = list(config.points)
         self.mesh_grid: Grid | None = None
         if config.area is not None:
             x0, y0, x1, y1 = config.area
             self.mesh_grid = Grid((x0, y0, x1, y1), (config.count[0], config.count[1]))
-        self.job_area: Callable[[], Area | None] = lambda: None
         self._measured: list[tuple[Place, float]] = []  # with the height of the trigger
         self._progress = (0, 0)  # places done, and places in total, in a run
         self._shown: tuple[tuple[object, object, object], _ShownPoints] = (
@@ -366,7 +366,7 @@ class LevellingCommands:
     )
     def _calibrate_mesh(self, command: Command, reply: Reply) -> Wait | None:
         pairs = command.pairs()
-        grid, area = given_grid(pairs, self.mesh_grid), self.job_area()
+        grid, area = given_grid(pairs, self.mesh_grid), self._printed_area()
         profile = pairs.get("PROFILE", "")
         if number(pairs, "ADAPTIVE", 0.0):
             if area is None:

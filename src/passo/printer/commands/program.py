@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Self, cast
+from typing import TYPE_CHECKING, Protocol, Self, cast
 
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
@@ -27,7 +27,7 @@ from passo.printer.macros import Macros, Respond
 from passo.printer.planned_status import PlannedFile, planned_status
 from passo.printer.skipped_commands import SkippedCommand, SkippedCommands
 from passo.printer.status import HeaterStatus
-from passo.printer.unfit_commands import ALL, LEVELLING
+from passo.printer.unfit_commands import LEVELLING
 from passo.printer.wait_requests import (
     Handler,
     NullReply,
@@ -85,6 +85,18 @@ class _Counted(NullReply):
         self._omitted.count(SkippedCommand.REFUSED, text, self._line)
 
 
+class Probing(Protocol):
+    """Measures the bed for a plan."""
+
+    def wait_for(self, command: Command, commands: Commands) -> Wait | None:
+        """The wait of a command that needs a probe; None if it is skipped."""
+        ...
+
+    def shown(self, status: Status) -> Status:
+        """The status of the plan, with the bed as it was measured."""
+        ...
+
+
 class Commands:
     """Executes the commands that a job's interpreter does not handle itself; one object for each
     job. Not thread-safe. Each part has the commands of one subject. `omitted` counts skipped
@@ -103,12 +115,18 @@ class Commands:
         heat: Heat,
         full_scale: list[int],
         plan: Plan | None = None,
+        *,
         macros: Macros | None = None,
+        status: Callable[[], Status] | None = None,
+        probing: Probing | None = None,
+        left_out: frozenset[str] = frozenset(),
     ) -> None:
         """`full_scale` has the value for fully on of each timed output. `plan` decides which
-        planned moves commands may change; by default none. `macros` are those of a printer; by
-        default the job has its own."""
+        planned moves commands may change; by default none. `macros` and `status` are those of a
+        printer; by default the job has its own. `probing` measures the bed for a plan. The commands
+        `left_out` have no effect."""
         self._machine, self._job = machine, job
+        self._status, self._probing, self._left_out = status, probing, left_out
         plan = plan or PlanAhead(job)
         self.omitted = SkippedCommands()
         self.macros = macros or Macros(machine)
@@ -124,13 +142,7 @@ class Commands:
         self.tower = TuningTower(machine, job)
         self.not_yet = NotYet()
         self.stand_ins = StandInCommands(stand_ins, self.omitted)
-        # For a command that needs a probe: its wait, or None if it is skipped.
-        self.probing: Callable[[Command], Wait | None] = lambda command: None
-        # The status of a plan, with what has been measured for it.
-        self.measured: Callable[[Status], Status] = lambda status: status
         self.file: PlannedFile | None = None  # the file of a plan
-        self.skips = ALL  # the commands that a print without consoles may skip
-        self.left_out: frozenset[str] = frozenset()  # commands without effect here
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
         """Executes one command in program order, or counts it as unknown. Returns the wait that the
@@ -147,7 +159,7 @@ class Commands:
         code = _key(command)
         command.check()
         command.check_values(in_file=reply is None)
-        if code in self.left_out:
+        if code in self._left_out:
             return None
         handler = self._handler(code, Role.IN_PROGRAM, Role.DECLARED)
         if handler is not None:
@@ -155,8 +167,10 @@ class Commands:
             wait = handler(command, answers)
             due, self.tower.due = self.tower.due, None
             return wait if due is None else self.run(due, answers)
-        if (wait := self.probing(command)) is not None:
-            return wait
+        if self._probing is not None:
+            wait = self._probing.wait_for(command, self)
+            if wait is not None:
+                return wait
         row = row_of(code)
         if row is None:
             self.omitted.count(SkippedCommand.UNKNOWN, code, command.line)
@@ -183,8 +197,8 @@ class Commands:
     def status(self) -> Status:
         """The status for templates: that of the printer, or of the plan."""
         steps_mm = self.flow.babysteps_mm
-        if self.macros.status is not None:
-            status = self.macros.status()
+        if self._status is not None:
+            status = self._status()
             axes = {
                 name: replace(axis, babystep_mm=axis.babystep_mm + steps_mm.get(name, 0.0))
                 for name, axis in status.axes.items()
@@ -198,13 +212,12 @@ class Commands:
             self.outputs.fans,
             steps_mm,
         )
-        return self.measured(
-            replace(
-                planned,
-                shapers=self.filters.shaper_status(),
-                advances=self.filters.advance_status(),
-            )
+        planned = replace(
+            planned,
+            shapers=self.filters.shaper_status(),
+            advances=self.filters.advance_status(),
         )
+        return planned if self._probing is None else self._probing.shown(planned)
 
     def heaters(self) -> dict[str, HeaterStatus]:
         """The heaters of a plan. Their targets count as reached."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from passo.geometry.skewable import SkewableModel
+from passo.levelling.areas import Area
+from passo.levelling.mesh_files import MeshStore
 from passo.printer.commands.bed_correction import BedCorrectionCommands
 from passo.printer.commands.bed_screws import ScrewCommands
 from passo.printer.commands.delta_calibration import DeltaCommands, is_calibrated
@@ -37,15 +40,19 @@ class Levelling:
     handlers: list[object]  # the parts that handle commands
 
 
-def build_levelling(rig: LiveRig, motion: Motion) -> Levelling:
-    """Builds the levelling of a connected machine."""
+def build_levelling(
+    rig: LiveRig, motion: Motion, meshes: MeshStore, printed_area: Callable[[], Area | None]
+) -> Levelling:
+    """Builds the levelling of a connected machine. `meshes` are its stored meshes; `printed_area`
+    gives the area that the print covers, mm, if it is known."""
     machine, config = rig.machine, rig.machine.levelling
     prober = motion.prober
-    correction = BedCorrectionCommands(rig, motion.correction)
+    correction = BedCorrectionCommands(rig, motion.correction, meshes)
     offsets = ProbeOffsetCommands(rig, prober, motion.correction, correction, motion.offsets)
     manual = ManualProbe(prober, motion.correction, offsets)
     bed = LevellingCommands(
-        rig, prober, motion.correction, correction, offsets, manual, motion.predefined
+        *(rig, prober, motion.correction, correction, offsets, manual, motion.predefined),
+        printed_area,
     )
     delta = None
     if is_calibrated(machine):

@@ -2,41 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from passo.errors import CommandError
 from passo.job.durable_files import load_json, store_json
+from passo.printer.saved_variables import SavedVariables
 
 
-class SavedVariables:
+class VariableFile(SavedVariables):
     """The file of one printer; None stores nothing. A damaged file stays unchanged, and nothing is
-    stored until the user repairs or removes it."""
+    stored until the user repairs or removes it. `refused` has the error of a damaged file."""
 
     def __init__(self, path: Path | None) -> None:
+        super().__init__()
         self._path = path
-        self._refused: CommandError | None = None
-
-    def load(self) -> dict[str, Any]:
-        """The stored variables; empty without a file. Raises CommandError for a damaged one."""
-        if self._path is None:
-            return {}
+        self.refused: list[CommandError] = []
         try:
-            return load_json(self._path) or {}
+            self.values = {} if path is None else load_json(path) or {}
         except (OSError, ValueError):
-            self._refused = CommandError.of("macro.saved-unreadable", str(self._path))
-            raise self._refused from None
+            self.refused.append(CommandError.of("macro.saved-unreadable", str(path)))
 
-    def save(self, variables: Mapping[str, Any]) -> None:
+    def save(self, values: dict[str, Any]) -> None:
         """Stores all variables. When this returns, they survive a power cut. Raises CommandError;
         then the file is unchanged."""
         if self._path is None:
             raise CommandError.of("settings.nowhere")
-        if self._refused is not None:
-            raise self._refused
+        if self.refused:
+            raise self.refused[0]
         try:
-            store_json(self._path, variables)
+            store_json(self._path, values)
         except OSError as error:
             reason = str(error.strerror)
             raise CommandError.of("macro.saved-unwritable", str(self._path), value=reason) from None
+        super().save(values)

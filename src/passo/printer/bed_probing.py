@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import math
+import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -14,13 +15,11 @@ from passo import config
 from passo.clock import VirtualLoop
 from passo.errors import CommandError, MachineError, Problem
 from passo.gcode.registry import Kind, row_of
-from passo.job.batch.result import thread_cpu_s
-from passo.job.live.objects import covered
 from passo.motion.axis_slots import X, Y, Z
 from passo.motion.travel import go_back
-from passo.printer.print_objects import objects_of
+from passo.printer.print_objects import covered, objects_of
 from passo.printer.printer import Printer
-from passo.printer.wait_requests import NullReply, Stopped
+from passo.printer.wait_requests import NullReply, Stopped, Wait, WaitForMoves
 from passo.probes.base import SensingProbe
 
 if TYPE_CHECKING:
@@ -64,12 +63,15 @@ class BedProbing:
     where the plan of the job ends. The second printer starts, homed, at the first such command.
     Like homing, probing takes no print time. Not thread-safe; close it.
 
-    `cpu_s` is the processor time that probing has used so far.
+    `placed` is called after each command with the real position of each motor minus its position
+    in the plan, mm or degrees. `cpu_s` is the processor time that probing has used so far.
     """
 
-    def __init__(self, machine: MachineConfig, job: _core.Job, commands: Commands) -> None:
+    def __init__(
+        self, machine: MachineConfig, job: _core.Job, placed: Callable[[Mapping[str, float]], None]
+    ) -> None:
         self._machine = config.on_simulated_boards(machine)
-        self._job, self._commands = job, commands
+        self._job, self._placed = job, placed
         self._printer: Printer | None = None
         self._loop: VirtualLoop | None = None
         self._thread: ThreadPoolExecutor | None = None
@@ -81,26 +83,30 @@ class BedProbing:
         """Whether the second printer has started; then it must home whenever the job homes."""
         return self._printer is not None
 
-    def takes(self, command: Command) -> bool:
-        """Whether this executes a command."""
+    def wait_for(self, command: Command, commands: Commands) -> Wait | None:
+        """The wait of a command that needs a probe; None if it is skipped. The command is executed
+        at the end of the plan, at standstill. Its end raises CommandError and MachineError."""
+        if not self._takes(command):
+            return None
+
+        def probe() -> None:
+            self._call(lambda: self._carried_out(command))
+            self._placed(self._taken_over(commands))
+
+        return WaitForMoves(probe)
+
+    def _takes(self, command: Command) -> bool:
         if not isinstance(self._machine.probe, SensingProbe):
             return False
         row = row_of(command.code)
         probed = row is not None and row.kind is Kind.PROBED
         return probed and (self.going or command.code not in _AFTER)
 
-    def run(self, command: Command) -> Mapping[str, float]:
-        """Executes a command at the end of the plan, at standstill. Returns the real position of
-        each motor minus its position in the plan, mm or degrees. Raises CommandError,
-        MachineError."""
-        self._call(lambda: self._carried_out(command))
-        return self._taken_over()
-
-    def home(self, letters: str, start: Sequence[float]) -> Mapping[str, float]:
+    def home(self, letters: str, start: Sequence[float], commands: Commands) -> Mapping[str, float]:
         """Call this after the job has homed: homes at the simulated endstops, starting at this
-        machine position. Returns and raises as `run`."""
+        machine position. Returns what `placed` receives. Raises CommandError, MachineError."""
         self._call(lambda: self._homed(letters, start))
-        return self._taken_over()
+        return self._taken_over(commands)
 
     def shown(self, status: Status) -> Status:
         """The status of the job, with the bed as the second printer has measured it."""
@@ -131,7 +137,7 @@ class BedProbing:
         return self._thread.submit(self._run, make).result()
 
     def _run(self, make: Callable[[], Coroutine[Any, Any, _T]]) -> _T:
-        begin_s = thread_cpu_s()
+        begin_s = time.thread_time()
         try:
             if self._loop is None:
                 self._loop = VirtualLoop()
@@ -140,7 +146,7 @@ class BedProbing:
             cause = self._printer.state.cause if self._printer else None
             raise cause or MachineError.of("machine.stopped") from stop
         finally:
-            self.cpu_s += thread_cpu_s() - begin_s
+            self.cpu_s += time.thread_time() - begin_s
 
     def _end(self) -> None:
         assert self._loop is not None
@@ -152,8 +158,9 @@ class BedProbing:
     async def _ready(self) -> Printer:
         """Returns the printer. The first call starts it, and homes it if the job is homed."""
         if self._printer is None:
-            self._printer = printer = Printer(self._machine, free=True)
-            printer.levelling.bed.job_area = lambda: covered(objects_of(self._job))
+            self._printer = printer = Printer(
+                self._machine, free=True, printed_area=lambda: covered(objects_of(self._job))
+            )
             printer.report_start()
             self._task = asyncio.get_running_loop().create_task(printer.run())
             if not self._lost:
@@ -192,13 +199,13 @@ class BedProbing:
 
     # -- the job ----------------------------------------------------------------------------------
 
-    def _taken_over(self) -> Mapping[str, float]:
+    def _taken_over(self, commands: Commands) -> Mapping[str, float]:
         assert self._printer is not None
         printer, job = self._printer, self._job
         machine = printer.rig.machine
-        if machine.geometry != self._commands.machine.geometry:
+        if machine.geometry != commands.machine.geometry:
             job.set_geometry(machine.geometry.spec())
-            self._commands.use_geometry(machine)
+            commands.use_geometry(machine)
         printer.motion.correction.apply_to(job)
         if not self._lost:
             job.stand_at([(slot, printer.rig.job.machine_position[slot]) for slot in (X, Y, Z)])

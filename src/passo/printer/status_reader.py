@@ -1,38 +1,29 @@
-"""Reads the typed status of a printer with its job, once for all readers."""
+"""Reads the typed status of a printer, once for all readers."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from math import hypot
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
 from passo.errors import Problem
-from passo.job.live.job_state import JobState
 from passo.motion.axis_slots import E, slot_of_axis
 from passo.printer.status import (
     AxisStatus,
     BoardStatus,
-    EndedJob,
     FaultStatus,
-    FilesStatus,
     HeaterStatus,
-    InterruptedPrint,
-    JobStatus,
     MotionStatus,
     PrinterState,
-    Queue,
     Status,
 )
 from passo.printer.unfit_commands import plain_advice
 
 if TYPE_CHECKING:
     from passo.board.connection import Connection
-    from passo.job.live.library import Library
-    from passo.job.live.objects import PrintObjects
-    from passo.job.live.progress import Progress
-    from passo.job.live.runner import Runner
     from passo.printer.control import Control
     from passo.printer.live_rig import LiveRig
     from passo.printer.setup.heat import Heat
@@ -44,8 +35,8 @@ _SPEED_OVER_S = 0.02  # the current speed is the mean over this time
 
 
 class StatusReader:
-    """Reads the status of one printer, without asking a board and without letting time pass.
-    `interrupted`, `unsaved` and `queue` give the fields of these names."""
+    """Reads the status of one printer, without asking a board and without letting time pass. The
+    print, the queue and the stored settings add their fields: see `State.status_parts`."""
 
     def __init__(
         self,
@@ -54,33 +45,20 @@ class StatusReader:
         motion: Motion,
         heat: Heat,
         levelling: Levelling,
-        runner: Runner,
-        progress: Progress,
-        objects: PrintObjects,
-        library: Library,
-        *,
-        interrupted: Callable[[], InterruptedPrint | None],
-        unsaved: Callable[[], dict[str, dict[str, str]]],
-        queue: Callable[[], Queue],
     ) -> None:
         self._control, self._rig, self._state = control, control.rig, control.state
         self._outputs, self._heat, self._levelling = outputs, heat, levelling
         self._offsets = motion.offsets
-        self._runner, self._progress = runner, progress
-        self._objects, self._library = objects, library
         self._letters = axis_order(self._rig.machine.axes)
-        self._ended: EndedJob | None = None
         self._moves_since_s: float | None = None
-        self._interrupted, self._unsaved, self._queue = interrupted, unsaved, queue
-        runner.watchers.append(self._job_changed)
 
     def read(self) -> Status:
         """The current status."""
         rig, job = self._rig, self._rig.job
         shown = {k.lower(): mm for k, mm in rig.positions.shown().items()}
-        homed, state = _homed_axes(rig), self._printer_state()
-        return Status(
-            state=state,
+        homed = _homed_axes(rig)
+        status = Status(
+            state=self._printer_state(),
             halted=self._state.halted,
             time_s=max(rig.queue.now_s, 0.0),
             position_mm=shown,
@@ -93,25 +71,15 @@ class StatusReader:
             axes=self._axes(shown, homed),
             boards=self._boards(),
             flow_factors=list(job.flows),
-            faults=_faults(self._state.cause.problems) if self._state.cause else (),
+            faults=faults_of(self._state.cause.problems) if self._state.cause else (),
             link=self._control.supervisor.link.name.lower(),
             message=self._control.prompts.message,
             question=self._control.prompts.question,
             power_supply=self._outputs.power.on,
-            files=FilesStatus(
-                self._library.mounted, self._runner.path, str(self._library.folder or "")
-            ),
-            progress=self._progress.share_done(),
-            job=self._job(),
-            ended=self._ended if self._runner.ended else None,
-            interrupted=self._interrupted(),
-            queue=self._queue(),
             started=self._state.start_failure is None,
             macros=json.loads(json.dumps(rig.macros.variables)),  # with texts as keys
             min_extrude_c=self._heat.settings.cold.min_c(job.tool),
-            unsaved=self._unsaved(),
             saved_variables=rig.macros.saved,
-            moving_s=self._moving_s(state, max(rig.queue.now_s, 0.0)),
             bed=self._levelling.bed.status() if rig.machine.probe else None,
             skew_profile=self._levelling.skew.profile_status if self._levelling.skew else None,
             gantry_level=self._levelling.gantry.level if self._levelling.gantry else None,
@@ -121,6 +89,9 @@ class StatusReader:
             advances=rig.commands.filters.advance_status(),
             cooled_c=dict(self._outputs.targets.cooled_c),
         )
+        for add in self._state.status_parts:
+            status = add(status)
+        return replace(status, moving_s=self._moving_s(status.state, status.time_s))
 
     def _moving_s(self, state: PrinterState, now_s: float) -> float:
         """The print time since the machine began to print or move without a break; `now_s` is the
@@ -132,23 +103,10 @@ class StatusReader:
             self._moves_since_s = now_s
         return now_s - self._moves_since_s
 
-    def _job_changed(self, was: JobState, state: JobState) -> None:
-        if was.active and not state.active:
-            self._ended = EndedJob(
-                self._runner.ended,
-                self._runner.failed,
-                self._job_status(),
-                _faults(self._runner.problems),
-            )
-
     def _printer_state(self) -> PrinterState:
         rig = self._rig
         if self._state.halted:
             return PrinterState.HALTED
-        if self._runner.state is JobState.PAUSED:
-            return PrinterState.PAUSED
-        if self._runner.active:
-            return PrinterState.PRINTING
         busy = self._control.motion_lock.locked or not rig.queue.idle
         return PrinterState.BUSY if busy else PrinterState.IDLE
 
@@ -219,35 +177,9 @@ class StatusReader:
             for connection in connections
         }
 
-    def _job(self) -> JobStatus | None:
-        return self._job_status() if self._runner.active else None
 
-    def _job_status(self) -> JobStatus:
-        runner, progress = self._runner, self._progress
-        job, now = self._rig.job, self._rig.queue.passed
-        line = job.line_at(now)  # drops past lines
-        return JobStatus(
-            file=runner.name,
-            fraction=progress.share_done() or 0.0,
-            line=line,
-            layer=job.layer_near(now) if line else 0,
-            layers=progress.layers,
-            printed_s=progress.printed_s,
-            left_s=progress.left_s,
-            objects=self._objects.all,
-            current_object=self._objects.current,
-            path=runner.path,
-            size=runner.size,
-            offset=runner.offset,
-            elapsed_s=progress.elapsed_s,
-            filament_mm=progress.filament_mm,
-            extruding_s=progress.extruding_s,
-            slicer_layer=progress.slicer_layers.current,
-            slicer_layers=progress.slicer_layers.total,
-        )
-
-
-def _faults(problems: Sequence[Problem]) -> tuple[FaultStatus, ...]:
+def faults_of(problems: Sequence[Problem]) -> tuple[FaultStatus, ...]:
+    """The problems as they are shown."""
     return tuple(
         FaultStatus(
             p.code,

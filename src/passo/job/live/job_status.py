@@ -1,0 +1,82 @@
+"""Adds the print to the status of a printer."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from passo.job.live.job_state import JobState
+from passo.printer.status import EndedJob, FilesStatus, JobStatus, PrinterState, Status
+from passo.printer.status_reader import faults_of
+
+if TYPE_CHECKING:
+    from passo.job.live.library import Library
+    from passo.job.live.objects import PrintObjects
+    from passo.job.live.progress import Progress
+    from passo.job.live.runner import Runner
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
+
+
+class JobStatusReader:
+    """Adds the current and the last print from a file, and the card."""
+
+    def __init__(
+        self,
+        rig: LiveRig,
+        state: State,
+        runner: Runner,
+        progress: Progress,
+        objects: PrintObjects,
+        library: Library,
+    ) -> None:
+        self._rig, self._runner, self._progress = rig, runner, progress
+        self._objects, self._library = objects, library
+        self._ended: EndedJob | None = None
+        runner.watchers.append(self._job_changed)
+        state.status_parts.append(self._add)
+
+    def _add(self, status: Status) -> Status:
+        runner, library = self._runner, self._library
+        state = status.state
+        if state is not PrinterState.HALTED and runner.active:
+            paused = runner.state is JobState.PAUSED
+            state = PrinterState.PAUSED if paused else PrinterState.PRINTING
+        return replace(
+            status,
+            state=state,
+            files=FilesStatus(library.mounted, runner.path, str(library.folder or "")),
+            progress=self._progress.share_done(),
+            job=self._job_status() if runner.active else None,
+            ended=self._ended if runner.ended else None,
+        )
+
+    def _job_changed(self, was: JobState, state: JobState) -> None:
+        if was.active and not state.active:
+            runner = self._runner
+            problems = faults_of(runner.problems)
+            self._ended = EndedJob(runner.ended, runner.failed, self._job_status(), problems)
+
+    def _job_status(self) -> JobStatus:
+        runner, progress = self._runner, self._progress
+        job, now = self._rig.job, self._rig.queue.passed
+        line = job.line_at(now)  # drops past lines
+        return JobStatus(
+            file=runner.name,
+            fraction=progress.share_done() or 0.0,
+            line=line,
+            layer=job.layer_near(now) if line else 0,
+            layers=progress.layers,
+            printed_s=progress.printed_s,
+            left_s=progress.left_s,
+            objects=self._objects.all,
+            current_object=self._objects.current,
+            path=runner.path,
+            size=runner.size,
+            offset=runner.offset,
+            elapsed_s=progress.elapsed_s,
+            filament_mm=progress.filament_mm,
+            extruding_s=progress.extruding_s,
+            slicer_layer=progress.slicer_layers.current,
+            slicer_layers=progress.slicer_layers.total,
+        )
