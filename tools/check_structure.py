@@ -1,4 +1,5 @@
-"""Checks that no file depends on itself by way of others, and that core/ is layered.
+"""Checks that no file depends on itself by way of others, that core/ is layered, and that no part
+is given to another one after its construction.
 
 Imports that only type checkers see count too. Usage: python tools/check_structure.py
 """
@@ -100,6 +101,27 @@ def steps_up(graph: Graph) -> list[str]:
     ]
 
 
+def late_parts() -> list[str]:
+    """Assignments into parts of a printer from outside, and of functions to attributes of other
+    objects: parts receive these in their constructor, or functions are added to a list."""
+    found: list[str] = []
+    for path in sorted((ROOT / "src" / "passo").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_bytes())):
+            if not isinstance(node, ast.Assign | ast.AnnAssign):
+                continue
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            for target in targets:
+                if not isinstance(target, ast.Attribute):
+                    continue
+                owners = ast.unparse(target.value).split(".")
+                of_printer = owners[-1] != "self" and {"printer", "_printer"} & set(owners)
+                function = isinstance(node.value, ast.Lambda) and owners != ["self"]
+                if of_printer or function:
+                    place = f"{path.relative_to(ROOT)}:{node.lineno}"
+                    found.append(f"{place}: {ast.unparse(target)} is assigned from outside")
+    return found
+
+
 def main() -> int:
     core = includes("core", ["core", "firmware/hal/host"])
     firmware = includes(
@@ -109,8 +131,9 @@ def main() -> int:
         f"circle of {len(circle)} files: {', '.join(circle)}"
         for graph in (python_imports(), core, firmware)
         for circle in circles(graph)
-    ] + steps_up(core)
-    print("\n".join(problems) or "No circle of files; core/ is layered.")
+    ]
+    problems += steps_up(core) + late_parts()
+    print("\n".join(problems) or "No circle of files; core/ is layered; no part is late.")
     return bool(problems)
 
 

@@ -55,8 +55,8 @@ def test_json_lines_have_time_print_time_level_and_code(tmp_path):
 
 def test_text_lines_have_time_print_time_level_logger_and_code(tmp_path):
     path = tmp_path / "log"
-    with LogFile(str(path), "text", "info") as log:
-        log.print_time_s = lambda: 12.3456
+    log = LogFile(str(path), "text", "info")
+    with log, log.following(lambda: 12.3456, print):
         LOG.info("two\nlines, and \x1b[1m")
         LOG.error("halted", extra={"code": "machine.idle"})
         LOG.debug("not at this level")
@@ -91,8 +91,7 @@ def test_a_full_disk_is_reported_once_and_the_print_continues(tmp_path):
     (tmp_path / "part.g").write_text("G28\nG1 X20 F3000\n")
     told = []
     log = LogFile("/dev/full", "text", "debug")
-    log.on_failure = told.append
-    with log, Scenario(card=str(tmp_path)) as s:
+    with log.following(lambda: 0.0, told.append), log, Scenario(card=str(tmp_path)) as s:
         s.host.ok("M32 part.g")
         s.host.expect("Done printing file", 60)
         assert s.positions()["x"] == 20
@@ -103,9 +102,8 @@ def test_records_that_a_slow_disk_does_not_take_are_dropped(tmp_path, monkeypatc
     monkeypatch.setattr(log_file, "_MAX_WAITING", 10)
     told = []
     log = LogFile(str(tmp_path / "log"), "text", "info")
-    log.on_failure = told.append
     log._listener.start = lambda: None  # a disk that takes nothing
-    with log:
+    with log.following(lambda: 0.0, told.append), log:
         for number in range(20):
             LOG.info("record %d", number)
         log._handler.queue.get_nowait()

@@ -9,7 +9,8 @@ import math
 import queue
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from datetime import datetime
 from logging.handlers import QueueHandler, QueueListener, RotatingFileHandler
 from typing import Any, Literal, Self
@@ -33,9 +34,8 @@ _CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]")  # terminal control char
 
 class LogFile:
     """A log file, open until the end of the `with` block. A separate thread writes, so that a slow
-    disk does not delay the program. `print_time_s` returns the print time for a record, and is
-    called in the thread that logs. Records that cannot be written are lost; the reason appears once
-    on standard error, and `on_failure` is called with it in any thread.
+    disk does not delay the program. Records that cannot be written are lost; the reason appears
+    once on standard error.
     """
 
     def __init__(self, path: str, form: Format, level: str) -> None:
@@ -49,8 +49,8 @@ class LogFile:
         self._listener = QueueListener(waiting, self._writer)
         self._before: dict[str, int] = {}  # levels
         self._has_failed = False
-        self.print_time_s: Callable[[], float] | None = None
-        self.on_failure: Callable[[str], object] | None = None
+        self._print_time_s: Callable[[], float] | None = None
+        self._on_failure: Callable[[str], object] | None = None
 
     def __enter__(self) -> Self:
         """Starts to write records."""
@@ -72,9 +72,21 @@ class LogFile:
         self._handler.close()
         self._writer.close()
 
+    @contextmanager
+    def following(
+        self, print_time_s: Callable[[], float], on_failure: Callable[[str], object]
+    ) -> Generator[None]:
+        """Within the block, records have the print time, seconds, which is read in the thread that
+        logs. `on_failure` is called, in any thread, with the reason why records are lost."""
+        self._print_time_s, self._on_failure = print_time_s, on_failure
+        try:
+            yield
+        finally:
+            self._print_time_s = self._on_failure = None
+
     def _stamp(self, record: logging.LogRecord) -> bool:
-        if self.print_time_s is not None:
-            record.print_s = round(self.print_time_s(), 3)
+        if self._print_time_s is not None:
+            record.print_s = round(self._print_time_s(), 3)
         return True
 
     def _failed(self, reason: str) -> None:
@@ -82,8 +94,8 @@ class LogFile:
             self._has_failed = True
             text = f"The log {self._path} is not complete: {reason}"
             print(text, file=sys.stderr)
-            if self.on_failure is not None:
-                self.on_failure(text)
+            if self._on_failure is not None:
+                self._on_failure(text)
 
 
 class _Handler(QueueHandler):

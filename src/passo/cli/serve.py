@@ -410,12 +410,9 @@ async def _logged(printer: Printer, log: LogFile | None) -> AsyncGenerator[None]
         yield
         return
     loop = asyncio.get_running_loop()
-    log.print_time_s = lambda: printer.time_s
-    log.on_failure = partial(loop.call_soon_threadsafe, printer.show_message)
-    try:
+    show = partial(loop.call_soon_threadsafe, printer.show_message)
+    with log.following(lambda: printer.time_s, show):
         yield
-    finally:
-        log.print_time_s = log.on_failure = None
 
 
 def _go_on_serving() -> None:
