@@ -13,7 +13,7 @@ from passo.console.printer_console import welcome
 from passo.errors import CardError, MachineError, PassoError
 from passo.library.assembly import assembled
 from passo.printer import printer as printer_module
-from passo.printer.setup import boards as setup_boards
+from passo.printer.setup import connections
 
 
 def welcomed(s: Scenario, host: Host) -> list[str]:
@@ -112,7 +112,7 @@ def broken(monkeypatch):
     sensors: dict[str, float] = {}
 
     def connect(machine):
-        boards, simulated = setup_boards.connect(machine)
+        boards, simulated = connections.connect(machine)
         for name, ratio in sensors.items():
             simulated.force_sensor(name, ratio)
         return boards, simulated

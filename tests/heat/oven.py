@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from passo import _core, config
 from passo.board.faults import HeaterFault
-from passo.printer.setup.boards import connect
+from passo.printer.setup.connections import connect
 
 HOTEND = "max_c = 285.0\n"
 BED = "max_c = 120.0\n"

@@ -8,7 +8,7 @@ import pytest
 from tests.heat.oven import FAN_LOSS, Oven
 
 from passo import _core, config
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 
 CONTROLS = {
     "pid": "control = { kind = 'pid' }",

@@ -13,7 +13,8 @@ from typing import TypeVar
 
 from passo import _core
 from passo.config.machine import MachineConfig
-from passo.printer.setup.boards import board_description, simulated_board
+from passo.printer.setup.boards import board_description
+from passo.printer.setup.simulated_world import simulated_board
 from passo.simulator import SimulatedBoard
 
 T = TypeVar("T")

@@ -27,12 +27,8 @@ from tests.support.edited_machine import edited
 from passo import config
 from passo.board.trinamic import registers as r
 from passo.config.machine import MachineConfig
-from passo.printer.setup.boards import (
-    board_description,
-    board_descriptions,
-    simulated_board,
-    simulated_machine,
-)
+from passo.printer.setup.boards import board_description, board_descriptions
+from passo.printer.setup.simulated_world import simulated_board, simulated_machine
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
 from passo.toolchain import avr

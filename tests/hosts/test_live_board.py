@@ -26,7 +26,8 @@ from passo.board.connection import Connection
 from passo.board.ports import LinkLostError, LivePort
 from passo.config.machine import MachineConfig
 from passo.errors import MachineError
-from passo.printer.setup.boards import board_description, connect
+from passo.printer.setup.boards import board_description
+from passo.printer.setup.connections import connect
 
 
 @pytest.fixture(params=["virtual", "passo"])

@@ -11,7 +11,7 @@ from tests.support.scenario import Scenario
 from tests.support.two_boards import one_board
 
 from passo.board.ports import InProcess
-from passo.printer.setup import boards as wiring
+from passo.printer.setup import connections as wiring
 
 MACHINE = one_board("passo")
 PRINT = "M302 P1\nG28\nG1 X40 Y40 Z1 F6000\n" + "".join(

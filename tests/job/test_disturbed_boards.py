@@ -8,7 +8,7 @@ from tests.support.disturbed_prints import disturb, shift_by_babysteps, steps, u
 from tests.support.scenario import Scenario
 from tests.support.two_boards import two_boards
 
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 from passo.simulator import Cable
 
 WORLDS = {

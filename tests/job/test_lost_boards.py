@@ -18,7 +18,7 @@ from passo.board.survive import move_evenly
 from passo.config.pin_names import MAIN
 from passo.motion.motion_queue import LEAD_S
 from passo.printer.recovery.reconnect import _Attempt
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 from passo.simulator import Cable
 
 WORLDS = {

@@ -8,7 +8,7 @@ from tests.job.test_lost_link import FIRMWARE
 from tests.support.disturbed_prints import spiral, steps, undisturbed
 from tests.support.scenario import Scenario
 
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 from passo.simulator import Cable
 
 CABLE = Cable(300e-6, 200e-6)

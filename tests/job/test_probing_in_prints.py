@@ -8,7 +8,7 @@ from passo.config.load import load_text, shipped_text
 from passo.errors import InputError
 from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
-from passo.printer.setup.boards import simulated_bed
+from passo.printer.setup.simulated_world import simulated_bed
 from passo.printer.unfit_commands import NOTHING
 
 NOISE = ("noise_mm = 0.002", "")

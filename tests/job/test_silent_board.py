@@ -7,7 +7,7 @@ import pytest
 from tests.job.test_journal import WALL, journal_of
 from tests.support.scenario import Scenario
 
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 from passo.simulator import Cable
 
 E_OF_LINE = {

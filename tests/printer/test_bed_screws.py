@@ -9,7 +9,7 @@ from tests.support.scenario import Scenario
 from passo.config.exporting.settings import Sections
 from passo.errors import ConfigError
 from passo.printer.klipper.objects import objects
-from passo.printer.setup.boards import simulated_bed
+from passo.printer.setup.simulated_world import simulated_bed
 
 STEP = 1 / 400
 MINUTE_MM = 0.5 / 60  # of an M3 screw

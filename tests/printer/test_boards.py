@@ -6,7 +6,7 @@ import pytest
 from tests.support.scenario import Scenario
 from tests.support.two_boards import two_boards
 
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 from passo.simulator import Cable
 
 HOT = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}

@@ -8,7 +8,7 @@ from tests.config.test_pins import FOUR_PI
 from passo import config
 from passo.config.board import CurrentSetter
 from passo.errors import ConfigError
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 
 CHANNELS = {"x": 3, "y": 1, "z": 0, "e": 2}
 MIDDLE = 128

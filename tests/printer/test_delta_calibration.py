@@ -11,7 +11,7 @@ from tests.support.scenario import Scenario
 
 from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
-from passo.printer.setup.boards import simulated_geometry
+from passo.printer.setup.simulated_world import simulated_geometry
 
 NOISE = "noise_mm = 0.01\nseed = 3"
 LAYER = [

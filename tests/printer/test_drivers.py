@@ -15,12 +15,9 @@ from tests.support.scenario import Scenario
 from passo import config
 from passo.board.ports import in_process
 from passo.board.trinamic import registers as r
-from passo.printer.setup.boards import (
-    _connected,
-    board_descriptions,
-    connect_simulated,
-    simulated_machine,
-)
+from passo.printer.setup.boards import board_descriptions
+from passo.printer.setup.connections import _connected, connect_simulated
+from passo.printer.setup.simulated_world import simulated_machine
 
 
 @pytest.fixture(params=["virtual", "passo"])

@@ -5,7 +5,7 @@ from tests.support.scenario import Scenario
 
 from passo.config.load import load_text, shipped_text
 from passo.errors import ConfigError
-from passo.printer.setup.boards import simulated_bed
+from passo.printer.setup.simulated_world import simulated_bed
 
 STEP = 1 / 400
 _ENDSTOP = """\

@@ -6,7 +6,7 @@ import pytest
 from tests.support.scenario import Scenario
 
 from passo.config.load import load_text, shipped_text
-from passo.printer.setup.boards import connect_simulated
+from passo.printer.setup.connections import connect_simulated
 from passo.simulator import Cable
 
 TOOL = '\n[boards.tool]\nbase = "ramps"\ndrift_ppm = 100.0\nstart_s = 77.0\n'

@@ -8,7 +8,7 @@ from tests.support.bed_path import BedPath
 from tests.support.edited_machine import answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.printer.setup.boards import simulated_bed
+from passo.printer.setup.simulated_world import simulated_bed
 
 STEP = 1 / 400
 NOISE = "noise_mm = 0.002"

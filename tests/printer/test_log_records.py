@@ -41,7 +41,7 @@ def test_a_print_is_logged_with_its_start_and_its_end(log, tmp_path):
         s.host.expect("Done printing", 120)
     info = records(log, logging.INFO)
     assert info[0] == (
-        "printer.setup.boards",
+        "printer.setup.connections",
         "Board main connected: firmware 0.1.0, 16 MHz, 401 move commands",
         "",
     )

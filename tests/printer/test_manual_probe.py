@@ -6,7 +6,7 @@ import pytest
 from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.printer.setup.boards import simulated_bed
+from passo.printer.setup.simulated_world import simulated_bed
 
 STEP = 1 / 400
 PROBE = 'kind = "fixed"\npin = "^Z_MAX"\noffset_mm = [-25.0, 5.0]\ntrigger_height_mm = 1.2'

@@ -8,7 +8,7 @@ from tests.support.scenario import Scenario
 
 from passo.config.exporting.settings import Sections
 from passo.printer.klipper.objects import objects
-from passo.printer.setup.boards import simulated_bed
+from passo.printer.setup.simulated_world import simulated_bed
 
 STEP = 1 / 400
 MESH = ('"quadratic"', '"mesh"'), ("[5, 5]", "[4, 3]")

@@ -7,7 +7,8 @@ from tests.config.test_pins import FOUR_PI
 
 from passo import config
 from passo.board.configuration import commands
-from passo.printer.setup.boards import board_description, connect_simulated
+from passo.printer.setup.boards import board_description
+from passo.printer.setup.connections import connect_simulated
 
 # A4982: MS1, MS2
 LEVELS = {1: (0, 0), 2: (1, 0), 4: (0, 1), 16: (1, 1)}

@@ -8,7 +8,8 @@ import pytest
 from tests.support.edited_machine import STILL, answers, at_home, edited
 from tests.support.scenario import Scenario
 
-from passo.printer.setup.boards import connect_simulated, simulated_bed
+from passo.printer.setup.connections import connect_simulated
+from passo.printer.setup.simulated_world import simulated_bed
 from passo.simulator import Cable
 
 STEP = 1 / 400

@@ -16,7 +16,7 @@ from tests.support.scenario import Host, Scenario
 import passo
 from passo.config.machine import MachineConfig
 from passo.gcode.registry import table
-from passo.printer.setup.boards import head_dynamics
+from passo.printer.setup.simulated_world import head_dynamics
 
 SPI = 'cs_pin = "D40"\nclock_pin = "D42"\nmosi_pin = "D59"\nmiso_pin = "D64"'
 I2C = 'scl_pin = "D40"\nsda_pin = "D42"\ni2c_address = 0x18'

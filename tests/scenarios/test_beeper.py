@@ -10,7 +10,7 @@ from tests.support.scenario import Host, Scenario
 from passo import config
 from passo.board.ports import InProcess
 from passo.errors import ConfigError
-from passo.printer.setup import boards as wiring
+from passo.printer.setup import connections as wiring
 
 PIN = "D12"
 APART_S = 0.25  # from the end of a tone to the next, at least

@@ -10,7 +10,7 @@ from passo.config.motion import Shaping
 from passo.config.shapers import impulses
 from passo.config.simulated_motion import SimulatedMass, simulated_masses
 from passo.job.batch.simulated_print import Print
-from passo.printer.setup.boards import head_dynamics
+from passo.printer.setup.simulated_world import head_dynamics
 
 _DAMPING = 0.1
 _SPEEDS = (60, 80, 100, 120, 140, 160, 180, 200)

@@ -7,7 +7,7 @@ from tests.support.scenario import Scenario
 
 from passo._core import Geometry
 from passo.motion.endstops import motors_of_actuators
-from passo.printer.setup.boards import simulated_bed, simulated_geometry
+from passo.printer.setup.simulated_world import simulated_bed, simulated_geometry
 
 _END = 1 << 60
 

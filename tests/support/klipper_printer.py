@@ -16,7 +16,8 @@ from tests.support.klipper_board import on_its_pins
 
 from passo import _core, config
 from passo.config.machine import MachineConfig
-from passo.printer.setup.boards import _connected, board_descriptions
+from passo.printer.setup.boards import board_descriptions
+from passo.printer.setup.connections import _connected
 
 # x and y share a UART of one pin, z is on an SPI bus.
 DRIVERS = {

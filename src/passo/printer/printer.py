@@ -22,7 +22,7 @@ from passo.printer.recovery.reconnect import Reconnection
 from passo.printer.recovery.supervisor import Supervisor
 from passo.printer.saved_variables import SavedVariables
 from passo.printer.settings import Settings
-from passo.printer.setup.boards import connect, reconnected
+from passo.printer.setup.connections import connect, reconnected
 from passo.printer.setup.heat import build_heat
 from passo.printer.setup.levelling import build_levelling
 from passo.printer.setup.motion import build_motion

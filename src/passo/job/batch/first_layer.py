@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.printer.setup.boards import home_errors_mm
+from passo.printer.setup.simulated_world import home_errors_mm
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.motion.endstops import motors_of_actuators
-from passo.printer.setup.boards import head_dynamics
+from passo.printer.setup.simulated_world import head_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -23,7 +23,8 @@ from passo.printer.bed_probing import BedProbing
 from passo.printer.commands.motion_filters import MotionFilters
 from passo.printer.commands.program import FILTER_COMMANDS, Commands
 from passo.printer.macros import Macros
-from passo.printer.setup.boards import connect_simulated, nozzle_gap
+from passo.printer.setup.connections import connect_simulated
+from passo.printer.setup.simulated_world import nozzle_gap
 from passo.printer.wait_requests import Wait, WaitForHoming, WaitForMoves
 
 if TYPE_CHECKING:
