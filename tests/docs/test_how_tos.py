@@ -32,7 +32,7 @@ RUN = (
     "level-a-gantry",
     "turn-bed-screws",
 )
-CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry", "add-a-motion-filter")
+CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry", "add-a-motion-filter", "add-a-probe")
 COMPILED = ("add-a-geometry", "add-a-motion-filter")  # their tests are below
 
 
