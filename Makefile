@@ -1,6 +1,7 @@
 # make demo   print an example on the simulated printer
 # make serve  the page in the browser, with a simulated printer
 # make test   every test             make check  linters, types, layers, formatting
+# make test-long  tests of rare things that are too slow for each change
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make soak   memory over a day, in scaled time
 # make faults 200 power cuts and 200 lost links with motion filters on
@@ -19,6 +20,9 @@ FUZZ_SEED ?= 1
 DEMO ?= demo
 CLOCK ?= 1
 
+# One more than there are processors: real hosts wait a lot, and the others test meanwhile.
+WORKERS = $(shell echo $$(($$(nproc) + 1)))
+
 BIN := .venv/bin
 STUB := $(BIN)/python -m nanobind.stubgen -q -m passo._core -o
 CORE := $(shell find core -name '*.cpp' -o -name '*.hpp')
@@ -31,7 +35,7 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo serve web wheel test check bench soak faults fuzz corpus limits import sizes reference stub format clean
+.PHONY: demo serve web wheel test test-long check bench soak faults fuzz corpus limits import sizes reference stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -57,8 +61,12 @@ test: .venv/.built .venv/.dev web .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm chromium \
 	  libsodium23 curl
-	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder --ignore tests/hosts --ignore tests/browser
-	nice -n -10 $(BIN)/python -m pytest tests/hosts tests/browser  # real time: it comes first, where that is allowed
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --ignore tests/live --ignore tests/browser
+	nice -n -10 $(BIN)/python -m pytest -n 2 --dist worksteal tests/live  # real time: it comes first, where that is allowed
+	$(BIN)/python -m pytest tests/browser
+
+test-long: .venv/.built .venv/.dev
+	$(BIN)/python -m pytest -n $(WORKERS) -m long --ignore tests/live --ignore tests/browser --ignore tests/hosts
 
 check: .venv/.built .venv/.dev
 	$(BIN)/ruff check .

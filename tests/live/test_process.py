@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.hosts.cable import Cable
-from tests.hosts.live import RUNS_FIRMWARE, Program, machine_file, net_steps, on, wait_for
+from tests.live.cable import Cable
+from tests.live.prints import RUNS_FIRMWARE, Program, machine_file, net_steps, on, wait_for
 from tests.support.scenario import Scenario
 
 from passo.cli.main import main
@@ -19,7 +19,7 @@ def test_stalled_program_is_named_for_late_commands(tmp_path: Path) -> None:
     """The whole program is stopped for 0.2 s: the board brakes, and the moves go on."""
     cable = Cable(RUNS_FIRMWARE)
     with Program(machine_file(tmp_path, cable.path)) as program:
-        moves = [f"G1 X{10 if i % 2 else 0} Y{i / 4} F3000" for i in range(20)]
+        moves = [f"G1 X{10 if i % 2 else 0} Y{i / 4} F3000" for i in range(12)]
         program.send("G92 X0 Y0 Z0", "M118 begun", *moves, "M400", "M118 ended")
         program.until("begun")
         wait_for(cable, lambda: cable.board.steps("x") >= 1600)
@@ -29,22 +29,24 @@ def test_stalled_program_is_named_for_late_commands(tmp_path: Path) -> None:
         program.until("ended")
     told = [x for x in program.heard if "commands reached the board" in x]
     assert any("the computer did not let Passo run for 0." in x for x in told), told
-    assert net_steps([cable]) == {"x": 800, "y": 380, "z": 0, "e": 0}
+    assert net_steps([cable]) == {"x": 800, "y": 220, "z": 0, "e": 0}
     cable.close()
 
 
 def test_next_host_resumes_print_of_killed_one(tmp_path: Path) -> None:
     """The board stops by itself in mid-print and knows where: nothing is homed again."""
     cable = Cable(RUNS_FIRMWARE)
-    moves = [f"G1 X{60 if i % 2 else 40} Y{40 + i / 4} F3000" for i in range(32)]
+    moves = [f"G1 X{60 if i % 2 else 40} Y{40 + i / 4} F3000" for i in range(16)]
     card = tmp_path / "card"
     card.mkdir()
-    (card / "a.g").write_text("\n".join(["M302 P1", "G28", "G1 X40 Y40 Z1 F6000", *moves]) + "\n")
+    begin = ["M302 P1", "G92 X0 Y0 Z0", "G1 X40 Y40 Z1 F6000"]
+    (card / "a.g").write_text("\n".join([*begin, *moves]) + "\n")
     places = {"card": str(card), "state": str(tmp_path / "state")}
     more = ("--sd", places["card"], "--state", places["state"])
+    start = cable.look(lambda: (cable.board.position("x"), cable.board.position("y")))
     with Program(machine_file(tmp_path, cable.path), *more) as program:
         program.send("M32 a.g")
-        wait_for(cable, lambda: cable.board.position("y") > 42)
+        wait_for(cable, lambda: cable.board.position("y") > start[1] + 41)
         program.process.send_signal(signal.SIGKILL)
         assert program.process.wait() == -signal.SIGKILL
     moving = cable.look(lambda: cable.board.position("x"))
@@ -63,8 +65,8 @@ def test_next_host_resumes_print_of_killed_one(tmp_path: Path) -> None:
         assert scenario.printer.state.halted == ""
     cable.cut()
     assert cable.board.device.fault == ""
-    assert cable.board.position("x") == pytest.approx(60.0, abs=0.02)
-    assert cable.board.position("y") == pytest.approx(40 + 31 / 4, abs=0.02)
+    assert cable.board.position("x") == pytest.approx(start[0] + 60, abs=0.02)
+    assert cable.board.position("y") == pytest.approx(start[1] + 40 + 15 / 4, abs=0.02)
     cable.close()
 
 

@@ -8,8 +8,8 @@ import socket
 from collections.abc import Iterator
 
 import pytest
-from tests.hosts.cable import Cable, TcpCable
-from tests.hosts.live import (
+from tests.live.cable import Cable, TcpCable
+from tests.live.prints import (
     MACHINE,
     RUNS_FIRMWARE,
     ZIGZAG_STEPS,

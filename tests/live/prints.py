@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from tests.hosts.cable import Cable
 from tests.hosts.served import free_port
+from tests.live.cable import Cable
 from tests.support.scenario import Host, Scenario
 
 from passo import config
@@ -22,8 +22,8 @@ RUNS_FIRMWARE = MACHINE.model_copy(
     update={"board": MACHINE.board.model_copy(update={"firmware": "passo"})}
 )
 STALL_US = 500_000
-ZIGZAG = [f"G1 X{10 if i % 2 else 0} Y{i / 4} E{i / 20} F3000" for i in range(40)]
-ZIGZAG_STEPS = {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
+ZIGZAG = [f"G1 X{10 if i % 2 else 0} Y{i / 4} E{i / 20} F3000" for i in range(16)]
+ZIGZAG_STEPS = {"x": 800, "y": 300, "z": 0, "e": round(0.75 * 95.5)}
 
 
 def stall() -> None:
