@@ -192,13 +192,15 @@ void bind_board(nb::module_& m) {
       .def(
           "add_switch",
           [](Bench& b, uint32_t pin, std::vector<std::pair<uint32_t, double>> weights,
-             double position, bool at_maximum, bool pressed_level) {
-            b.plant().switches.push_back(
-                {pin, std::move(weights), position, at_maximum, pressed_level});
+             double position, bool at_maximum, bool pressed_level, double edge_mm) {
+            Switch added{pin, std::move(weights), position, at_maximum, pressed_level};
+            added.edge_mm = edge_mm;
+            b.plant().switches.push_back(std::move(added));
           },
-          "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
-          "Adds an endstop that is triggered at or beyond `position`, the weighted sum of the "
-          "actuators: (step pin, weight).")
+          "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a, "edge_mm"_a = 0.0,
+          "Adds a switch that is triggered at or beyond `position`, the weighted sum of the "
+          "actuators: (step pin, weight). With `edge_mm`, its level changes instead each time the "
+          "sum has moved by this length.")
       .def(
           "add_probe",
           [](Bench& b, uint32_t pin, std::vector<uint32_t> motors, const Dict& geometry,
@@ -268,7 +270,8 @@ void bind_board(nb::module_& m) {
             for (BedProbe& probe : b.plant().probes)
               if (probe.pin == pin) probe.forced = pressed;
           },
-          "pin"_a, "pressed"_a, "A fault: never triggered (0), always triggered (1); -1 ends it.")
+          "pin"_a, "pressed"_a,
+          "A fault: never triggered (0), always triggered (1), flickering (2); -1 ends it.")
       .def(
           "add_body",
           [](Bench& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c, double rise_c,

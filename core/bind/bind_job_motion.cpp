@@ -167,7 +167,15 @@ void bind_position(JobClass& job) {
           },
           "ticks"_a,
           "The planned position at a clock of about the last second, as machine_position; None if "
-          "the clock is too long ago.");
+          "the clock is too long ago.")
+      .def(
+          "filament_at",
+          [](JobView& self, double ticks, size_t extruder) {
+            return self.job.motion.filament_at(ticks, extruder);
+          },
+          "ticks"_a, "extruder"_a,
+          "Net filament that an extruder has pushed until a clock of about the last second, mm, "
+          "without pressure advance. It grows over the whole job, whatever G92 sets.");
 }
 
 }  // namespace

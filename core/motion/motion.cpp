@@ -282,6 +282,10 @@ std::optional<std::array<double, kAxes>> Motion::position_at(double ticks) const
   return history_.position_at(ticks - delay(), next);
 }
 
+double Motion::filament_at(double ticks, size_t extruder) const {
+  return plan_.filament_mm.at(extruder) - history_.filament_after(ticks - delay(), extruder);
+}
+
 void Motion::suspend() {
   Suspended plan;
   plan.held = std::exchange(held_, {});

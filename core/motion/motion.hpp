@@ -171,6 +171,8 @@ class Motion {
   // The planned position at `ticks`: X, Y, Z, the extruder of that move and further axes. Nothing
   // if `ticks` is more than about a second in the past.
   std::optional<std::array<double, kAxes>> position_at(double ticks) const;
+  // Net filament that an extruder has pushed until `ticks`, mm, without its pressure advance.
+  double filament_at(double ticks, size_t extruder) const;
   // After hold_from: suspends the held plan with its records, so that other moves may come first,
   // from where the machine rests. `resume` continues it; the machine must be back there.
   void suspend();

@@ -39,6 +39,16 @@ std::optional<std::array<double, kAxes>> History::position_at(double clock,
   return p;
 }
 
+double History::filament_after(double clock, size_t extruder) const {
+  double sum = 0;
+  for (auto m = at(clock); m != moves_.end(); ++m) {
+    if (m->extruder != extruder || m->kind == MoveKind::dwell) continue;
+    double left = m->start < clock ? 1 - m->along(clock - m->start, hz_).first / m->d : 1;
+    sum += (m->p1[kE] - m->p0[kE]) * left;
+  }
+  return sum;
+}
+
 std::vector<Move> History::before(double clock, double memory) const {
   std::vector<Move> found;
   for (auto m = at(clock - memory); m != moves_.end() && m->start < clock; ++m) found.push_back(*m);

@@ -26,6 +26,8 @@ class History {
   // that clock were dropped. `planned_to` is the position after all moves.
   std::optional<std::array<double, kAxes>> position_at(double clock,
                                                        const double* planned_to) const;
+  // Net filament of an extruder that the moves push after a clock, mm.
+  double filament_after(double clock, size_t extruder) const;
 
   // The moves that begin before `clock` and end at most `memory` ticks before it.
   std::vector<Move> before(double clock, double memory) const;

@@ -34,6 +34,10 @@ enum class Command : int32_t {
   trsync_start,
   trsync_set_timeout,
   trsync_trigger,
+  config_buttons,
+  buttons_add,
+  buttons_query,
+  buttons_ack,
   config_analog_in,
   query_analog_in,
   config_digital_out,
@@ -72,6 +76,7 @@ enum class Report : int32_t {
   stepper_position,
   endstop_state,
   trsync_state,
+  buttons_state,
   analog_in_state,
   tmcuart_response,
   spi_transfer_response,
@@ -119,6 +124,11 @@ inline constexpr Declaration kCommands[] = {
      "trsync_start oid=%c report_clock=%u report_ticks=%u expire_reason=%c"},
     {int(Command::trsync_set_timeout), "trsync_set_timeout oid=%c clock=%u"},
     {int(Command::trsync_trigger), "trsync_trigger oid=%c reason=%c"},
+    {int(Command::config_buttons), "config_buttons oid=%c button_count=%c"},
+    {int(Command::buttons_add), "buttons_add oid=%c pos=%c pin=%u pull_up=%c"},
+    {int(Command::buttons_query),
+     "buttons_query oid=%c clock=%u rest_ticks=%u retransmit_count=%c invert=%c"},
+    {int(Command::buttons_ack), "buttons_ack oid=%c count=%c"},
     {int(Command::config_analog_in), "config_analog_in oid=%c pin=%u"},
     {int(Command::query_analog_in),
      "query_analog_in oid=%c clock=%u sample_ticks=%u sample_count=%c rest_ticks=%u"
@@ -168,6 +178,7 @@ inline constexpr Declaration kReports[] = {
     {int(Report::stepper_position), "stepper_position oid=%c pos=%i"},
     {int(Report::endstop_state), "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c"},
     {int(Report::trsync_state), "trsync_state oid=%c can_trigger=%c trigger_reason=%c clock=%u"},
+    {int(Report::buttons_state), "buttons_state oid=%c ack_count=%c state=%*s"},
     {int(Report::analog_in_state), "analog_in_state oid=%c next_clock=%u values=%*s"},
     {int(Report::tmcuart_response), "tmcuart_response oid=%c read=%*s"},
     {int(Report::spi_transfer_response), "spi_transfer_response oid=%c response=%*s"},
@@ -207,6 +218,8 @@ enum class Fault : uint16_t {
   accelerometer_type,
   i2c_without_bus,
   i2c_too_long,
+  too_many_buttons,
+  no_such_button,
 };
 inline constexpr const char* kFaults[] = {
     "",
@@ -234,8 +247,10 @@ inline constexpr const char* kFaults[] = {
     "Invalid accelerometer type",
     "I2C device without a bus",
     "I2C data too large",
+    "Max of 8 buttons",
+    "Set button past maximum button count",
 };
-static_assert(std::size(kFaults) == size_t(Fault::i2c_too_long) + 1);
+static_assert(std::size(kFaults) == size_t(Fault::no_such_button) + 1);
 
 // Thrown by the parts of the board; the board stops all motion and outputs.
 struct Shutdown {

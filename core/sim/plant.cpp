@@ -1,6 +1,7 @@
 #include "sim/plant.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace passo::wire {
@@ -125,7 +126,9 @@ bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
     double at = 0;
     for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin);
     bool pressed = s.at_maximum ? at >= s.position : at <= s.position;
+    if (s.edge_mm > 0) pressed = std::fmod(std::floor(at / s.edge_mm), 2) != 0;
     if (s.forced >= 0) pressed = s.forced > 0;
+    if (s.forced == 2) pressed = clock / Ticks(Switch::kFlickerSeconds * hz_) % 2 != 0;
     return pressed == s.pressed_level;
   }
   for (BedProbe& probe : probes) {

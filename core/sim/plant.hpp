@@ -32,7 +32,12 @@ struct Switch {
   double position;
   bool at_maximum;
   bool pressed_level;
-  int forced = -1;  // a fault: 0 never triggered, 1 always
+  int forced = -1;  // a fault: 0 never triggered, 1 always, 2 changes every kFlickerSeconds
+  // The wheel of a filament sensor: with a length, the level changes each time the combined
+  // position has moved by it.
+  double edge_mm = 0;
+
+  static constexpr double kFlickerSeconds = 0.005;
 };
 
 // A heated body and its sensor, each of first order: the body tends to ambient + rise * duty, and

@@ -161,6 +161,9 @@ void VirtualBoard::run(uint32_t oid, Part& part) {
       group->report += group->report_ticks;
       report_trsync(oid, *group);
     }
+  } else if (auto* buttons = std::get_if<BoardButtons>(&part)) {
+    if (buttons->run([this](uint32_t pin) { return level(pin, now_); }))
+      report(Report::buttons_state, {oid, buttons->acknowledged}, &buttons->states);
   }
 }
 
@@ -257,6 +260,7 @@ void VirtualBoard::command(Command id, const uint32_t* a, const Bytes& blob) {
 }
 
 void VirtualBoard::part_command(Command id, const uint32_t* a) {
+  if (buttons_command(id, a)) return;
   switch (id) {
     case Command::config_stepper:
       configure(a[0], BoardMotor(a[1], a[2])).set_late_limit(ticks(0.001));
@@ -293,6 +297,33 @@ void VirtualBoard::part_command(Command id, const uint32_t* a) {
           throw Shutdown{Fault::not_finalized};
       }
       motion_command(id, a);
+  }
+}
+
+bool VirtualBoard::buttons_command(Command id, const uint32_t* a) {
+  switch (id) {
+    case Command::config_buttons:
+      if (a[1] > BoardButtons::kMax) throw Shutdown{Fault::too_many_buttons};
+      configure(a[0], BoardButtons(a[1]));
+      return true;
+    case Command::buttons_add: {
+      BoardButtons& buttons = get<BoardButtons>(a[0]);
+      if (a[1] >= buttons.pins.size()) throw Shutdown{Fault::no_such_button};
+      buttons.pins[a[1]] = a[2];
+      return true;
+    }
+    case Command::buttons_query: {
+      BoardButtons& buttons = get<BoardButtons>(a[0]);
+      if (!finalized_) throw Shutdown{Fault::not_finalized};
+      if (a[2] != 0) check_period(a[2]);
+      buttons.query(a[2] != 0 ? ahead(a[1]) : kNever, a[2], uint8_t(a[3]), uint8_t(a[4]));
+      return true;
+    }
+    case Command::buttons_ack:
+      get<BoardButtons>(a[0]).acknowledge(a[1]);
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -487,6 +518,7 @@ void VirtualBoard::shut_down(Fault fault) {
     if (auto* output = std::get_if<BoardOutput>(&part)) output->shut_down(now_, plant_);
     if (auto* endstop = std::get_if<BoardEndstop>(&part)) endstop->armed = false;
     if (auto* group = std::get_if<BoardTrsync>(&part)) *group = BoardTrsync();
+    if (auto* buttons = std::get_if<BoardButtons>(&part)) buttons->due = kNever;
   }
   serial_.shut_down();
   report(Report::shutdown, {uint32_t(now_), uint32_t(fault)});

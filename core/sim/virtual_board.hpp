@@ -12,6 +12,7 @@
 
 #include "link/dictionary.hpp"
 #include "link/frame.hpp"
+#include "sim/board_buttons.hpp"
 #include "sim/board_io.hpp"
 #include "sim/board_motor.hpp"
 #include "sim/board_protocol.hpp"
@@ -55,7 +56,8 @@ class VirtualBoard : public Bench {
   std::vector<PinChange> take_changes(uint32_t pin) override;
 
  private:
-  using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;
+  using Part =
+      std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync, BoardButtons>;
   static constexpr size_t kParametersMax = 10;
   struct Shape {
     bool known, in_shutdown;
@@ -99,6 +101,8 @@ class VirtualBoard : public Bench {
   void command(Command id, const uint32_t* a, const Bytes& blob);
   void part_command(Command id, const uint32_t* a);
   void motion_command(Command id, const uint32_t* a);
+  // True for a command of buttons, after carrying it out.
+  bool buttons_command(Command id, const uint32_t* a);
 
   // ---- parts
 

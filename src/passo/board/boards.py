@@ -12,6 +12,7 @@ from passo.board.description import Sensor, together
 from passo.board.exchange import LEAD_S
 from passo.board.fault_injection import FaultInjector
 from passo.board.faults import BoardAloneError, HeaterFault
+from passo.board.inputs import InputChange
 from passo.board.ports import LinkLostError
 from passo.board.reading import Reading
 from passo.errors import MachineError
@@ -251,6 +252,10 @@ class Boards:
     def full_scale(self, output: str) -> int:
         """Like `Connection.full_scale`."""
         return self.connection_of("outputs", output).full_scale(output)
+
+    def input_changes(self) -> list[InputChange]:
+        """Like `Connection.input_changes`, of all boards."""
+        return [change for c in self.connections for change in c.input_changes()]
 
     def net_steps(self, stepper: str) -> int:
         """Like `Connection.net_steps`."""

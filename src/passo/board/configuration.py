@@ -12,6 +12,7 @@ from passo.board.description import (
     BoardDescription,
     Heater,
     I2cPins,
+    Input,
     Output,
     Sensor,
     SpiPins,
@@ -20,6 +21,7 @@ from passo.board.description import (
     inverted,
 )
 from passo.board.dictionary import Dictionary
+from passo.board.inputs import RETRANSMIT_COUNT, SAMPLE_S, groups_of, inversion
 
 _Key = TypeVar("_Key", bound=Hashable)
 
@@ -36,7 +38,7 @@ _FAST_HZ = 20_000_000
 @dataclass(frozen=True, slots=True)
 class Oids:
     """The object number of each part of the board, in this order: steppers, outputs, sensors,
-    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers. A trsync is the group of
+    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs. A trsync is the group of
     motors on this board that one endstop stops; the endstop may be on another board. UARTs, devices
     and accelerometers are found by their pins."""
 
@@ -49,6 +51,7 @@ class Oids:
     spi_devices: dict[SpiPins, int]
     i2c_devices: dict[I2cPins, int]
     accelerometers: dict[SpiPins | I2cPins, int]
+    inputs: dict[tuple[Input, ...], int]
     count: int
 
     @classmethod
@@ -72,6 +75,7 @@ class Oids:
             numbered(board.spi_devices),
             numbered(board.i2c_devices),
             numbered(a.wire for a in board.accelerometers),
+            numbered(groups_of(board.inputs)),
             count,
         )
 
@@ -135,6 +139,12 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
             lines.append(
                 f"config_lis2dw oid={oid} bus_oid={bus} bus_oid_type={kind} lis_chip_type=LIS2DW"
             )
+    for group, oid in oids.inputs.items():
+        lines.append(f"config_buttons oid={oid} button_count={len(group)}")
+        lines += [
+            f"buttons_add oid={oid} pos={i} pin={bare(entry.pin)} pull_up={int('^' in entry.pin)}"
+            for i, entry in enumerate(group)
+        ]
     return lines
 
 
@@ -235,6 +245,12 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
         f" on_ticks={o.cycle_ticks // 2}"
         for o in board.outputs
         if o.blinks
+    ]
+    lines += [
+        f"buttons_query oid={oid} clock={clock & 0xFFFFFFFF}"
+        f" rest_ticks={int(SAMPLE_S * board.clock_hz)} retransmit_count={RETRANSMIT_COUNT}"
+        f" invert={inversion(group)}"
+        for group, oid in oids.inputs.items()
     ]
     return lines
 

@@ -13,6 +13,7 @@ from passo.board.dictionary import DictionaryError
 from passo.board.exchange import LEAD_S, Exchange
 from passo.board.faults import BoardResetError
 from passo.board.firmware_identity import identify
+from passo.board.inputs import SETTLING_S
 from passo.board.main_loop import MainLoop
 from passo.board.ports import Port
 from passo.board.reading import Reading
@@ -186,6 +187,7 @@ class Connection(Exchange):
             self.command(line)
         for heater in self.heaters.values():
             heater.asked_anew()
+        self.inputs.asked_anew(self.clock_after(LEAD_S + SETTLING_S))
 
     def main_loop(self) -> MainLoop | None:
         """The load in the board's last report; None before the first report. Does not ask the

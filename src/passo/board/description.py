@@ -187,6 +187,15 @@ class Endstop:
 
 
 @dataclass(frozen=True, slots=True)
+class Input:
+    """A digital input that the board reports when it changes. It is active while the pin is high,
+    or low if the pin is inverted."""
+
+    name: str
+    pin: str
+
+
+@dataclass(frozen=True, slots=True)
 class Driver:
     """The driver chip of the motor `stepper`, set up over UART or SPI. `address` distinguishes the
     drivers on one UART."""
@@ -214,6 +223,7 @@ class BoardDescription:
     sensors: tuple[Sensor, ...] = ()
     heaters: tuple[Heater, ...] = ()
     endstops: tuple[Endstop, ...] = ()
+    inputs: tuple[Input, ...] = ()
     drivers: tuple[Driver, ...] = ()
     settings: tuple[Setting, ...] = ()
     accelerometers: tuple[Accelerometer, ...] = ()
@@ -232,6 +242,7 @@ class BoardDescription:
             ("sensor", [s.name for s in self.sensors]),
             ("heater", [h.name for h in self.heaters]),
             ("endstop", [e.name for e in self.endstops]),
+            ("input", [i.name for i in self.inputs]),
         ):
             _unique(f"{part} name", names)
         if not self.stepper_targets:
@@ -278,6 +289,7 @@ class BoardDescription:
             *(o.pin for o in self.outputs),
             *(s.pin for s in self.sensors if s.spi is None),
             *(e.pin for e in self.endstops),
+            *(i.pin for i in self.inputs),
             *{
                 bare(pin): pin
                 for wire in (*self.uarts, *self.spi_devices, *self.i2c_devices)
@@ -297,6 +309,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
     outputs: dict[int, Output] = {}
     sensors: list[Sensor] = []
     endstops: list[Endstop] = []
+    inputs: list[Input] = []
     for name, board in boards.items():
         named = partial(named_on, name)
         for i, s in zip(board.stepper_targets, board.steppers, strict=True):
@@ -305,6 +318,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
             outputs[i] = replace(o, pin=named(o.pin))
         sensors += [replace(s, pin=named(s.pin)) for s in board.sensors]
         endstops += [replace(e, pin=named(e.pin)) for e in board.endstops]
+        inputs += [replace(i, pin=named(i.pin)) for i in board.inputs]
     order = [outputs[i].name for i in sorted(outputs)]
     heaters = (h for board in boards.values() for h in board.heaters)
     return replace(
@@ -314,6 +328,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         sensors=tuple(sensors),
         heaters=tuple(sorted(heaters, key=lambda h: order.index(h.output))),
         endstops=tuple(endstops),
+        inputs=tuple(inputs),
         endstops_elsewhere=(),
         stepper_targets=(),
         output_targets=(),

@@ -17,6 +17,7 @@ from passo.board.faults import (
     HeaterFault,
     shutdown_error,
 )
+from passo.board.inputs import InputChange, InputReports
 from passo.board.ports import LinkLostError, Port
 from passo.clock import time_scale
 from passo.errors import MachineError
@@ -47,6 +48,7 @@ class Exchange:
         self.wire = port.attach(self.link)
         self.dictionary = Dictionary((), (), {}, {})
         self.oids = Oids.of(board)
+        self.inputs = InputReports({oid: group for group, oid in self.oids.inputs.items()})
         self.heaters: dict[str, _core.Heater] = {}
         self.faults: list[HeaterFault] = []
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
@@ -138,6 +140,21 @@ class Exchange:
         taken = [r for r in self._responses if not names or r[0] in names]
         self._responses = [r for r in self._responses if names and r[0] not in names]
         return taken
+
+    def input_changes(self) -> list[InputChange]:
+        """The changes of the inputs since the last call, in the order of the reports. The board
+        receives an acknowledgement of each."""
+        if not self.oids.inputs:
+            return []
+        found: list[InputChange] = []
+        for _, report in self.take_responses("buttons_state"):
+            oid, states = int(report["oid"]), report["state"]
+            assert isinstance(states, bytes)
+            count, changes = self.inputs.take(oid, int(report["ack_count"]), states)
+            found += changes
+            if count:
+                self.command(f"buttons_ack oid={oid} count={count}")
+        return found + self.inputs.settled(self.board_clock)
 
     def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
         """Lets time pass until `until_clock`. With `until_heaters`, returns True as soon as every

@@ -69,6 +69,10 @@ _SPI = _Words(
     ("spi_send oid data", "spi_transfer oid data"), ("spi_transfer_response oid response",)
 )
 _I2C = _Words(("i2c_transfer oid write read_len",), ("i2c_response oid i2c_bus_status response",))
+_INPUTS = _Words(
+    ("buttons_query oid clock rest_ticks retransmit_count invert", "buttons_ack oid count"),
+    ("buttons_state oid ack_count state",),
+)
 _OLDER_I2C = _Words(
     ("i2c_write oid data", "i2c_read oid reg read_len"), ("i2c_read_response oid response",)
 )
@@ -109,6 +113,8 @@ def _needed(board: BoardDescription, dictionary: Dictionary) -> Iterator[_Words]
         yield _UARTS
     if board.spi_devices:
         yield _SPI
+    if board.inputs:
+        yield _INPUTS
     if board.i2c_devices:
         yield _OLDER_I2C if dictionary.takes("i2c_read", "reg") else _I2C
 
