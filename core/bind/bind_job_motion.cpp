@@ -169,6 +169,11 @@ void bind_position(JobClass& job) {
           "The planned position at a clock of about the last second, as machine_position; None if "
           "the clock is too long ago.")
       .def(
+          "tool_at", [](JobView& self, double ticks) { return self.job.motion.tool_at(ticks); },
+          "ticks"_a,
+          "The tool of the move at a clock of about the last second, or else of the next one; None "
+          "if no move follows.")
+      .def(
           "filament_at",
           [](JobView& self, double ticks, size_t extruder) {
             return self.job.motion.filament_at(ticks, extruder);

@@ -286,6 +286,12 @@ double Motion::filament_at(double ticks, size_t extruder) const {
   return plan_.filament_mm.at(extruder) - history_.filament_after(ticks - delay(), extruder);
 }
 
+std::optional<size_t> Motion::tool_at(double ticks) const {
+  auto m = history_.at(ticks - delay());
+  if (m == history_.end()) return std::nullopt;
+  return m->tool;
+}
+
 void Motion::suspend() {
   Suspended plan;
   plan.held = std::exchange(held_, {});

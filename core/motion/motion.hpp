@@ -173,6 +173,8 @@ class Motion {
   std::optional<std::array<double, kAxes>> position_at(double ticks) const;
   // Net filament that an extruder has pushed until `ticks`, mm, without its pressure advance.
   double filament_at(double ticks, size_t extruder) const;
+  // The tool of the move at `ticks`, or else of the next one; nothing without one.
+  std::optional<size_t> tool_at(double ticks) const;
   // After hold_from: suspends the held plan with its records, so that other moves may come first,
   // from where the machine rests. `resume` continues it; the machine must be back there.
   void suspend();

@@ -805,9 +805,9 @@ class Bench(Device):
 
     def add_actuator(self, step_pin: int, start: float, per_step: float) -> None: ...
 
-    def add_switch(self, pin: int, weights: Sequence[tuple[int, float]], position: float, at_maximum: bool, pressed_level: bool) -> None:
+    def add_switch(self, pin: int, weights: Sequence[tuple[int, float]], position: float, at_maximum: bool, pressed_level: bool, edge_mm: float = 0.0) -> None:
         """
-        Adds an endstop that is triggered at or beyond `position`, the weighted sum of the actuators: (step pin, weight).
+        Adds a switch that is triggered at or beyond `position`, the weighted sum of the actuators: (step pin, weight). With `edge_mm`, its level changes instead each time the sum has moved by this length.
         """
 
     def add_probe(self, pin: int, motors: Sequence[int], geometry: dict[str, Any], bed: Bed, offset: Sequence[float], trigger: float, pressed_level: bool, hysteresis: float, sigma: float, seed: int, dead: Sequence[Sequence[float]], touchy: Sequence[Sequence[float]], mechanism: ProbeMechanism) -> None:
@@ -835,7 +835,9 @@ class Bench(Device):
         """Moves the motor's actuator, as if by hand."""
 
     def force_switch(self, pin: int, pressed: int) -> None:
-        """A fault: never triggered (0), always triggered (1); -1 ends it."""
+        """
+        A fault: never triggered (0), always triggered (1), flickering (2); -1 ends it.
+        """
 
     def add_body(self, heater_pin: int, sensor_pin: int, ambient_c: float, rise_c: float, time_constant_s: float, sensor_time_constant_s: float, adc_ratio: Sequence[tuple[float, float]], fan_pin: int = 0, fan_loss: float = 0.0) -> None: ...
 
@@ -2220,6 +2222,16 @@ class Job:
     def position_at(self, ticks: float) -> list[float] | None:
         """
         The planned position at a clock of about the last second, as machine_position; None if the clock is too long ago.
+        """
+
+    def tool_at(self, ticks: float) -> int | None:
+        """
+        The tool of the move at a clock of about the last second, or else of the next one; None if no move follows.
+        """
+
+    def filament_at(self, ticks: float, extruder: int) -> float:
+        """
+        Net filament that an extruder has pushed until a clock of about the last second, mm, without pressure advance. It grows over the whole job, whatever G92 sets.
         """
 
     def set_steps_per_unit(self, stepper: int, value: float) -> None:

@@ -38,9 +38,9 @@ _FAST_HZ = 20_000_000
 @dataclass(frozen=True, slots=True)
 class Oids:
     """The object number of each part of the board, in this order: steppers, outputs, sensors,
-    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs. A trsync is the group of
-    motors on this board that one endstop stops; the endstop may be on another board. UARTs, devices
-    and accelerometers are found by their pins."""
+    endstops, trsyncs, UARTs, SPI devices, I2C devices, accelerometers, groups of inputs. A trsync
+    is the group of motors on this board that one endstop stops; the endstop may be on another
+    board. UARTs, devices and accelerometers are found by their pins."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]

@@ -53,6 +53,12 @@ MACHINE: Mapping[str, Entry] = {
         "Remove the M112 from the file, or end the program there with M2",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.stop-button": Entry(
+        "board",
+        "the stop button {value} was pressed",
+        "Make the printer safe, release the button, then send M999",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.restart": Entry(
         "printer",
         "FIRMWARE_RESTART restarts the printer",

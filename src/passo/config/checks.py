@@ -13,6 +13,7 @@ from passo.config.accelerometer import check_accelerometer
 from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_fans, check_heaters, check_pulses
+from passo.config.inputs import check_inputs
 from passo.config.klipper_options.check import check_kept_options
 from passo.config.macro_checks import check_macros
 from passo.config.motor_roles import Drivable, Driven, axis_order
@@ -213,6 +214,7 @@ def check_all(
         check_drivers,
         check_pins,
         check_accelerometer,
+        check_inputs,
         check_macros,
         check_kept_options,
     ]

@@ -46,6 +46,11 @@ def fan_object(machine: MachineConfig, name: str) -> str:
     return "fan" if name == first else f"fan_generic {name}"
 
 
+def sensor_object(machine: MachineConfig, name: str) -> str:
+    """Klipper's name for a filament sensor."""
+    return f"filament_{machine.filament_sensors[name].kind}_sensor {name}"
+
+
 def board_object(name: str) -> str:
     """Klipper's name for a board; `main` is the main one."""
     return "mcu" if name == "main" else f"mcu {name}"

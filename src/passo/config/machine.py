@@ -14,6 +14,7 @@ from passo.config.budget import MAX_BUDGETS
 from passo.config.electronics import Beeper, Fans, Laser, PowerSupply
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
+from passo.config.inputs import Buttons, FilamentSensors, button_input, sensor_input
 from passo.config.jerk import box_s
 from passo.config.macros import DelayedGcode, Macro
 from passo.config.motion import (
@@ -120,6 +121,10 @@ class MachineConfig(Model):
     """The output of M80 and M81, which switches the power supply."""
     beeper: Beeper | None = None
     """The buzzer of M300."""
+    filament_sensors: FilamentSensors = {}
+    """The filament sensors, by name."""
+    buttons: Buttons = {}
+    """Buttons and other switches that do something, by name."""
     macros: dict[CommandName, Macro] = {}
     """Your own commands, which may replace built-in ones. A name keeps its case in
     `printer["gcode_macro NAME"]`; lines call it in any case."""
@@ -252,6 +257,12 @@ class MachineConfig(Model):
         their numbers: heaters, fans, laser."""
         parts = {**self.heaters, **self.fans, **({"laser": self.laser} if self.laser else {})}
         return {name: part.pin for name, part in parts.items()}
+
+    @property
+    def input_pins(self) -> dict[str, str]:
+        """The pins, as written, of the inputs that boards report, by the names of the inputs."""
+        sensors = {sensor_input(name): part.pin for name, part in self.filament_sensors.items()}
+        return sensors | {button_input(name): part.pin for name, part in self.buttons.items()}
 
     def facing_its_middle(self) -> MachineConfig:
         """A copy whose arm angles are counted so that they fit the axes and the limits of the

@@ -49,6 +49,10 @@ KEPT = frozenset(
     }
 )
 # fmt: on
+_INPUT_TEMPLATES = {
+    "filament_sensors": ("runout_gcode", "insert_gcode"),
+    "buttons": ("press_gcode", "release_gcode"),
+}
 _LONGEST = 65_536  # maximum characters of a template
 LETTERED = re.compile(r"[GMT]\d", re.IGNORECASE)
 
@@ -90,6 +94,11 @@ def check_macros(data: Mapping[str, Any]) -> Iterator[Finding]:
         taken.add(other)
     for name, delayed in tables(data, "delayed_gcode"):
         yield from _check_template(("delayed_gcode", name), delayed)
+    for part, keys in _INPUT_TEMPLATES.items():
+        for name, content in tables(data, part):
+            for key in keys:
+                if key in content:
+                    yield from _check_template((part, name), content, key)
 
 
 def _check_literals(path: tuple[str, ...], macro: Mapping[str, Any]) -> Iterator[Finding]:
@@ -113,13 +122,15 @@ def is_built_in(code: str) -> bool:
     return row_of("T" if re.fullmatch(r"T\d+", code) else code) is not None
 
 
-def _check_template(path: tuple[str, ...], content: Mapping[str, Any]) -> Iterator[Finding]:
-    text = content.get("gcode")
+def _check_template(
+    path: tuple[str, ...], content: Mapping[str, Any], key: str = "gcode"
+) -> Iterator[Finding]:
+    text = content.get(key)
     if not isinstance(text, str):
         return
     if len(text) > _LONGEST:
         limit = f"a template of at most {_LONGEST:,} characters"
-        yield Finding("config.value", (*path, "gcode"), f"{len(text):,} characters", limit)
+        yield Finding("config.value", (*path, key), f"{len(text):,} characters", limit)
         return
     # takes 50 ms, so import it only for machines with macros
     from passo.gcode.template import Template, TemplateFault
@@ -131,4 +142,4 @@ def _check_template(path: tuple[str, ...], content: Mapping[str, Any]) -> Iterat
         lines = text.splitlines()
         value = lines[fault.line - 1] if fault.line and fault.line <= len(lines) else text[:40]
         limit = f"G-code with expressions of Jinja2; {where}: {fault.reason}"
-        yield Finding("config.value", (*path, "gcode"), value.strip(), limit)
+        yield Finding("config.value", (*path, key), value.strip(), limit)

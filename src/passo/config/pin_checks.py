@@ -128,6 +128,9 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
     for part in ("mains", "beeper"):
         yield from _claim((part, "pin"), table(data, part).get("pin"))
+    for part in ("filament_sensors", "buttons"):
+        for name, content in tables(data, part):
+            yield from _claim((part, name, "pin"), content.get("pin"), "switch")
 
 
 def _board(data: Raw, name: str) -> Raw:

@@ -8,7 +8,16 @@ from pydantic import Field
 
 from passo.config.calibration import DeltaCalibration, Screws, SimulatedDelta, ZMotors
 from passo.config.simulated_motion import SimulatedMass
-from passo.config.types import Model, Name, NotNegative, Pair, Position, Positive, ShapedAxis
+from passo.config.types import (
+    Model,
+    Name,
+    NotNegative,
+    Pair,
+    PartName,
+    Position,
+    Positive,
+    ShapedAxis,
+)
 from passo.probes.base import HeightOffset
 
 PROBE = "probe"
@@ -126,6 +135,8 @@ class Simulated(Model):
     """The true height above the home position at which the endstop of a Z motor triggers."""
     delta: SimulatedDelta | None = None
     """The true geometry of a simulated delta."""
+    filament_mm: dict[PartName, Positive] = {}
+    """The length of the filament behind each filament sensor. Without a length it does not end."""
     masses: dict[ShapedAxis, SimulatedMass] = {}
     """What vibrates in X, Y and Z. An axis without this table has the typical frequency of its
     geometry, such as 55 Hz in X and 35 Hz in Y of a cartesian printer, and a damping ratio of

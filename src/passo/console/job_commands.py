@@ -9,7 +9,6 @@ from passo.console.session import Session
 from passo.errors import CommandError, PassoError
 from passo.gcode.command import Command
 from passo.gcode.registry import Kind, Subject, When, command
-from passo.job.live.host_pause import HostPause
 from passo.job.live.job_state import JobState
 from passo.job.live.park import check_words
 from passo.job.live.progress import Progress
@@ -18,9 +17,8 @@ from passo.job.live.statistics import spoken
 from passo.printer.wait_requests import Reply, Wait, WaitForProcedure
 
 if TYPE_CHECKING:
+    from passo.job.live.host_pause import HostPause
     from passo.printer.control import Control
-    from passo.printer.setup.heat import Heat
-    from passo.printer.suspension import Suspension
 
 
 class JobCommands:
@@ -29,13 +27,12 @@ class JobCommands:
     def __init__(
         self,
         control: Control,
-        suspension: Suspension,
-        heat: Heat,
+        host_pause: HostPause,
         runner: Runner,
         progress: Progress,
     ) -> None:
         self._control, self._runner, self._progress = control, runner, progress
-        self._host_pause = HostPause(control, suspension, heat)
+        self._host_pause = host_pause
         control.state.go_on_listeners.append(self._end_asking)
         runner.watchers.append(self._job_changed)
 

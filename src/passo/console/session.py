@@ -296,6 +296,8 @@ class Session:
             self._printed = line.number is not None and (
                 prints(command.code) or unfit(command, self._control.skips) is not None
             )
+            if self._printed:
+                self._state.numbered_move_s = self._loop.time()
             try:
                 if self._take(line, command, seen=seen, given_up=given_up):
                     return

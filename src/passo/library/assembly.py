@@ -20,11 +20,15 @@ from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
 from passo.errors import InputError
 from passo.job.durable_files import directory_held
+from passo.job.live.button_actions import ButtonActions
+from passo.job.live.filament_runout import FilamentRunout
 from passo.job.live.halt_reports import HaltReports
+from passo.job.live.host_pause import HostPause
 from passo.job.live.job_status import JobStatusReader
 from passo.job.live.journal_keeper import JournalKeeper
 from passo.job.live.library import AUTOSTART, Library
 from passo.job.live.objects import PrintObjects
+from passo.job.live.print_pause import PrintPause
 from passo.job.live.print_queue import PrintQueue
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
@@ -33,6 +37,7 @@ from passo.job.mesh_folder import MeshFolder
 from passo.job.settings_store import Store
 from passo.job.variable_file import VariableFile
 from passo.levelling.mesh_files import MeshStore
+from passo.printer.background_gcode import BackgroundGcode
 from passo.printer.commands.reports import Reports
 from passo.printer.delayed_gcode import DelayedGcode
 from passo.printer.printer import Printer
@@ -135,7 +140,13 @@ def _furnish(
     library = Library(printer.state, printer.lifetime, runner, card)
     statistics = Statistics(*live, printer.suspension, printer.lateness, folder)
     progress = Progress(*live, printer.suspension, runner, statistics, library.reader)
-    jobs = JobCommands(printer.control, printer.suspension, printer.heat, runner, progress)
+    pause = HostPause(printer.control, printer.suspension, printer.heat)
+    jobs = JobCommands(printer.control, pause, runner, progress)
+    background = BackgroundGcode(printer.control, printer.lifetime)
+    filament, buttons = printer.inputs.filament, printer.inputs.buttons
+    by_event = PrintPause(printer.control, runner, pause, background)
+    FilamentRunout(*(printer.control, filament, runner, by_event, background), printer.lifetime)
+    ButtonActions(printer.control, buttons, runner, by_event, background)
     objects = PrintObjects(printer.rig, printer.dispatch, runner)
     restart = None
     if restarts is not None:
@@ -147,7 +158,7 @@ def _furnish(
             *(printer.rig, printer.state, printer.stops), answers, printer.heat.report, restart
         ),
         CardCommands(printer.rig, printer.state, runner, library),
-        DelayedGcode(printer.control, printer.lifetime),
+        DelayedGcode(printer.machine, background, printer.lifetime),
     )
     keeper = None
     if folder is not None:

@@ -53,6 +53,7 @@ from passo.printer.commands import (
     user_prompts,
     z_motors,
 )
+from passo.printer.inputs import filament_sensors
 from passo.printer.watch import endstops
 
 MODULES = (
@@ -88,5 +89,5 @@ MODULES = (
         tuning_tower,
     ),
     user_prompts,
-    *(endstops, delayed_gcode, macros),
+    *(endstops, delayed_gcode, filament_sensors, macros),
 )

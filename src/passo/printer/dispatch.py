@@ -166,17 +166,17 @@ class Dispatch:
         is True."""
         return self._take(lambda: self._feed(text), reply)
 
-    def take_delayed(self, name: str, reply: Reply) -> Wait | None:
-        """Runs the delayed G-code `name` in the way `take_line` runs a line. Raises CommandError if
-        its template fails."""
+    def take_template(self, name: str, text: str, reply: Reply) -> Wait | None:
+        """Runs the template `text` of the machine file, at its key `name`, in the way `take_line`
+        runs a line. Raises CommandError if the template fails."""
 
         def insert() -> None:
             self.select(console=True)
             commands = self._rig.commands
-            text = commands.macros.delayed(
-                name, commands.status(), lambda text: _respond(reply, text)
+            lines = commands.macros.rendered(
+                name, text, commands.status(), lambda answer: _respond(reply, answer)
             )
-            self._rig.job.insert(text.encode("utf-8", "surrogateescape"))
+            self._rig.job.insert(lines.encode("utf-8", "surrogateescape"))
 
         return self._take(insert, reply)
 

@@ -81,7 +81,7 @@ class Macros:
         self.variables: dict[str, dict[str, Any]] = {
             name: macro.values() for name, macro in machine.macros.items()
         }
-        self._templates: dict[str, Template] = {}
+        self._templates: dict[str, Template] = {}  # by their texts
         self._rendered = 0
         self._budgets: dict[bool, Budget] = {}
         self.watchers: list[Callable[[Command, str], None]] = []
@@ -125,13 +125,13 @@ class Macros:
             watcher(command, text)
         job.insert(text.encode("utf-8", "surrogateescape"), code)
 
-    def delayed(self, name: str, status: Status, respond: Respond) -> str:
-        """The lines of delayed G-code. Raises as `expand`."""
+    def rendered(self, name: str, text: str, status: Status, respond: Respond) -> str:
+        """The lines of the template `text` of the machine file, which is not a macro; `name` is its
+        key. Raises as `expand`."""
         from passo.gcode.template import Budget
 
-        text = self._machine.delayed_gcode[name].gcode
         budget = self._budgets[True] = Budget()
-        return self._render(f"delayed_gcode.{name}", text, {}, status, budget, respond)
+        return self._render(name, text, {}, status, budget, respond)
 
     @command(
         "SET_GCODE_VARIABLE",
@@ -207,10 +207,10 @@ class Macros:
             "action_emergency_stop": _stop,
             "action_call_remote_method": self._call_remote_method,
         }
-        template = self._templates.get(name)
+        template = self._templates.get(text)
         try:
             if template is None:
-                template = self._templates[name] = Template(text)
+                template = self._templates[text] = Template(text)
             everything = {"printer": self._tree(status), **functions, **values}
             self._rendered += 1
             # the clock decides what is random: so a program that is only planned stays the same

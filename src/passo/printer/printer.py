@@ -24,6 +24,7 @@ from passo.printer.saved_variables import SavedVariables
 from passo.printer.settings import Settings
 from passo.printer.setup.connections import connect, reconnected
 from passo.printer.setup.heat import build_heat
+from passo.printer.setup.inputs import build_inputs
 from passo.printer.setup.levelling import build_levelling
 from passo.printer.setup.motion import build_motion
 from passo.printer.setup.outputs import build_outputs
@@ -89,6 +90,7 @@ class Printer:
         self.heat = heat = build_heat(rig, state, outputs.targets)
         area = printed_area or (lambda: covered(objects_of(rig.job)))
         self.levelling = build_levelling(rig, motion, meshes or MeshStore(), area)
+        self.inputs = inputs = build_inputs(rig)
         self.suspension = Suspension(rig, motion.offsets, outputs.laser)
         self.endstops = EndstopWatch(rig, state, motion.triggered, stops.stop_by_endstop)
         motion.triggered.starts.append(self.endstops.pause)
@@ -106,7 +108,7 @@ class Printer:
         self.dispatch = Dispatch(rig, state, self.waits, skips, heat.settings.guard_extrusion)
         self.dispatch.add(stops, self.prompts, self.endstops, self.faults, self.driver_commands)
         self.dispatch.add(*outputs.handlers, *heat.handlers, *motion.handlers)
-        self.dispatch.add(*self.levelling.handlers)
+        self.dispatch.add(*self.levelling.handlers, *inputs.handlers)
         idle = IdleWatch(
             *(rig, state, self.motion_lock, outputs, self.prompts, self.waits), stops.halt
         )
@@ -117,6 +119,7 @@ class Printer:
             outputs.beeper.time_passed,
             self.faults.time_passed,
             self.endstops.time_passed,
+            inputs.time_passed,
             AutomaticFans(rig, state, outputs.motors).time_passed,
             self.drivers.time_passed,
             self.lateness.time_passed,
@@ -131,7 +134,7 @@ class Printer:
             *(machine, rig, state, outputs.targets, self.motion_lock, self.prompts, self.waits),
             *(self.dispatch, stops, supervisor, skips),
         )
-        self.status = StatusReader(self.control, outputs, motion, heat, self.levelling)
+        self.status = StatusReader(self.control, outputs, motion, heat, self.levelling, inputs)
 
     # -- start and restart ------------------------------------------------------------------------
 
@@ -197,6 +200,7 @@ class Printer:
         self.levelling.manual_probe.begin()
         self.dispatch.begin()
         self.endstops.begin()
+        self.inputs.filament.begin()
         state.restarted()
         for line in lines:
             self.dispatch.take_setting(line, NullReply())

@@ -24,8 +24,9 @@ class State:
     reason why the printer is halted until M999, or empty; `cause` is the same as an error of the
     catalogue. `failures` counts halts and failed heaters, so that an M999 or M922 that was sent
     before a failure does not clear it. `host_paused`: the print of a host is paused, and its lines
-    wait. `ended`: the current wait has to end. `program` is the source of the last planned moves.
-    `start_failure` is the reason why the first start failed, until M999.
+    wait. `numbered_move_s` is the host time of the last numbered move of a console. `ended`: the
+    current wait has to end. `program` is the source of the last planned moves. `start_failure` is
+    the reason why the first start failed, until M999.
     """
 
     def __init__(self) -> None:
@@ -33,6 +34,7 @@ class State:
         self.cause: PassoError | None = None
         self.failures = 0
         self.host_paused = False
+        self.numbered_move_s: float | None = None
         self.ended = False
         self.program: Reply | None = None
         self.start_failure: MachineError | None = None

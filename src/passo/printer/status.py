@@ -47,6 +47,16 @@ class HeaterStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class FilamentSensorStatus:
+    """A filament sensor: whether it detects filament, whether it is enabled, and whether it
+    measures the motion of the filament."""
+
+    detected: bool
+    enabled: bool
+    moves: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class PrintObject:
     """An object that the file labels. `number` is the number in M486, or its index in the file;
     `name` is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, come from
@@ -356,7 +366,7 @@ class Status:
     `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the input
     shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the targets of
     the heaters that a long pause or a fault has switched off, °C by name: they warm up before the
-    print resumes."""
+    print resumes. `buttons` are the buttons by name, with True while they are pressed."""
 
     state: PrinterState
     halted: str
@@ -396,3 +406,7 @@ class Status:
     shapers: dict[str, ShaperStatus] = field(default_factory=dict[str, ShaperStatus])
     advances: tuple[AdvanceStatus, ...] = ()
     cooled_c: dict[str, float] = field(default_factory=dict[str, float])
+    filament_sensors: dict[str, FilamentSensorStatus] = field(
+        default_factory=dict[str, FilamentSensorStatus]
+    )
+    buttons: dict[str, bool] = field(default_factory=dict[str, bool])

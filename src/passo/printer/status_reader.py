@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from passo.printer.control import Control
     from passo.printer.live_rig import LiveRig
     from passo.printer.setup.heat import Heat
+    from passo.printer.setup.inputs import InputParts
     from passo.printer.setup.levelling import Levelling
     from passo.printer.setup.motion import Motion
     from passo.printer.setup.outputs import Outputs
@@ -45,10 +46,11 @@ class StatusReader:
         motion: Motion,
         heat: Heat,
         levelling: Levelling,
+        inputs: InputParts,
     ) -> None:
         self._control, self._rig, self._state = control, control.rig, control.state
         self._outputs, self._heat, self._levelling = outputs, heat, levelling
-        self._offsets = motion.offsets
+        self._offsets, self._inputs = motion.offsets, inputs
         self._letters = axis_order(self._rig.machine.axes)
         self._moves_since_s: float | None = None
 
@@ -88,6 +90,8 @@ class StatusReader:
             shapers=rig.commands.filters.shaper_status(),
             advances=rig.commands.filters.advance_status(),
             cooled_c=dict(self._outputs.targets.cooled_c),
+            filament_sensors=self._inputs.filament.status(),
+            buttons={n: self._inputs.buttons.pressed.get(n, False) for n in rig.machine.buttons},
         )
         for add in self._state.status_parts:
             status = add(status)

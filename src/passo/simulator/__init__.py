@@ -3,7 +3,16 @@
 from passo.simulator.board import SimulatedBoard
 from passo.simulator.fault_injector import SimulatedFaults
 from passo.simulator.machine import Cable, SimulatedMachine
-from passo.simulator.plant import Actuator, Bed, BedProbe, Body, Lift, PlantDescription, Switch
+from passo.simulator.plant import (
+    Actuator,
+    Bed,
+    BedProbe,
+    Body,
+    InputSwitch,
+    Lift,
+    PlantDescription,
+    Switch,
+)
 from passo.simulator.wires import without_buses
 
 __all__ = [
@@ -12,6 +21,7 @@ __all__ = [
     "BedProbe",
     "Body",
     "Cable",
+    "InputSwitch",
     "Lift",
     "PlantDescription",
     "SimulatedBoard",

@@ -19,6 +19,7 @@ from passo.simulator.dictionary import (
 )
 from passo.simulator.plant import Area, BedProbe, PlantDescription
 
+_FLICKERS = 2  # of `force_switch`
 _ELSEWHERE = 1 << 16  # no board has so many pins
 
 
@@ -133,6 +134,18 @@ class SimulatedBoard:
                 s.position,
                 s.at_maximum,
                 not inverted(pin),
+            )
+        self._inputs = {i.name: i for i in plant.inputs}
+        pins = {i.name: i.pin for i in self.board.inputs}
+        for part in plant.inputs:
+            pin = pins[part.name]
+            self.device.add_switch(
+                self._pins[bare(pin)],
+                [(self._felt_pin(stepper), weight) for stepper, weight in part.weights],
+                part.position,
+                True,
+                part.active != inverted(pin),
+                part.edge_mm,
             )
         self._probe = plant.probe
         if plant.probe:
@@ -260,6 +273,18 @@ class SimulatedBoard:
         """A fault: the endstop is triggered or open at any position; None ends it."""
         pin = self._pin_of(endstop)
         self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
+
+    def force_input(self, name: str, active: bool | None) -> None:
+        """The input has this level, whatever is wired to it; None ends it."""
+        pressed = -1 if active is None else int(active == self._inputs[name].active)
+        self.device.force_switch(self._input_pin(name), pressed)
+
+    def flicker(self, name: str) -> None:
+        """A fault: the level of the input changes every 5 ms, until `force_input`."""
+        self.device.force_switch(self._input_pin(name), _FLICKERS)
+
+    def _input_pin(self, name: str) -> int:
+        return self._pins[bare(next(i.pin for i in self.board.inputs if i.name == name))]
 
     def force_heater(self, sensor: str, power: float | None) -> None:
         """A fault: the heater of this sensor has this power, 0 to 1, independent of its pin; None

@@ -15,6 +15,12 @@ if TYPE_CHECKING:
 _SENSOR = (NO_FAULT, "open", "short", "noise", "loose")
 _HEATER = (NO_FAULT, "on", "off")
 _ENDSTOP = (NO_FAULT, "triggered", "open")
+_FLICKERS = "flickering"
+# The levels of an input by the beginning of its name: active or not.
+_INPUTS = {
+    "filament": {"present": True, "out": False},
+    "button": {"pressed": True, "released": False},
+}
 _CABLE = (NO_FAULT, "cut", "noise")
 _BED = (NO_FAULT, "tilted")
 _TILT_MM = 1.0  # over the width of the bed
@@ -42,6 +48,10 @@ class SimulatedFaults:
             self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
             if endstop.name == PROBE:
                 self._add("bed", _BED, self._set_bed)
+        for entry in board.inputs:
+            levels = _INPUTS[entry.name.partition("-")[0]]
+            values = (NO_FAULT, *levels, _FLICKERS)
+            self._add(entry.name, values, self._input_setter(entry.name, levels))
         for name in machine.boards:
             self._add(f"{name}-cable" if name else "cable", _CABLE, self._cable_setter(name))
 
@@ -105,6 +115,17 @@ class SimulatedFaults:
     def _endstop_setter(self, endstop: str) -> Callable[[str, float | None], None]:
         pressed = {"triggered": True, "open": False}
         return lambda fault, _: self._machine.force_switch(endstop, pressed.get(fault))
+
+    def _input_setter(
+        self, name: str, levels: Mapping[str, bool]
+    ) -> Callable[[str, float | None], None]:
+        def set_fault(fault: str, _: float | None) -> None:
+            if fault == _FLICKERS:
+                self._machine.flicker(name)
+            else:
+                self._machine.force_input(name, levels.get(fault))
+
+        return set_fault
 
     def _set_bed(self, fault: str, _: float | None) -> None:
         self._machine.tilt_bed(_TILT_MM if fault == "tilted" else 0.0)

@@ -52,7 +52,7 @@ class SimulatedMachine:
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):
             board.feel(boards.values())
-            for part in ("steppers", "outputs", "sensors", "endstops"):
+            for part in ("steppers", "outputs", "sensors", "endstops", "inputs"):
                 for entry in getattr(board.board, part):
                     self._own[part, entry.name] = board
             clock = (clocks or {}).get(name)
@@ -122,6 +122,14 @@ class SimulatedMachine:
     def force_switch(self, endstop: str, pressed: bool | None) -> None:
         """A fault: the endstop is triggered or open at any position; None ends it."""
         self._of("endstops", endstop).force_switch(endstop, pressed)
+
+    def force_input(self, name: str, active: bool | None) -> None:
+        """The input has this level, whatever is wired to it; None ends it."""
+        self._of("inputs", name).force_input(name, active)
+
+    def flicker(self, name: str) -> None:
+        """A fault: the level of the input changes every 5 ms, until `force_input`."""
+        self._of("inputs", name).flicker(name)
 
     def spoil_probe(
         self,

@@ -32,6 +32,19 @@ class Switch:
 
 
 @dataclass(frozen=True, slots=True)
+class InputSwitch:
+    """What is wired to the input `name`. Its level is `active` while the sum of some steppers'
+    actuator positions, each with its weight, is at or above `position`, or opposite below. With
+    `edge_mm`, the level changes each time the sum has moved by this length."""
+
+    name: str
+    weights: tuple[tuple[str, float], ...] = ()
+    position: float = 1e9
+    active: bool = True
+    edge_mm: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Body:
     """The mass that a heater heats: it tends to `ambient_c` + `rise_c` · power with
     `time_constant_s`; its sensor follows with `sensor_time_constant_s`. With the output `fan` at
@@ -118,5 +131,6 @@ class PlantDescription:
 
     actuators: tuple[Actuator, ...] = ()
     switches: tuple[Switch, ...] = ()
+    inputs: tuple[InputSwitch, ...] = ()
     bodies: tuple[Body, ...] = ()
     probe: BedProbe | None = None

@@ -315,6 +315,14 @@ export interface FaultStatus {
   action: string;
 }
 
+/** A filament sensor: whether it detects filament, whether it is enabled, and whether it measures
+ * the motion of the filament. */
+export interface FilamentSensorStatus {
+  detected: boolean;
+  enabled: boolean;
+  moves: boolean;
+}
+
 /** A file or folder. `size` is in bytes, 0 of a folder; `modified_s` is the time of its last
  * change, in seconds since 1970. */
 export interface FileEntry {
@@ -916,7 +924,7 @@ export interface SpeedFactor {
  * bed screws; `screws_limit_mm` is their allowed difference, if it is exceeded. `shapers` are the
  * input shapers by axis, `advances` the pressure advance of each extruder. `cooled_c` are the
  * targets of the heaters that a long pause or a fault has switched off, °C by name: they warm up
- * before the print resumes. */
+ * before the print resumes. `buttons` are the buttons by name, with True while they are pressed. */
 export interface Status {
   state: PrinterState;
   halted: string;
@@ -956,6 +964,8 @@ export interface Status {
   shapers: Record<string, ShaperStatus>;
   advances: AdvanceStatus[];
   cooled_c: Record<string, number>;
+  filament_sensors: Record<string, FilamentSensorStatus>;
+  buttons: Record<string, boolean>;
 }
 
 /** The status, and a number that increases with each change of it. */

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.exporting.cfg import Cfg
 from passo.config.exporting.heat import put_heat
+from passo.config.exporting.inputs import put_inputs
 from passo.config.exporting.motors import put_stepper
 from passo.config.pin_names import placed
 from passo.config.square_corner import corner_mm_s
@@ -85,6 +86,7 @@ def _converted(machine: MachineConfig, kind: str) -> Cfg:
         )
     _put_accelerometer(cfg)
     _put_commands(cfg)
+    put_inputs(cfg)
     _put_macros(cfg)
     _put_kept(cfg)
     return cfg

@@ -32,6 +32,7 @@ _FILAMENT: Options = (
     text("insert_gcode", ""),
     number("event_delay", 3.0),
     number("pause_delay", 0.5),
+    number("debounce_delay", 0.0),
 )
 
 OUTPUTS: Mapping[str, Options] = {
@@ -60,6 +61,7 @@ OUTPUTS: Mapping[str, Options] = {
         text("analog_range"),
         text("press_gcode", ""),
         text("release_gcode", ""),
+        number("debounce_delay", 0.0),
     ),
     "filament_switch_sensor": _FILAMENT,
     "filament_motion_sensor": (

@@ -206,7 +206,8 @@ def start_up(
     for _, name in sorted(soon):
         job.select(True)  # as a console: the modes of the file are its own
         try:
-            text = commands.macros.delayed(name, commands.status(), _log.info)
+            key, gcode = f"delayed_gcode.{name}", commands.machine.delayed_gcode[name].gcode
+            text = commands.macros.rendered(key, gcode, commands.status(), _log.info)
             job.insert(text.encode("utf-8", "surrogateescape"))
             for found in _executed(job, commands, "", settle, skips, unsurveyed):
                 if found == _core.JobStatus.NEED_INPUT:

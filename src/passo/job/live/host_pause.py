@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 RECENT_S = 10.0  # idle longer than this means that no host print is running
+_SAME_PRINT_S = 60.0  # moves of a host's print come at least this often
 
 
 class HostPause:
@@ -132,9 +133,35 @@ class HostPause:
         if self._control.rig.job.suspended and not self._control.state.busy():
             self._control.rig.job.forget_suspended()
 
+    @property
+    def prints(self) -> bool:
+        """Whether a host seems to print: numbered moves have come lately, and the machine has not
+        been idle for long."""
+        control, now_s = self._control, asyncio.get_running_loop().time()
+        at_s = control.state.numbered_move_s
+        recent = at_s is not None and now_s - at_s <= _SAME_PRINT_S
+        return recent and not control.state.busy() and control.rig.queue.idle_s <= RECENT_S
+
     def _heater_failed(self, fault: HeaterFault) -> None:
-        """Called for a failed heater whose policy is to pause the print. Lines in progress, such as
-        homing, end first; no other line is accepted."""
+        """Called for a failed heater whose policy is to pause the print."""
+        heaters = self._control.rig.connection.heaters
+        text = f"Heater {fault.heater} failed; repair it, then M108 continues and rearms it"
+        # It may be rearmed during another pause.
+        self.interrupt(
+            text, {}, needed=lambda: heaters[fault.heater].fault is not None, rearms=True
+        )
+
+    def interrupt(
+        self,
+        text: str,
+        words: Mapping[str, float],
+        *,
+        needed: Callable[[], bool],
+        rearms: bool = False,
+    ) -> None:
+        """Pauses the print of a host as `stand_by`, at once. Lines in progress, such as homing, end
+        first, and the pause begins only if it is still `needed` then; no other line is accepted.
+        Does nothing during a print from the card."""
         control = self._control
         if control.state.busy() or control.state.halted or control.state.host_paused:
             return
@@ -142,20 +169,20 @@ class HostPause:
             control.state.tell("// action:pause")
             return
         control.state.host_paused = True
-        self._task = asyncio.get_running_loop().create_task(self._pause_after(fault))
+        pause = self._pause_when(text, words, needed, rearms=rearms)
+        self._task = asyncio.get_running_loop().create_task(pause)
 
-    async def _pause_after(self, fault: HeaterFault) -> None:
+    async def _pause_when(
+        self, text: str, words: Mapping[str, float], needed: Callable[[], bool], *, rearms: bool
+    ) -> None:
         control = self._control
-        text = f"Heater {fault.heater} failed; repair it, then M108 continues and rearms it"
         try:
             await control.rig.queue.until(
                 lambda: not control.waits.busy or bool(control.state.halted), idly=True
             )
-            # rearmed during another pause
-            mended = control.rig.connection.heaters[fault.heater].fault is None
-            if not (control.state.halted or mended):
+            if needed() and not control.state.halted:
                 self._suspension.suspend()
-                pause = WaitForProcedure(lambda: self.stand_by(text, {}, rearms=True))
+                pause = WaitForProcedure(lambda: self.stand_by(text, words, rearms=rearms))
                 try:
                     await control.waits.wait(pause, NullReply())
                 except Stopped:

@@ -141,7 +141,7 @@ class Commands:
         self.klipper = KlipperCommands(machine, job, self.flow.babysteps_mm, stand_ins)
         self.tower = TuningTower(machine, job)
         self.not_yet = NotYet()
-        self.stand_ins = StandInCommands(stand_ins, self.omitted)
+        self.stand_ins = StandInCommands(machine, stand_ins, self.omitted)
         self.file: PlannedFile | None = None  # the file of a plan
 
     def run(self, command: Command, reply: Reply | None = None) -> Wait | None:
@@ -216,6 +216,8 @@ class Commands:
             planned,
             shapers=self.filters.shaper_status(),
             advances=self.filters.advance_status(),
+            filament_sensors=self.stand_ins.filament_sensors,
+            buttons=dict.fromkeys(self._machine.buttons, False),
         )
         return planned if self._probing is None else self._probing.shown(planned)
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.config.part_names import found_name
 from passo.gcode.registry import in_program
 from passo.printer.commands.klipper_commands import number
 from passo.printer.skipped_commands import SkippedCommand
 from passo.printer.stand_ins import FILAMENT_SENSORS, PINS
+from passo.printer.status import FilamentSensorStatus
 
 if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
     from passo.gcode.command import Command
     from passo.printer.skipped_commands import SkippedCommands
     from passo.printer.stand_ins import StandIns
@@ -18,10 +21,23 @@ if TYPE_CHECKING:
 
 class StandInCommands:
     """The commands of one job that set parts which Passo does not drive. Each is counted in
-    `omitted`."""
+    `omitted`. `filament_sensors` are the sensors of the machine in a program that is only
+    planned: whether they are enabled."""
 
-    def __init__(self, stand_ins: StandIns, omitted: SkippedCommands) -> None:
+    def __init__(
+        self, machine: MachineConfig, stand_ins: StandIns, omitted: SkippedCommands
+    ) -> None:
         self._stand_ins, self._omitted = stand_ins, omitted
+        self._sensors = machine.filament_sensors
+        self._enabled = {name: part.enabled for name, part in self._sensors.items()}
+
+    @property
+    def filament_sensors(self) -> dict[str, FilamentSensorStatus]:
+        """The sensors of the machine, which detect filament."""
+        return {
+            name: FilamentSensorStatus(True, self._enabled[name], moves=part.kind == "motion")
+            for name, part in self._sensors.items()
+        }
 
     @in_program("SET_PIN")
     def _pin(self, command: Command, _: Reply) -> None:
@@ -32,6 +48,10 @@ class StandInCommands:
     def _filament(self, command: Command, _: Reply) -> None:
         words = command.pairs()
         on = number(words, "ENABLE", 1.0) != 0
+        own = found_name(self._sensors, words.get("SENSOR", ""))
+        if own is not None:
+            self._enabled[own] = on
+            return
         self._set(command, FILAMENT_SENSORS, words.get("SENSOR", ""), "enabled", on)
 
     def _set(

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from passo.config.klipper_names import board_object, fan_object, heater_object, number_of
+from passo.config.klipper_names import (
+    board_object,
+    fan_object,
+    heater_object,
+    number_of,
+    sensor_object,
+)
 from passo.printer.klipper.bed import bed_mesh, levelled, manual_probe, probe, screws_tilt_adjust
 from passo.printer.klipper.configfile import configfile
 from passo.printer.klipper.heat import extruder, fan, heater, heaters
@@ -81,6 +87,15 @@ def objects(
         found["input_shaper"] = lambda: input_shaper(status)
     for name in machine.fans:
         found[fan_object(machine, name)] = lambda name=name: fan(status, name)
+    for name, sensor in status.filament_sensors.items():
+        found[sensor_object(machine, name)] = lambda sensor=sensor: {
+            "filament_detected": sensor.detected,
+            "enabled": sensor.enabled,
+        }
+    for name, pressed in status.buttons.items():
+        found[f"gcode_button {name}"] = lambda pressed=pressed: {
+            "state": "PRESSED" if pressed else "RELEASED"
+        }
     for name in status.boards:
         found[board_object(name)] = lambda name=name: mcu(status, name)
     for name, values in variables.items():

@@ -9,6 +9,7 @@ from passo.board.description import (
     BoardDescription,
     Endstop,
     Heater,
+    Input,
     Kick,
     Output,
     Sensor,
@@ -72,6 +73,11 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
         settings=tuple(current_settings(machine, board)),
         accelerometers=tuple(accelerometers(machine, board)),
+        inputs=tuple(
+            Input(name, machine.pin(pin))
+            for name, pin in machine.input_pins.items()
+            if placed(pin)[0] == board
+        ),
         move_count=config.move_count,
         mcu=config.mcu,
         survives=config.survives,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from math import inf
 from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.board.description import BoardDescription
+from passo.config.inputs import button_input, sensor_input
 from passo.config.pin_names import MAIN
 from passo.config.probing import PROBE, SERVO
 from passo.config.simulated_motion import simulated_masses
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
         Bed,
         BedProbe,
         Cable,
+        InputSwitch,
         Lift,
         SimulatedBoard,
         SimulatedMachine,
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
 
 _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
+_EDGES = 4  # edges of a simulated motion sensor in its `length_mm`
 
 
 def simulated_board(
@@ -48,7 +52,7 @@ def simulated_board(
     from passo.simulator import Body, PlantDescription, SimulatedBoard
     from passo.simulator import Switch as PlantSwitch
 
-    own = {e.name for e in board.endstops}
+    own, wired = {e.name for e in board.endstops}, {i.name for i in board.inputs}
     plant = PlantDescription(
         actuators=tuple(
             a for a in _actuators(machine) if a.stepper in {s.name for s in board.steppers}
@@ -72,9 +76,26 @@ def simulated_board(
             for simulated in (machine.heaters[heater.name].simulated,)
         ),
         probe=_bed_probe(machine) if PROBE in own else None,
+        inputs=tuple(i for i in _input_switches(machine) if i.name in wired),
     )
     runs = "passo" if machine.all_boards[name].survives else "virtual"
     return SimulatedBoard(board, plant, firmware=runs)
+
+
+def _input_switches(machine: MachineConfig) -> Iterator[InputSwitch]:
+    """What is wired to the inputs of the simulated printer: filament of a given length, and buttons
+    that nobody presses."""
+    from passo.simulator import InputSwitch
+
+    motors = dict(zip(machine.extruders, motors_of_extruders(machine), strict=True))
+    for name, part in machine.filament_sensors.items():
+        motor = motors[part.extruder] if part.extruder else next(iter(motors.values()), None)
+        weights = ((motor, 1.0),) if motor else ()
+        edge_mm = part.length_mm / _EDGES if part.kind == "motion" else 0.0
+        length_mm = machine.simulated.filament_mm.get(name, inf)
+        yield InputSwitch(sensor_input(name), weights, length_mm, active=False, edge_mm=edge_mm)
+    for name in machine.buttons:
+        yield InputSwitch(button_input(name))
 
 
 def simulated_geometry(machine: MachineConfig) -> GeometryModel:

@@ -10,6 +10,7 @@ from passo.config.importing.klipper.bed import put_mesh, put_probe
 from passo.config.importing.klipper.cfg import Config
 from passo.config.importing.klipper.conversion import TABLE, Import
 from passo.config.importing.klipper.heat import put_heat
+from passo.config.importing.klipper.inputs import put_filament_sensors
 from passo.config.importing.klipper.kept import put_kept
 from passo.config.importing.klipper.levelling import put_levelling
 from passo.config.importing.klipper.macros import put_macros
@@ -49,6 +50,7 @@ def imported(path: Path, *, board: str | None = None, skip_missing: bool = False
     put_mesh(job)
     put_levelling(job)
     job.parts("input_shaper", convert=_put_shapers)
+    put_filament_sensors(job)
     _put_alone(job)
     put_boards(job, board)
     put_accelerometer(job)

@@ -30,7 +30,10 @@ _UNKNOWN = (
 )
 
 
-_ON_BOARDS = ("steppers", "heaters", "fans", "homing", "probe", "accelerometer")
+_ON_BOARDS = (
+    *("steppers", "heaters", "fans", "homing", "probe", "accelerometer"),
+    *("filament_sensors", "buttons"),
+)
 
 
 def put_boards(job: Import, base: str | None) -> None:

@@ -1,0 +1,1 @@
+"""Inputs of a running printer: filament sensors, buttons, door and stop switches."""

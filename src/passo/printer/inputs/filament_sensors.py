@@ -1,0 +1,268 @@
+"""The filament sensors of a running printer: what they detect, and the commands that set them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from passo.config.inputs import sensor_input
+from passo.config.part_names import found_name
+from passo.errors import CommandError
+from passo.gcode.command import Command, numeral
+from passo.gcode.registry import Kind, Subject, When, command
+from passo.printer.commands.klipper_commands import number
+from passo.printer.stand_ins import FILAMENT_SENSORS
+from passo.printer.status import FilamentSensorStatus
+from passo.printer.wait_requests import Reply
+
+if TYPE_CHECKING:
+    from passo.config.inputs import FilamentSensor
+    from passo.printer.inputs.inputs import Inputs
+    from passo.printer.live_rig import LiveRig
+
+_LACKS = "The machine file has no filament sensor."
+_LONGEST_MM = 5000.0
+
+
+@dataclass(slots=True)
+class Sensor:
+    """A filament sensor. `detected` is None until its level is known. `acts` is False after the
+    loss of filament has been handled, until filament is detected again. `mm` is the filament that
+    the extruder had pushed at the last pulse, or when the filament ended."""
+
+    name: str
+    config: FilamentSensor
+    enabled: bool
+    delay_mm: float
+    detected: bool | None
+    acts: bool = True
+    mm: float = 0.0
+
+    @property
+    def moves(self) -> bool:
+        """Whether it measures motion."""
+        return self.config.kind == "motion"
+
+
+class FilamentSensors:
+    """The filament sensors of one printer, and SET_FILAMENT_SENSOR, QUERY_FILAMENT_SENSOR, M412 and
+    M591. They only observe."""
+
+    def __init__(self, rig: LiveRig, inputs: Inputs) -> None:
+        self._rig = rig
+        self._extruders = list(rig.machine.extruders)
+        self.sensors: dict[str, Sensor] = {}
+        # called when a sensor detects filament again
+        self.insert_listeners: list[Callable[[Sensor], None]] = []
+        for name, config in rig.machine.filament_sensors.items():
+            motion = config.kind == "motion"
+            sensor = Sensor(name, config, config.enabled, config.delay_mm, True if motion else None)
+            self.sensors[name] = sensor
+            self._listen(inputs, sensor)
+
+    def _listen(self, inputs: Inputs, sensor: Sensor) -> None:
+        name = sensor_input(sensor.name)
+        if sensor.moves:
+            inputs.on_edges(name, lambda _: self._pulse(sensor))
+        else:
+            inputs.on_level(
+                name,
+                sensor.config.debounce_s,
+                lambda level, first: self._detect(sensor, level, first=first),
+            )
+
+    # -- what the sensors detect ------------------------------------------------------------------
+
+    def pushed_mm(self, sensor: Sensor) -> float:
+        """The filament that the extruder of a sensor has pushed so far, or that of all
+        extruders."""
+        job, now = self._rig.job, self._rig.queue.passed
+        wanted = sensor.config.extruder
+        if wanted is None and sensor.moves:
+            wanted = self._extruders[0]
+        return sum(
+            job.filament_at(now, i)
+            for i, name in enumerate(self._extruders)
+            if wanted in (None, name)
+        )
+
+    def _pulse(self, sensor: Sensor) -> None:
+        sensor.mm = self.pushed_mm(sensor)
+        self._detect(sensor, True, first=False)
+
+    def _detect(self, sensor: Sensor, level: bool, *, first: bool) -> None:
+        if level == sensor.detected:
+            return
+        sensor.detected = level
+        if not level:
+            sensor.mm = self.pushed_mm(sensor)
+            return
+        sensor.acts = True
+        if not first:
+            for listener in self.insert_listeners:
+                listener(sensor)
+
+    def time_passed(self) -> None:
+        """Compares the pulses of motion sensors with the filament that was pushed."""
+        for sensor in self.sensors.values():
+            if sensor.moves and sensor.detected:
+                pushed_mm = self.pushed_mm(sensor)
+                if pushed_mm > sensor.mm + sensor.config.length_mm:
+                    sensor.detected, sensor.mm = False, pushed_mm
+
+    def compare_from_here(self) -> None:
+        """Motion sensors expect their next pulse from here on: call it when a print starts or
+        resumes."""
+        for sensor in self.sensors.values():
+            if sensor.moves:
+                sensor.mm = self.pushed_mm(sensor)
+                sensor.detected = sensor.acts = True
+
+    def lacking(self) -> list[Sensor]:
+        """The enabled sensors of the tool in use that detect no filament, and whose loss has not
+        been handled."""
+        found = [s for s in self.sensors.values() if s.enabled and s.detected is False and s.acts]
+        return [sensor for sensor in found if self._in_use(sensor)]
+
+    def used_up(self, sensor: Sensor) -> bool:
+        """Whether the filament between the sensor and the nozzle is used up, too."""
+        return self.pushed_mm(sensor) - sensor.mm >= sensor.delay_mm
+
+    def _in_use(self, sensor: Sensor) -> bool:
+        wanted = sensor.config.extruder
+        if wanted is None and not sensor.moves:
+            return True
+        tool = self._rig.job.tool_at(self._rig.queue.passed)
+        part = self._rig.machine.all_tools[self._rig.job.tool if tool is None else tool]
+        return part.extruder == (self._extruders[0] if wanted is None else wanted)
+
+    def begin(self) -> None:
+        """Call this after the boards have restarted: no filament has been pushed yet."""
+        for sensor in self.sensors.values():
+            sensor.mm = 0.0
+
+    def status(self) -> dict[str, FilamentSensorStatus]:
+        """The sensors for the status of the printer."""
+        return {
+            name: FilamentSensorStatus(bool(s.detected), s.enabled, moves=s.moves)
+            for name, s in self.sensors.items()
+        }
+
+    # -- commands ---------------------------------------------------------------------------------
+
+    @command(
+        "SET_FILAMENT_SENSOR",
+        Subject.FILAMENT,
+        When.IMMEDIATE,
+        "SENSOR ENABLE",
+        "Switches a filament sensor on (ENABLE=1) or off (ENABLE=0).",
+        kind=Kind.QUIET,
+        bare=None,
+        lacks=_LACKS,
+        in_turn=True,
+    )
+    def _set(self, command: Command, _: Reply) -> None:
+        words = command.pairs()
+        on = number(words, "ENABLE", 1.0) != 0
+        stand_in = self._rig.macros.stand_ins.named(FILAMENT_SENSORS, words.get("SENSOR", ""))
+        if stand_in is not None:
+            stand_in["enabled"] = on  # of a section that the machine file keeps for macros
+        else:
+            self._enable([self._named(command)], on=on)
+
+    @command(
+        "QUERY_FILAMENT_SENSOR",
+        Subject.FILAMENT,
+        When.IMMEDIATE,
+        "SENSOR",
+        "Reports whether a filament sensor detects filament.",
+        kind=Kind.QUIET,
+        bare=None,
+        lacks=_LACKS,
+    )
+    def _query(self, command: Command, reply: Reply) -> None:
+        sensor = self._named(command)
+        found = "filament detected" if sensor.detected else "filament not detected"
+        reply.say(f"// Filament Sensor {sensor.name}: {found}")
+
+    def _named(self, command: Command) -> Sensor:
+        wanted = command.pairs().get("SENSOR", "")
+        name = found_name(self.sensors, wanted)
+        if name is None:
+            known = ", ".join(self.sensors)
+            raise CommandError.of("command.value", axis="SENSOR", value=wanted, limit=known)
+        return self.sensors[name]
+
+    @command(
+        "M412",
+        Subject.FILAMENT,
+        When.IMMEDIATE,
+        "S D(mm) R H",
+        "Switches all filament sensors on (S1) or off (S0). D is the filament that is used before"
+        " the print pauses. R lets a sensor without filament act again. Without parameters it"
+        " reports the setting. H has no effect, because hosts always receive the pause.",
+        kind=Kind.QUIET,
+        bare="RH",
+        lacks=_LACKS,
+        in_turn=True,
+    )
+    def _runout(self, command: Command, reply: Reply) -> None:
+        words, sensors = command.words(), self.sensors.values()
+        if "S" in words:
+            self._enable(sensors, on=words["S"] != 0)
+        if "D" in words:
+            if not 0 <= words["D"] <= _LONGEST_MM:
+                raise CommandError.bad_value("D", words["D"], f"0 to {_LONGEST_MM:g} mm")
+            for sensor in sensors:
+                sensor.delay_mm = words["D"]
+        if "R" in command.letters():
+            for sensor in sensors:
+                sensor.acts = True
+        if not command.letters():
+            on = "ON" if any(sensor.enabled for sensor in sensors) else "OFF"
+            mm = numeral(max((sensor.delay_mm for sensor in sensors), default=0.0))
+            reply.say(f"echo:Filament runout {on} ; Distance {mm}mm")
+
+    @command(
+        "M591",
+        Subject.FILAMENT,
+        When.IMMEDIATE,
+        "D(extruder) S",
+        "Switches the filament sensors of an extruder on (S1, S2) or off (S0). Without S it reports"
+        " them. The machine file has their pins and lengths.",
+        kind=Kind.QUIET,
+        fixed=("PCRELA", "filament_sensors"),
+        lacks=_LACKS,
+        in_turn=True,
+    )
+    def _monitor(self, command: Command, reply: Reply) -> None:
+        words = command.words()
+        at = int(words.get("D", 0))
+        if not 0 <= at < max(len(self._extruders), 1):
+            raise CommandError.bad_value("D", at, f"0 to {len(self._extruders) - 1}")
+        name = self._extruders[at] if self._extruders else None
+        own = [s for s in self.sensors.values() if s.config.extruder in (None, name)]
+        if "S" in words:
+            self._enable(own, on=words["S"] > 0)
+            return
+        for sensor in own:
+            reply.say(self._described(sensor))
+        if not own:
+            reply.say(f"echo:Extruder {at} has no filament sensor")
+
+    def _described(self, sensor: Sensor) -> str:
+        on = "enabled" if sensor.enabled else "disabled"
+        present = "yes" if sensor.detected else "no"
+        text = f"echo:Filament sensor {sensor.name} ({sensor.config.kind}) on pin"
+        text += f" {sensor.config.pin}, {on}, filament present: {present}"
+        if sensor.moves:
+            since = max(self.pushed_mm(sensor) - sensor.mm, 0.0)
+            text += f", {since:.1f} of {numeral(sensor.config.length_mm)} mm since the last pulse"
+        return text
+
+    def _enable(self, sensors: Iterable[Sensor], *, on: bool) -> None:
+        for sensor in sensors:
+            if on and not sensor.enabled and sensor.moves:
+                sensor.mm, sensor.detected = self.pushed_mm(sensor), True
+            sensor.enabled = on
