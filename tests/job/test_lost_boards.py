@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 from tests.job.test_lost_link import FIRMWARE
-from tests.support.disturbed_prints import disturb, steps
+from tests.support.disturbed_prints import steps
 from tests.support.disturbed_prints import undisturbed as printed_whole
 from tests.support.scenario import Scenario
 from tests.support.two_boards import two_boards
@@ -51,12 +51,11 @@ def faults(s):
     return [board.device.fault for board in s.board.boards.values() if board.device.fault]
 
 
-@pytest.mark.parametrize("world", ["fast", "slow", "far"])
-@pytest.mark.parametrize("seed", range(6))
-def test_print_with_lost_boards_ends_at_same_steps(monkeypatch, undisturbed, world, seed):
+def test_print_with_lost_boards_ends_at_same_steps(monkeypatch, undisturbed):
+    """One example; test_disturbances.py makes many."""
     card, wanted = undisturbed
-    generator = random.Random(seed)
-    with scenario(monkeypatch, card, world) as s:
+    generator = random.Random(0)
+    with scenario(monkeypatch, card, "far") as s:
         s.host.ok("M32 a.g")
         s.passes(16)  # it is at home by then
         while "Done printing file" not in s.host.heard:
@@ -127,7 +126,7 @@ def test_the_first_move_after_homing_comes_late(monkeypatch, tmp_path, board, se
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])
 @pytest.mark.parametrize("after", [0.3, 2.2, 5.2, 8.0])
-@pytest.mark.parametrize("seconds", [0.5, 3.5, 10.0])
+@pytest.mark.parametrize("seconds", [0.5, 10.0])
 def test_a_board_is_lost_while_axes_home(monkeypatch, tmp_path, board, after, seconds):
     """Heat stays, no board shuts down, and the next G28 finds the switches."""
     with scenario(monkeypatch, tmp_path, "fast") as s:
@@ -176,24 +175,7 @@ def test_boards_keep_time_with_each_other_after_it(monkeypatch, tmp_path, board,
         assert max(skews) <= 25
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_pauses_and_limits_during_it(monkeypatch, undisturbed, seed):
-    card, wanted = undisturbed
-    generator = random.Random(seed)
-    with scenario(monkeypatch, card, "fast") as s:
-
-        def perhaps():
-            if generator.random() < 0.5 and s.printer.rig.queue.now_s > 16:
-                cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0)))
-                s.passes(5.0)
-
-        disturb(s, generator, perhaps)
-        assert any("are back" in line for line in s.host.heard)
-        assert faults(s) == []
-        assert steps(s) == wanted
-
-
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
     card, wanted = undisturbed
     generator = random.Random(seed)

@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from tests.support.disturbed_prints import disturb, spiral, steps, undisturbed
+from tests.support.disturbed_prints import spiral, steps, undisturbed
 from tests.support.scenario import Scenario
 
 from passo import config
@@ -29,13 +29,12 @@ def break_link(s, seconds):
     s.board.device.poll(queue.base + queue.now)
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_print_with_link_losses_ends_at_same_steps(whole, seed):
+def test_print_with_link_losses_ends_at_same_steps(whole):
+    """One example; test_disturbances.py makes many."""
     card, wanted = whole
-    generator = random.Random(seed)
+    generator = random.Random(1)
     with Scenario(FIRMWARE, card=str(card)) as s:
-        if seed % 2:
-            s.host.ok("M120")  # watched switches are asked for beside it
+        s.host.ok("M120")  # watched switches are asked for beside it
         s.host.ok("M32 a.g")
         s.passes(14)  # it is at home by then
         breaks = 0
@@ -60,10 +59,9 @@ def stall(s, seconds):
     s.passes(seconds)
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_late_host_resumes_where_board_stopped(whole, seed):
+def test_late_host_resumes_where_board_stopped(whole):
     card, wanted = whole
-    generator = random.Random(seed)
+    generator = random.Random(0)
     with Scenario(FIRMWARE, card=str(card)) as s:
         s.host.ok("M32 a.g")
         s.passes(14)
@@ -146,23 +144,7 @@ def test_laser_is_off_until_the_machine_moves(code, lost):
         assert s.board.output_value("laser") == 0
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_pauses_and_limits_during_it(whole, seed):
-    card, wanted = whole
-    generator = random.Random(seed)
-    with Scenario(FIRMWARE, card=str(card)) as s:
-
-        def perhaps():
-            if generator.random() < 0.5 and s.printer.rig.queue.now_s > 14:
-                break_link(s, generator.choice((0.02, 0.3, 2.0)))
-                s.host.expect("The board is back", 10)
-
-        disturb(s, generator, perhaps)
-        assert s.board.device.fault == ""
-        assert steps(s) == wanted
-
-
-@pytest.mark.parametrize("delay", [0.0, 0.06, 0.12, 0.18, 0.24, 0.3, 1.0])
+@pytest.mark.parametrize("delay", [0.06, 0.24, 1.0])
 def test_a_pause_that_the_link_does_not_outlive(whole, delay):
     card, wanted = whole
     with Scenario(FIRMWARE, card=str(card)) as s:

@@ -37,7 +37,7 @@ def wanted(tmp_path_factory):
 
 # About one damaged frame in 65,536 has the right CRC. The board carries it out, or shuts down on it
 # with "Command parser error", as with seed 15: these are seeds where there is none.
-@pytest.mark.parametrize("seed", (0, 5, 8, 10, 16, 20))
+@pytest.mark.parametrize("seed", (0, 8))
 def test_print_over_noisy_link_ends_at_same_steps(printer, wanted, seed):
     s, generator = printer, random.Random(seed)
     s.host.ok("M32 a.g")

@@ -17,7 +17,8 @@ from passo.motion.motion_queue import TICK_S
 
 # Power cuts of each machine: while it homes and warms up, and while it prints. What the file itself
 # makes different is found on the first; the others add their geometry, or their tools.
-CUTS = {"i3": (10, 40), "corexy": (5, 15), "delta": (5, 15), "dual-extruder": (5, 15)}
+# bench/faults.py makes more cuts.
+CUTS = {"i3": (8, 24), "corexy": (2, 7), "delta": (2, 7), "dual-extruder": (2, 7)}
 HORIZON_S = EVERY_S + 2 * TICK_S  # between two records, each noticed a tick late at most
 SPEED_MM_S = 50.0
 Z_MM_S = 10.0

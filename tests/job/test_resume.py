@@ -250,23 +250,22 @@ FAR = WALL.replace("X10", "X90").replace("X50", "X130").replace("Y10", "Y60").re
 NEAR = WALL.replace("G92 E0\n", "G92 E0\nG1 X100 Y100 F6000\n")  # no straight way from home
 
 
-@pytest.mark.parametrize("text", [FAR, NEAR])
-@pytest.mark.parametrize(("machine", "when"), [("scara", 6.5), ("scara", 0.9), ("scara", 13.3)])
-def test_a_print_resumes_with_arms(machine, when, text, tmp_path):
+@pytest.mark.parametrize(("when", "text"), [(6.5, FAR), (0.9, NEAR), (13.3, NEAR)])
+def test_a_print_resumes_with_arms(when, text, tmp_path):
     """Arms find their switches anew, and their way; Z, which moves alone, is kept."""
     (tmp_path / "card").mkdir()
     (tmp_path / "card" / "wall.gcode").write_text(text)
     places = {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
-    with Scenario(machine, **places) as s:
+    with Scenario("scara", **places) as s:
         s.host.ok("M32 wall.gcode")
         s.host.expect("Done printing", 600)
         whole = s.positions()
-    with Scenario(machine, **places) as s:
+    with Scenario("scara", **places) as s:
         s.host.ok("M140 S50")
         s.host.ok("M32 wall.gcode")
         assert s.until(lambda: s.positions()["e"] > when, 300)
         left = s.positions()
-    with Scenario(machine, **places) as s:
+    with Scenario("scara", **places) as s:
         for stepper in left:
             if stepper != "e":
                 s.board.place(stepper, left[stepper])

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shutil
 
 import pytest
 from tests.job.test_journal import WALL
@@ -15,11 +16,24 @@ from passo.job.live.journal import Journal
 HEIGHT_MM = 1.6
 
 
+@pytest.fixture(scope="module")
+def power_cut(tmp_path_factory):
+    """What a power cut in the fifth layer leaves: the files, and where the motors are."""
+    folder = tmp_path_factory.mktemp("cut")
+    (folder / "card").mkdir()
+    (folder / "card" / "wall.gcode").write_text(WALL)
+    return folder, cut({"card": str(folder / "card"), "state": str(folder / "state")})
+
+
 @pytest.fixture
-def places(tmp_path):
-    (tmp_path / "card").mkdir()
-    (tmp_path / "card" / "wall.gcode").write_text(WALL)
+def places(power_cut, tmp_path):
+    shutil.copytree(power_cut[0], tmp_path, dirs_exist_ok=True)
     return {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+
+
+@pytest.fixture
+def left(power_cut):
+    return power_cut[1]
 
 
 def cut(places, machine="i3"):
@@ -54,8 +68,8 @@ def tried(s, seconds, end="M410"):
     s.passes(5)
 
 
-def test_a_machine_that_was_homed_is_where_it_has_homed(places):
-    with again(places, cut(places)) as s:
+def test_a_machine_that_was_homed_is_where_it_has_homed(places, left):
+    with again(places, left) as s:
         s.host.ok("G28", 100)
         ends_at_its_height(s)
 
@@ -77,25 +91,23 @@ def test_resume_after_homing_without_offset_of_print(places, tmp_path, tries):
         assert s.positions()["z"] == pytest.approx(HEIGHT_MM - 0.2, abs=0.01)
 
 
-@pytest.mark.parametrize(
-    "line", ["M24", "M23 b.g", "M32 b.g", "M26 S0", "M21", "M22", "M30 wall.gcode"]
-)
 @pytest.mark.parametrize("seconds", [1.0, 6.0])
-def test_no_other_console_takes_its_file_away_meanwhile(places, tmp_path, line, seconds):
+def test_no_other_console_takes_its_file_away_meanwhile(places, left, tmp_path, seconds):
     (tmp_path / "card" / "b.g").write_text("G4 P100\n")
-    with again(places, cut(places)) as s:
+    with again(places, left) as s:
         s.host.send("M1000")
         s.passes(seconds)
-        told = Host(s).ok(line)
-        assert ("SD card ok" if line == "M21" else "wall.gcode") in told[0]
+        for line in ("M24", "M23 b.g", "M32 b.g", "M26 S0", "M21", "M22", "M30 wall.gcode"):
+            told = Host(s).ok(line)
+            assert ("SD card ok" if line == "M21" else "wall.gcode") in told[0]
         s.host.expect("echo:Printing wall.gcode from line 7[0-9]$", 600)
         s.host.expect("Done printing", 300)
         assert s.positions()["z"] == pytest.approx(HEIGHT_MM, abs=0.03)
         assert s.positions()["e"] == pytest.approx(14.7, abs=0.1)
 
 
-def test_m524_ends_it(places):
-    with again(places, cut(places)) as s:
+def test_m524_ends_it(places, left):
+    with again(places, left) as s:
         s.host.ok("M140 S60")
         tried(s, 3.0, "M524")
         assert s.printer.rig.queue.standing
@@ -103,13 +115,13 @@ def test_m524_ends_it(places):
         ends_at_its_height(s)
 
 
-def test_a_pause_of_a_failed_resume_does_not_pause_the_next(places, tmp_path, monkeypatch):
+def test_a_pause_of_a_failed_resume_does_not_pause_the_next(places, left, tmp_path, monkeypatch):
     (tmp_path / "card" / "b.g").write_text("G28 X\nG1 X9\n")
 
     def pulled(reader, offset):
         raise CardError.of("card.removed", "/wall.gcode", value="Input/output error")
 
-    with again(places, cut(places)) as s:
+    with again(places, left) as s:
         s.host.send("M1000")
         s.passes(1)
         assert "will pause once it reaches the resume point" in Host(s).ok("M25")[0]
@@ -121,8 +133,8 @@ def test_a_pause_of_a_failed_resume_does_not_pause_the_next(places, tmp_path, mo
         assert s.positions()["x"] == 9.0
 
 
-def test_motors_off_since_homing_give_no_position(places):
-    with again(places, cut(places)) as s:
+def test_motors_off_since_homing_give_no_position(places, left):
+    with again(places, left) as s:
         s.host.ok("G28", 100)
         s.host.ok("M84")
         ends_at_its_height(s)
@@ -130,8 +142,8 @@ def test_motors_off_since_homing_give_no_position(places):
 
 @pytest.mark.parametrize("seconds", [0.3, 1.5, 6.0])
 @pytest.mark.parametrize("end", ["M410", "M112"])
-def test_a_try_that_was_stopped_has_lifted_the_nozzle(places, seconds, end):
-    with again(places, cut(places)) as s:
+def test_a_try_that_was_stopped_has_lifted_the_nozzle(places, left, seconds, end):
+    with again(places, left) as s:
         tried(s, seconds, end)
         if end == "M112":
             s.host.send("M999")
@@ -141,8 +153,7 @@ def test_a_try_that_was_stopped_has_lifted_the_nozzle(places, seconds, end):
 
 
 @pytest.mark.parametrize("seconds", [0.3, 0.7, 1.5, 6.0, 9.0])
-def test_resume_cut_off_twice_ends_at_right_height(places, seconds):
-    left = cut(places)
+def test_resume_cut_off_twice_ends_at_right_height(places, left, seconds):
     for _ in range(2):
         with again(places, left) as s:
             s.host.send("M1000")
@@ -152,8 +163,8 @@ def test_resume_cut_off_twice_ends_at_right_height(places, seconds):
         ends_at_its_height(s)
 
 
-def test_the_journal_follows_a_machine_that_homes(places, tmp_path):
-    with again(places, cut(places)) as s:
+def test_the_journal_follows_a_machine_that_homes(places, left, tmp_path):
+    with again(places, left) as s:
         s.host.ok("G28", 100)
         s.host.ok("G1 Z7 F600")
         s.host.ok("M400", 30)
@@ -168,8 +179,8 @@ def test_the_journal_follows_a_machine_that_homes(places, tmp_path):
         ends_at_its_height(s)
 
 
-def test_resume_without_room_for_journal(places, monkeypatch):
-    with again(places, cut(places)) as s:
+def test_resume_without_room_for_journal(places, left, monkeypatch):
+    with again(places, left) as s:
 
         def full(_: int) -> None:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -196,8 +207,8 @@ def test_second_resume_without_endstops_starts_where_first_ended(places):
 
 
 @pytest.mark.parametrize("seconds", [0.5, 2.0, 4.0])
-def test_a_pause_in_m1000_acts_as_soon_as_the_print_resumes(places, seconds):
-    with again(places, cut(places)) as s:
+def test_a_pause_in_m1000_acts_as_soon_as_the_print_resumes(places, left, seconds):
+    with again(places, left) as s:
         other = Host(s)
         s.host.send("M1000")
         s.passes(seconds)
@@ -222,16 +233,16 @@ def paused_on_its_way(s):
     return other
 
 
-def test_a_pause_in_m1000_can_be_taken_back(places):
-    with again(places, cut(places)) as s:
+def test_a_pause_in_m1000_can_be_taken_back(places, left):
+    with again(places, left) as s:
         other = paused_on_its_way(s)
         assert other.ok("M24") == ["ok"]
         s.host.expect("Done printing", 600)
         assert "// action:paused" not in s.host.heard
 
 
-def test_a_pause_in_m1000_that_is_stopped_means_nothing_later(places):
-    with again(places, cut(places)) as s:
+def test_a_pause_in_m1000_that_is_stopped_means_nothing_later(places, left):
+    with again(places, left) as s:
         paused_on_its_way(s).ok("M524")
         s.host.expect("stopped", 30)
         ends_at_its_height(s)
